@@ -8,11 +8,15 @@ import jointclosure as jc
 from jointclosure.commands import cli
 from tests.measured.test_calibration import GOOD
 
+SIZED = ["--rock", "granite", "--jrc", "10"]
 SMALL = ["--rock", "granite", "--jrc", "10", "--cells", "12", "--surfaces", "4"]
 
 
 def printed(capsys, *words):
-    code = cli.main(["fit", *map(str, words)])
+    try:
+        code = cli.main(["fit", *map(str, words)])
+    except SystemExit as ended:
+        code = ended.code
     return code, *capsys.readouterr()
 
 
@@ -71,6 +75,10 @@ def test_stated_assumptions_replace_those_of_scanned_joints(
         (["{}", "--rock", "granite"], "--jrc: must be given"),
         (["{}", *SMALL, "--surfaces", "1"], "surfaces = 1: must be at least 4"),
         (["{}", "--rock", "granite", "--jrc", "10"], "--size: must be given"),
+        (["{}", *SIZED, "--size", "nan"], "--size = nan mm: must be positive and finite"),
+        (["{}", *SIZED, "--size", "25", "--spacing", "0"], "--spacing = 0.0 mm: must be positive"),
+        (["{}", "--jrc", "x"], "argument --jrc: 'x': must be a number, or a range such as 6,10"),
+        (["{}", "--jrc", "1,2,3"], "argument --jrc: '1,2,3': must be a number, or a range"),
     ],
 )
 def test_what_is_missing_or_wrong_is_one_line(curve, capsys, words, message):

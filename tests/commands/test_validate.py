@@ -11,6 +11,11 @@ from tests.conftest import SPACING
 from tests.scans.test_formats import write_stl
 
 READINGS = "Number,Disp,sigmaZ\n[-],[mm],[MPa]\n"
+LINES = {
+    "no units": READINGS.splitlines(keepends=True)[0],
+    "no heading": "",
+    "other units": READINGS.replace("mm", "inch"),
+}
 ROCK = measured("rock_compliance").value
 STRESSES = [0.25, 2.0, 5.25, 8.0, 10.25, 6.0, 0.25]
 CLOSURES = [0.0, 0.04, 0.06, 0.07, 0.08, 0.07, 0.03]
@@ -63,6 +68,30 @@ def test_files_are_read_net_of_the_rock(folder, capsys):
     assert "the model was not run" in capsys.readouterr().out
 
 
+def test_units_of_readings_are_those_of_their_line(folder):
+    expected = validated(folder)
+    file = next(folder.rglob("ethz_-_specimen_vd1_*"))
+    lines = (line.split(",") for line in readings().removeprefix(READINGS).splitlines())
+    rows = [f"{number},{1e3 * float(closure)},{1e3 * float(s)}\n" for number, closure, s in lines]
+    file.write_text("Number,Disp,sigmaZ\n[-],[um],[kPa]\n" + "".join(rows))
+    pd.testing.assert_frame_equal(validated(folder), expected)
+
+
+@pytest.mark.parametrize("lost", [1, 2])
+def test_what_a_cut_file_lacks_is_missing_with_its_reason(folder, capsys, lost):
+    expected = validated(folder)
+    file = next(folder.rglob("ethz_-_specimen_vd2_*"))
+    file.write_text("".join(readings().splitlines(keepends=True)[:-lost]))
+    if lost == 2:
+        assert cli.main(["validate", str(folder)]) == 2
+        assert "stress must rise to its maximum, and fall after it" in capsys.readouterr().err
+        return
+    table = validated(folder)
+    expected.loc[("2", "later_residual_share"), "files"] = np.nan
+    pd.testing.assert_frame_equal(table, expected)
+    assert "later_residual_share of joint 2 is missing" in capsys.readouterr().out
+
+
 @pytest.mark.filterwarnings("ignore")  # the walls are small, and their fit is doubtful
 def test_scanned_walls_are_closed_as_the_joints_were(folder):
     upper, lower = jc.wall_pair(8.0, (32, 32), SPACING, seed=4, mismatch_wavelength=1e-3)
@@ -85,6 +114,11 @@ def test_scanned_walls_are_closed_as_the_joints_were(folder):
         ("hm_data", "ethz_-_specimen_vd1_sigmaZ_vs_fractureClosure_hm1.txt: no such file"),
         ("falling", "stress must rise to its maximum, and fall after it"),
         ("scan", "0 scans of wall vd1a before testing, must be one"),
+        ("no units", "column 'Disp': has no unit"),
+        ("no heading", "column '2': has no unit"),
+        ("other units", "unit 'inch' must be one of"),
+        ("map", "ethz_vd1_120.Z.txt: 2 values are not finite"),
+        ("words", "ethz_vd1_120.Z.txt: lines of equally many numbers expected"),
     ],
 )
 def test_files_of_another_form_are_refused(folder, capsys, change, message):
@@ -93,6 +127,12 @@ def test_files_of_another_form_are_refused(folder, capsys, change, message):
         file.unlink()
     elif change == "falling":
         file.write_text(READINGS + "1,0,1\n2,0.1,2\n3,0.2,3\n4,0.3,4\n")
+    elif change in LINES:
+        file.write_text(LINES[change] + readings().removeprefix(READINGS))
+    elif change in ("map", "words"):
+        word = "nan" if change == "map" else "-"
+        stress = next(folder.rglob("ethz_vd1_120.Z.txt"))
+        stress.write_text(stress.read_text().replace("3.0000000000", word, 2))
     else:
         (folder / "other.stl").write_bytes(b"")
     assert cli.main(["validate", str(folder)]) == 2

@@ -95,17 +95,70 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
         ),
         ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
         ({"max_normal_stress": 10.0}, "max_normal_stress = 10.0 Pa: not usual"),
+        ({"max_normal_stress": 5, "seating_stress": 0.5e6}, "max_normal_stress = 5 Pa: not usual"),
+        ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
+        (
+            {"numerics": jc.Numerics(displacement_step=12.5)},
+            "displacement_step = 12.5 m: not usual",
+        ),
+        (
+            {"numerics": jc.Numerics(later_displacement_step=6.25e-3)},
+            "later_displacement_step = 0.00625 m: not usual",
+        ),
+        ({"choices": jc.Choices(largest_radius=20.0)}, "largest_radius = 20.0 m: not usual"),
     ],
 )
 def test_the_library_refuses_a_slip_of_units_too(change, printed):
     walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
     for close in (
-        lambda **stated: jc.simulate(*walls[0], seating_stress=0.0, **stated),
+        lambda **stated: jc.simulate(*walls[0], **{"seating_stress": 0.0} | stated),
         lambda **stated: jc.choose_effects(walls, **stated),
     ):
         with pytest.raises(jc.InputError, match="unusual_values=True") as error:
             close(**USUAL | change)
         assert printed in str(error.value)
+
+
+def test_snapshots_in_another_unit_are_refused():
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    with pytest.raises(jc.InputError, match=r"snapshots = 5 Pa: not usual .*unusual_values=True"):
+        jc.simulate(*walls, **USUAL, snapshots=[0.5e6, 5])
+    closed = jc.simulate(*walls, **USUAL, snapshots=[0.0, 5.0], cycles=1, unusual_values=True)
+    assert set(closed.snapshot_stress.values) == {0.0, 5.0}
+
+
+@pytest.mark.parametrize("given", [{"roll_off": 3.0}, {"mismatch_wavelength": 1.0}])
+def test_wavelengths_in_another_unit_are_refused(given):
+    settings = {"shape": (6, 6), "spacing": 0.25e-3, "seed": 1} | given
+    with pytest.raises(jc.InputError, match=r"= \d.0 m: not usual .*unusual_values=True"):
+        jc.wall_pair(8.0, **settings)
+    assert jc.wall_pair(8.0, **settings, unusual_values=True)[0].shape == (6, 6)
+    name, value = next(iter(given.items()))
+    slip = {"surface": {f"{name}_mm": 1e3 * value}}
+    assert any("not usual" in line for line in found_in(slip))
+    assert not found_in(slip, unusual_values="allow")
+
+
+def test_a_roll_off_in_another_unit_is_refused_by_fit(tmp_path):
+    (tmp_path / "lab.csv").write_text("stress_MPa,closure_mm\n0.1,0\n1,0.02\n2,0.03\n")
+    with pytest.raises(jc.InputError, match="roll_off = 3 m: not usual"):
+        jc.fit(tmp_path / "lab.csv", rock=USUAL["rock"], jrc=8, shape=(8, 8), roll_off=3)
+
+
+SEATED = 0.5e6 / (1.0 - 5e-4)
+"""Maximum [Pa] that lies above 0.5 MPa by half of the tolerance of a landing on it."""
+
+
+def test_a_maximum_that_may_end_below_seating_is_refused_before_computing(monkeypatch):
+    monkeypatch.setattr(jc.joint.simulation, "run_cycles", None)
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    given = USUAL | {"max_normal_stress": SEATED, "seating_stress": 0.5e6}
+    with pytest.raises(jc.InputError, match=r"seating_stress = 500000.0 Pa: must be .*0.001"):
+        jc.simulate(*walls, **given)
+    rock = {"slate": {"max_normal_stress_MPa": 1e-6 * SEATED}}
+    assert any(
+        "seating_stress_MPa = 0.5: must be below" in line for line in found_in({"rocks": rock})
+    )
 
 
 def test_the_library_takes_unusual_values_where_it_is_told_to():

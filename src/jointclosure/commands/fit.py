@@ -20,7 +20,7 @@ from jointclosure.commands.joint_options import (
 )
 from jointclosure.config.configuration import Configured, merged_study
 from jointclosure.ensemble.scanned_joint import registered_walls
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_positive
 from jointclosure.jobs.progress import bar, duration
 from jointclosure.joint.conditions import Conditions
 from jointclosure.measured.calibration import Interval
@@ -175,12 +175,15 @@ def _progress(surfaces: int) -> Iterator[Callable[[float], None]]:
         yield report
 
 
-def _jrc(text: str) -> float | tuple[float, float]:
+def _jrc(text: str) -> float | tuple[float, ...]:
     """Return a JRC or the ends of its range."""
-    ends = [float(word) for word in text.split(",")]
-    if len(ends) > 2:
-        raise ValueError(text)
-    return ends[0] if len(ends) == 1 else (ends[0], ends[1])
+    try:
+        ends = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        ends = ()
+    if len(ends) not in (1, 2):
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or a range such as 6,10")
+    return ends if len(ends) == 2 else ends[0]
 
 
 def _pair(arguments) -> RegisteredPair | None:
@@ -204,10 +207,14 @@ _UNUSED_JRC, _UNUSED_CELLS = 10.0, 64
 def _settings(arguments, largest: float) -> tuple[Configured, Conditions]:
     """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
-    spacing = arguments.spacing or base["grid"]["spacing_mm"]
+    spacing = base["grid"]["spacing_mm"] if arguments.spacing is None else arguments.spacing
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
-    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
+    cells = arguments.cells
+    if arguments.size is not None:
+        check_positive("--size", arguments.size, "mm")
+        check_positive("--spacing", spacing, "mm")
+        cells = round(arguments.size / spacing)
     if arguments.scans is not None:
         cells = _UNUSED_CELLS
     elif cells is None:

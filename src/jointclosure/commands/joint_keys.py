@@ -11,7 +11,7 @@ from jointclosure.config.units import in_unit
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import check_snapshots, load_cycles, usual_seating
+from jointclosure.joint.loading import load_cycles, usual_seating
 from jointclosure.storage.text import read_csv
 
 _UNNAMED = "rock"
@@ -64,8 +64,9 @@ def joint_configuration(
         changes["flow"] = True
     changes["seating_stress_MPa"] = given.get("seating", _seating(base, arguments, rock))
     settings = configured(merged(base, changes, *arguments.set), read_csv)
-    check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
-    return settings, _conditions(settings, name, arguments)
+    conditions = _conditions(settings, name, arguments)
+    conditions.checked(given.get("snapshots", ()))
+    return settings, conditions
 
 
 def _conditions(settings: Configured, name: str, arguments) -> Conditions:

@@ -107,7 +107,9 @@ def run(arguments) -> int:
     print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycle_count)}")
     start = time.perf_counter()
     surface = settings.typed.surface._asdict()
-    walls = wall_pair(rock.jrc, grid.shape, grid.spacing, arguments.seed, **surface)
+    walls = wall_pair(
+        rock.jrc, grid.shape, grid.spacing, arguments.seed, **surface, unusual_values=True
+    )
     with closing_bar(conditions.cycle_count) as report:
         closed = close_walls(*walls, conditions, report, kept_stresses(arguments, conditions))
     print(summary(closed))

@@ -43,10 +43,13 @@ def run(arguments: argparse.Namespace) -> int:
     if not folder.is_dir():
         raise InputError(f"{folder}: must be a folder that contains both clones")
     walls = {joint: scans(folder, joint) for joint in JOINTS}
+    reasons: list[str] = []
     table = pd.concat(
-        [_joint(folder, joint, walls[joint], arguments) for joint in JOINTS], ignore_index=True
+        [_joint(folder, joint, walls[joint], arguments, reasons) for joint in JOINTS],
+        ignore_index=True,
     )
     print(table.round(3).to_string(index=False, na_rep="–"))
+    print("".join(f"{reason}\n" for reason in reasons), end="")
     if None in walls.values():
         print("No scans (*.stl) below the folder: the model was not run.")
     if arguments.output:
@@ -55,10 +58,19 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _joint(
-    folder: Path, joint: str, walls: tuple[Path, Path] | None, arguments: argparse.Namespace
+    folder: Path,
+    joint: str,
+    walls: tuple[Path, Path] | None,
+    arguments: argparse.Namespace,
+    reasons: list[str],
 ) -> pd.DataFrame:
-    """Return a row per quantity: value of the files, value stored in the package, model."""
-    read = later_loading(folder, joint) | film(folder, joint)
+    """Return a row per quantity: value of the files, value stored in the package, model.
+
+    Reasons of missing values are appended.
+    """
+    read, missing = later_loading(folder, joint)
+    reasons += missing
+    read |= film(folder, joint)
     model = {} if walls is None else _modelled(walls, arguments.units)
     rows = []
     for name in dict.fromkeys([*read, *model]):

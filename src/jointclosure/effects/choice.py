@@ -132,10 +132,9 @@ def choose_effects(
         `jointclosure.simulate` refuses an argument.
     """
     stated = conditions_from(conditions, changes, "choose_effects", "spacing")
-    stated = stated._replace(seating_stress=0.0)
     spacing = stated.grid_spacing
     pairs = _checked_pairs(walls, spacing)
-    stated = stated.checked()
+    stated = stated.checked()._replace(seating_stress=0.0)
     if not stated.unusual_values:
         for pair in pairs:
             warn_of_doubts(*pair, spacing)

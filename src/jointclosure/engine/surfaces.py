@@ -31,8 +31,9 @@ def make_surfaces(
 def walls_of_seed(
     seed: int, jrc: float, grid: Grid, surface: Surface
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Make the upper and lower wall (y, x) [m] of one realisation."""
-    return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict())
+    """Make the upper and lower wall (y, x) [m] of one realisation; unusual values were checked."""
+    settings = surface._asdict()
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **settings, unusual_values=True)
 
 
 def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:

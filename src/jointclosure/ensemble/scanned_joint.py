@@ -160,7 +160,7 @@ def close(
     if conditions is None:
         changes = {"numerics": RESOLVED} | changes
     stated = conditions_from(conditions, changes, "close")
-    checked = stated.checked()
+    checked = stated.checked(snapshots)
     scans = {"units": units, "spacing": scan_spacing, "variable": variable}
     pair = registered_walls(
         upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,

@@ -94,23 +94,35 @@ class Conditions(NamedTuple):
         """Largest normal stress of all cycles [Pa]."""
         return largest_stress(self.max_normal_stress)
 
-    def checked(self) -> "Conditions":
+    def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
         """Return the conditions with the rocks of both walls, number of cycles and seating stress.
 
         Raises
         ------
         InputError
-            If a value is out of its range; the walls are not needed for these checks.
+            If a value is out of its range, or a stress of ``snapshots`` [Pa] outside of the load;
+            the walls are not needed for these checks.
         """
         pair: tuple[Rock, Rock] = rocks_of_walls(self.rock)
         check_scene(self.effects)
         check_numerics(self.numerics)
-        known = {} if self.spacing is None else {"spacing": self.grid_spacing}
+        if self.spacing is not None:
+            check_length("spacing", self.spacing)
         load, largest = self.load, self.largest_stress
-        seating = _checked_seating(self.seating_stress, load)
         check_choices(self.choices, self.spacing or 0.0)
         if not self.unusual_values:
-            check_usual(pair, max_normal_stress=largest, **known)
+            given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
+            check_usual(pair, **given | {"max_normal_stress": largest})
+            for stress in snapshots:
+                check_usual((), snapshots=stress)
+        seating = _checked_seating(self.seating_stress, load, self.numerics.stress_tolerance)
+        for stress in snapshots:
+            check_number("snapshots", stress)
+            if not 0.0 <= stress <= largest:
+                raise InputError(
+                    f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal "
+                    f"stress, {1e-6 * largest:g} MPa"
+                )
         stiffness = min(wall.youngs_modulus for wall in pair)
         if largest >= stiffness:
             raise InputError(
@@ -163,15 +175,20 @@ def conditions_from(
     return Conditions(**{"spacing": None, **changes})
 
 
-def _checked_seating(seating_stress: float | None, load: Sequence[LoadCycle]) -> float:
-    """Return the seating stress [Pa], by default that of the load."""
+def _checked_seating(
+    seating_stress: float | None, load: Sequence[LoadCycle], tolerance: float
+) -> float:
+    """Return the seating stress [Pa], by default that of the load.
+
+    A loading may end below its maximum by a relative tolerance.
+    """
     least = min(cycle.maximum for cycle in load)
     if seating_stress is None:
-        return usual_seating(least)
+        seating_stress = usual_seating(least)
     check_number("seating_stress", seating_stress)
-    if not 0.0 <= seating_stress < least:
+    if not 0.0 <= seating_stress < least * (1.0 - tolerance):
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
-            f"maximum of max_normal_stress, {least!r} Pa"
+            f"maximum of max_normal_stress, {least!r} Pa, by its stress_tolerance of {tolerance:g}"
         )
     return float(seating_stress)

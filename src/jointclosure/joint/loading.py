@@ -117,14 +117,3 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
 def _check_maximum(maximum: float, stress_in_words: str) -> None:
     if not 0.0 < maximum < math.inf:
         raise InputError(f"max_normal_stress = {stress_in_words}: must be positive and finite")
-
-
-def check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
-    """Raise `InputError` unless the stresses [Pa] of snapshots lie within the load."""
-    for stress in snapshots:
-        check_number("snapshots", stress)
-        if not 0.0 <= stress <= max_normal_stress:
-            raise InputError(
-                f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal stress, "
-                f"{1e-6 * max_normal_stress:g} MPa"
-            )

@@ -20,7 +20,7 @@ from jointclosure.joint.conditions import Conditions, conditions_from, takes_con
 from jointclosure.joint.foresight import check_foreseen
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import cycle_closures, unloading_excess
-from jointclosure.joint.loading import LoadCycle, check_snapshots
+from jointclosure.joint.loading import LoadCycle
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
     UNLOADING,
@@ -153,10 +153,9 @@ def simulate_by(
     """Simulate with a solver that ``solver_of`` makes from its name, otherwise as `simulate`."""
     spacing = conditions.grid_spacing
     upper, lower = checked_walls(upper, lower, spacing)
-    conditions = conditions.checked()
+    conditions = conditions.checked(snapshots)
     largest, load = float(conditions.largest_stress), conditions.load
     seating_stress = cast(float, conditions.seating_stress)  # checked
-    check_snapshots(snapshots, largest)
     effects, choices = conditions.effects, in_double(conditions.choices)
     _check_steps(upper, lower, conditions.numerics)
     numerics = in_double(conditions.numerics)

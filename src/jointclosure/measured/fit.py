@@ -28,7 +28,15 @@ from jointclosure.measured.calibration import (
     simulated_readings,
 )
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from jointclosure.parameters import PROPERTIES, Choices, Effects, Numerics, Rock, check_rock
+from jointclosure.parameters import (
+    PROPERTIES,
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    check_rock,
+    check_usual,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.text import read_text
@@ -290,7 +298,7 @@ def fit(
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
     ).checked()
-
+    check_usual((), roll_off=roll_off)
     walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
     if pair is not None:
@@ -341,7 +349,7 @@ def _random_walls(
     drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
     return wall_pair(
         float(drawn), shape, spacing, seed_of(seed, "fit", number), hurst,
-        mismatch_wavelength=wavelength, roll_off=roll_off,
+        mismatch_wavelength=wavelength, roll_off=roll_off, unusual_values=True,
     )  # fmt: skip
 
 

@@ -11,16 +11,21 @@ contains both clones has, for a joint n (1 to 3):
   (lower), and ``post`` after testing. Their full names are not documented.
 """
 
+import math
 from pathlib import Path
 
 import numpy as np
 
 from jointclosure.engineering.measured_joints import measured
 from jointclosure.inputs import InputError
+from jointclosure.measured.curves import parsed_curve
 from jointclosure.storage.text import read_text
 
 FILM_THRESHOLD = 2.5
 """Contact stress above which the film counts as in contact [MPa]."""
+UNLOADED = 0.02
+"""Largest excess of the last stress over the first, over the maximum, of a joint that was unloaded.
+It is 0.001 at most in the published files."""
 
 
 def file_named(folder: Path, name: str) -> Path:
@@ -32,18 +37,19 @@ def file_named(folder: Path, name: str) -> Path:
     return files[0]
 
 
-def _numbers(path: Path, separator: str | None, skipped: int = 0) -> np.ndarray:
-    """Read lines of numbers as an array (lines, columns)."""
-    lines = [
-        line.split(separator) for line in read_text(path).splitlines()[skipped:] if line.strip()
-    ]
+def _matrix(path: Path) -> np.ndarray:
+    """Read finite numbers with blanks between them as an array (lines, columns)."""
+    lines = [line.split() for line in read_text(path).splitlines() if line.strip()]
     try:
-        return np.array([[float(cell) for cell in line] for line in lines]).reshape(len(lines), -1)
+        matrix = np.array(lines, dtype=float).reshape(len(lines), -1)
     except ValueError as error:
         raise InputError(f"{path}: lines of equally many numbers expected: {error}") from None
+    if not np.isfinite(matrix).all():
+        raise InputError(f"{path}: {np.sum(~np.isfinite(matrix))} values are not finite")
+    return matrix
 
 
-def later_loading(folder: Path, joint: str) -> dict[str, float]:
+def later_loading(folder: Path, joint: str) -> tuple[dict[str, float], list[str]]:
     """Read the observables of a later loading, net of the rock, as in ``measured_joints.csv``.
 
     Returns
@@ -51,7 +57,9 @@ def later_loading(folder: Path, joint: str) -> dict[str, float]:
     dict
         ``later_closure`` [mm] from the first reading to the largest stress, ``later_stiffness``
         [MPa/mm] by the chord from half of that stress, ``later_residual_share`` [%] of that
-        closure at the last reading.
+        closure at the last reading; NaN if the file ends before the joint was unloaded.
+    list of str
+        Reasons of missing values.
 
     Raises
     ------
@@ -59,21 +67,24 @@ def later_loading(folder: Path, joint: str) -> dict[str, float]:
         If the file is missing or is not of the documented form.
     """
     path = file_named(folder, f"ethz_-_specimen_vd{joint}_sigmaZ_vs_fractureClosure_hm1.txt")
-    readings = _numbers(path, ",", skipped=2)
-    if readings.shape[1:] != (3,) or len(readings) < 4:
-        raise InputError(f"{path}: number, displacement and stress in at least 4 lines expected")
-    _, sensor, stress = readings.T
+    curve = parsed_curve(read_text(path), str(path), cycle=1, names=("3", "2"))
+    sensor, stress = 1e3 * curve.closure, 1e-6 * curve.stress
     top = int(stress.argmax())
     if not 1 < top < len(stress) - 1 or (np.diff(stress[: top + 1]) <= 0.0).any():
         raise InputError(f"{path}: stress must rise to its maximum, and fall after it")
     net = sensor - measured("rock_compliance").value * (stress - stress[0])
     net -= net[0]
     half = float(np.interp(0.5 * stress[top], stress[: top + 1], net[: top + 1]))
+    unloaded = stress[-1] <= stress[0] + UNLOADED * stress[top]
+    reason = (
+        f"later_residual_share of joint {joint} is missing: {path.name} ends at "
+        f"{stress[-1]:.3g} MPa, before the joint was unloaded to {stress[0]:.3g} MPa"
+    )
     return {
         "later_closure": float(net[top]),
         "later_stiffness": float(0.5 * stress[top] / (net[top] - half)),
-        "later_residual_share": float(100.0 * net[-1] / net[top]),
-    }
+        "later_residual_share": float(100.0 * net[-1] / net[top]) if unloaded else math.nan,
+    }, [reason] * (not unloaded)
 
 
 def film(folder: Path, joint: str) -> dict[str, float]:
@@ -84,9 +95,14 @@ def film(folder: Path, joint: str) -> dict[str, float]:
     dict
         ``contact_share`` [%] of the specimen above `FILM_THRESHOLD`, and ``recovered_load`` [%],
         the mean of the map over the nominal stress.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, or is not a matrix of finite numbers as large as the others.
     """
     paths = [file_named(folder, f"ethz_vd{joint}_120.{axis}.txt") for axis in "XYZ"]
-    x, y, stress = (_numbers(path, None) for path in paths)
+    x, y, stress = map(_matrix, paths)
     if not x.shape == y.shape == stress.shape:
         raise InputError(f"{paths[2]}: shape {stress.shape}: must be that of X and Y, {x.shape}")
     inside = stress[np.hypot(x, y) < 0.5e-3 * measured("side").value]

@@ -60,11 +60,20 @@ def strength_of(wall: Rock) -> float:
 
 USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() if about.usual} | {
     "max_normal_stress": (1e3, 1e9, "Pa"),
+    "seating_stress": (10.0, 1e9, "Pa"),
+    "snapshots": (1e3, 1e9, "Pa"),
     "spacing": (1e-6, 0.1, "m"),
     "side_of_scan": (5e-3, 10.0, "m"),
+    "displacement_step": (1e-9, 1e-3, "m"),
+    "breakage_step": (1e-10, 1e-3, "m"),
+    "later_displacement_step": (1e-9, 1e-3, "m"),
+    "later_breakage_step": (1e-10, 1e-3, "m"),
+    "largest_radius": (1e-6, 1.0, "m"),
+    "roll_off": (1e-5, 0.5, "m"),
+    "mismatch_wavelength": (1e-5, 0.5, "m"),
 }
 """Smallest and largest usual values for rock and its joints, and their unit. A value outside of
-this range is probably in a wrong unit."""
+this range, other than 0, is probably in a wrong unit."""
 AS_IT_IS = (
     "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
 )
@@ -224,19 +233,22 @@ def check_rock(rock: Rock) -> None:
         about.check(name, getattr(rock, name))
 
 
-def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
-    """Raise `InputError` if a value is unusual for rock and its joints, see `USUAL`.
+def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
+    """Raise `InputError` if a value is no number, or unusual for rock and its joints (`USUAL`).
 
     Parameters
     ----------
     rocks : tuple of Rock
-    **values : float
-        Other values by name [SI].
+    **values
+        Other values by name [SI]. Names that are not in `USUAL`, and None, are ignored.
     """
     for values_by_name in (*(rock._asdict() for rock in rocks), values):
         for name, value in values_by_name.items():
-            low, high, unit = USUAL.get(name, (-np.inf, np.inf, ""))
-            if not low <= value <= high and not np.isinf(value):
+            if name not in USUAL or value is None:
+                continue
+            check_number(name, value)
+            low, high, unit = USUAL[name]
+            if not (low <= value <= high or value == 0.0 or np.isinf(value)):
                 raise InputError(
                     f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
                     f"is the unit right? {AS_IT_IS}"

@@ -20,6 +20,7 @@ from jointclosure.inputs import (
     check_positive,
     check_seed,
 )
+from jointclosure.parameters import check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
@@ -198,6 +199,7 @@ def wall_pair(
     mismatch_wavelength: float | None = None,
     rule: str = "self_affine",
     roll_off: float | None = ROLL_OFF,
+    unusual_values: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generate the upper and lower wall of a joint, heights towards the other wall.
 
@@ -238,6 +240,9 @@ def wall_pair(
         0013-readings.md). Natural walls have waves of all lengths: take None for them, as
         `jointclosure.fit` and docs/own_rock.md do.
 
+    unusual_values : bool
+        Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
+
     Returns
     -------
     upper, lower : array (ny, nx)
@@ -254,6 +259,8 @@ def wall_pair(
     check_one_of("normalise", normalise, NORMALISATIONS)
     _check(shape, hurst, correlation, shift_in_cells)
     check_mismatch(mismatch_wavelength, correlation)
+    if not unusual_values:
+        check_usual((), roll_off=roll_off, mismatch_wavelength=mismatch_wavelength)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
