@@ -113,8 +113,6 @@ class Conditions(NamedTuple):
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
             check_usual(pair, **given | {"max_normal_stress": largest})
-            for stress in snapshots:
-                check_usual((), snapshots=stress)
         seating = _checked_seating(self.seating_stress, load, self.numerics.stress_tolerance)
         for stress in snapshots:
             check_number("snapshots", stress)
@@ -123,6 +121,8 @@ class Conditions(NamedTuple):
                     f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal "
                     f"stress, {1e-6 * largest:g} MPa"
                 )
+            if not self.unusual_values:
+                check_usual((), snapshots=stress)
         stiffness = min(wall.youngs_modulus for wall in pair)
         if largest >= stiffness:
             raise InputError(
