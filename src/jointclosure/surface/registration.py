@@ -76,38 +76,16 @@ class Fit(NamedTuple):
 
 
 class RegisteredPair(NamedTuple):
-    """Two registered scanned walls.
+    """Two registered scanned walls; lengths are in m, places and shifts (y, x).
 
-    Attributes
-    ----------
-    upper, lower : array (y, x)
-        Heights [m] towards the other wall, less the plane of the wall, without missing cells.
-    spacing : float
-        Grid spacing [m].
-    aperture : array (y, x)
-        Distance of the walls at first touch [m].
-    first_touch : (y, x)
-        The cell where they touch first.
-    orientation : str
-        Key of `ORIENTATIONS`.
-    fits : list of Fit
-        All orientations, the best first.
-    shift : (y, x)
-        Shift that was applied to the upper wall [m].
-    mating_shift : (y, x)
-        Shift of best fit [m], whether or not it was applied.
-    correlation : float
-        Correlation of the heights of both walls.
-    mating : Mating
-        Correlation of the walls by wavelength.
-    mismatch : Mismatch
-        Mismatch wavelength of the walls, with its interval.
-    overlap : float
-        Share of the smaller scan's cells that lie in the walls.
-    holes : array (y, x)
-        Cells that were taken out of contact because a scan has no height there.
-    report : list of str
-        Results of the registration, in sentences.
+    ``upper`` and ``lower`` (y, x) are heights towards the other wall, less the plane of the wall,
+    on a grid of ``spacing``, ``aperture`` (y, x) is their distance at first touch, which is at the
+    cell ``first_touch``. ``holes`` (y, x) are cells that were taken out of contact because a scan
+    has no height there. ``orientation`` is a key of `ORIENTATIONS`, and ``fits`` are those of all
+    orientations, the best first. ``shift`` was applied to the upper wall, ``mating_shift`` is that
+    of best fit. ``correlation`` is that of the heights of both walls, ``mating`` by wavelength, and
+    ``mismatch`` the mismatch wavelength with its interval. ``overlap`` is the share of the smaller
+    scan's cells that lie in the walls, ``report`` has the results in sentences.
     """
 
     upper: np.ndarray
