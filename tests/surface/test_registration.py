@@ -224,7 +224,7 @@ def test_a_spike_is_cut_told_and_does_not_touch_first(joint):
 
 def counted(pair):
     """The cells in holes of the upper and the lower wall of which a pair warns."""
-    (line,) = (line for line in pair.warnings if "taken out of contact" in line)
+    (line,) = (line for line in pair.warnings if "were taken out of contact" in line)
     return tuple(map(int, re.search(r"\((\d+) of the upper, (\d+) of the lower\)", line).groups()))
 
 
@@ -284,6 +284,18 @@ def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patc
     scans = {"upper": grid(joint[0]), "lower": grid(patched)}
     with pytest.raises(jc.InputError, match=r"bottom: .* have no height.* 48 of 4608 .* plateaus"):
         prepared_walls(scans, about, SPACING, "yu_vayssade_linear_0.25mm")
+
+
+def test_a_hole_beside_what_the_other_scan_did_not_see_is_left_out_with_it(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    upper[30:36, 60:70] = np.nan
+    lower[:, 66:] = np.nan
+    scans = scanned(upper, "common_frame"), Scan(lower, (SPACING, SPACING), (0.0, 0.0))
+    lower[:3, 66:] = joint[1][:3, 66:]  # so that these columns are in the frame of both
+    found = registered(*scans, **AS_SCANNED)
+    assert found.upper.shape == (64, 66)
+    assert np.isfinite(found.upper + found.lower).all()
+    assert counted(found) == (36, 0)
 
 
 @pytest.mark.parametrize("flat", ["upper", "lower"])

@@ -19,6 +19,8 @@ from jointclosure.surface.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
 """Smallest number of cells of the walls along each side."""
+MOST_FILLED = 0.9
+"""Largest share of holes whatever the stated one is: some cells must be known."""
 
 
 class Overlap(NamedTuple):
@@ -51,8 +53,8 @@ class Overlap(NamedTuple):
             )
         if self.cut:
             sentences.append(
-                f"{self.cut} cells in holes of a scan are more than may be taken out of contact "
-                "(largest_filled_share); the walls are the largest rectangle without them"
+                f"{self.cut} cells in holes of a scan are left out: the walls are the largest "
+                "rectangle without them (see largest_filled_share)"
             )
         return sentences
 
@@ -111,12 +113,12 @@ def overlap_of(
         for wall, cloud, distance in zip(walls, (upper, lower), distances, strict=True)
     ])  # fmt: skip
     inside = np.logical_or(*holes)
-    known = np.isfinite(walls[0]) & np.isfinite(walls[1]) & ~inside
-    rectangle = largest_rectangle(known | inside)
-    if inside[rectangle].mean() > largest_filled_share:
-        rectangle = largest_rectangle(known)
+    covered = np.logical_and(*(np.isfinite(walls) | holes))
+    rectangle = largest_rectangle(covered)
+    if inside[rectangle].sum() > min(largest_filled_share, MOST_FILLED) * inside[rectangle].size:
+        rectangle = largest_rectangle(covered & ~inside)
     cut = int(inside.sum() - inside[rectangle].sum())
-    _check_size(known[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
+    _check_size(inside[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
     holes = holes[:, *rectangle]
     walls = _without_contact(walls[0][rectangle], walls[1][rectangle], holes)
     areas = [np.prod(most - least) for least, most in corners]
