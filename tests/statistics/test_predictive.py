@@ -193,8 +193,11 @@ def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
     def p_of(sets):
         return [p_of_table(np.exp(random.normal(size=(200, 16))), observed) for _ in range(sets)]
 
-    resampled, again = p_of(40), p_of(40)  # one pool, whose surfaces make no error
+    resampled, again = p_of(40), p_of(40)  # of equal pools, whose surfaces make no error
     of_count = np.sqrt(np.mean(resampled) * (1.0 - np.mean(resampled)) / 200)
     assert np.std(again, ddof=1) > 1.3 * of_count
     assert pool_error(resampled, 200) > 0.8 * of_count
-    assert pool_error(resampled, 200, again) < 0.8 * of_count
+    assert pool_error(resampled, 200, again) < of_count
+    shifts = random.normal(size=40) * 0.1  # pools that differ
+    pools = [[p + shift for p, shift in zip(of, shifts, strict=True)] for of in (resampled, again)]
+    assert pool_error(pools[0], 200, pools[1]) == pytest.approx(np.std(shifts), rel=0.3)

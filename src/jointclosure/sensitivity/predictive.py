@@ -38,9 +38,9 @@ _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
 """Parameters whose first-cycle entries are tested together for any effect beyond noise."""
 
 
-AGAIN = 24
-"""Sets of further repetitions from the pool itself, for the scatter of p on one pool; known to a
-seventh. Eight of them have as many repetitions as the first set."""
+AGAIN = 16
+"""Sets of further repetitions from the pool itself, for the scatter of p by repetitions. Eight of
+them have as many repetitions as the first set."""
 
 
 class Predictive(NamedTuple):
@@ -48,16 +48,17 @@ class Predictive(NamedTuple):
 
     The first of ``model`` and ``null`` is drawn from the pool itself. The others are drawn from
     resampled pools, with fewer repetitions, for the error of probabilities and medians due to the
-    pool; ``model_again`` and ``null_again`` with as many from the pool itself. ``bases``: the
-    rock's value [SI] for each entry. ``pool``: number of surfaces of each rock in the pool.
+    pool. ``twice`` has further repetitions of the resampled pools, ``same`` of the pool itself, as
+    many a set. ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of
+    each rock in the pool.
     """
 
     model: list[Lengths]
     null: list[Lengths]
     bases: dict[Entry, float]
     pool: dict[str, int]
-    model_again: Sequence[Lengths] = ()
-    null_again: Sequence[Lengths] = ()
+    twice: Sequence[Lengths] = ()
+    same: Sequence[Lengths] = ()
 
     @property
     def lengths(self) -> Lengths:
@@ -96,19 +97,20 @@ def predictive(
         return generator(seed_of(root_seed, "predictive", name))
 
     random, times = stream("pools"), repetitions_of_pool(repetitions)
+    again, twice = stream("again"), []
     model = [drawn(pool, repetitions, stream("model"))]
     null = [drawn(without_effect(pool), repetitions, stream("null"))]
     for sample in resampled_pools(pool, random, pools):
         model.append(drawn(sample, times, random))
         null.append(drawn(without_effect(sample), times, random))
-    random, sets = stream("again"), range(AGAIN if pools else 0)
+        twice.append(drawn(sample, times, again))
     return Predictive(
         model,
         null,
         {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles},
         {sample.rock: sample.values.shape[-1] for sample in samples},
-        [drawn(pool, times, random) for _ in sets],
-        [drawn(without_effect(pool), times, random) for _ in sets],
+        twice,
+        [drawn(pool, times, again) for _ in range(AGAIN if pools else 0)],
     )
 
 
@@ -233,9 +235,9 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
 
     ``p`` is the share of repetitions that are equally or less likely, ``null_p`` the same for the
     null model; dashes count with their probability. Errors of both are due to repetitions and pool
-    together, ``p_pool_error`` to the pool alone. The scatter by repetitions is that of further
-    repetitions of the same pool: as densities are estimated from them, it is more than binomial.
-    The table is empty without rocks of the paper.
+    together, ``p_pool_error`` to the pool alone. The scatter of ``p`` by repetitions is that of
+    further repetitions of the same pools: as densities are estimated from them, it is more than
+    binomial, which is taken for ``null_p``. The table is empty without rocks of the paper.
     """
     published = {
         entry: length
@@ -246,15 +248,20 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
     for group, chosen in _groups(list(published)).items():
         observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
         row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
-        for prefix, drawn, drawn_again in (
-            ("", lengths_of_studies.model, lengths_of_studies.model_again),
-            ("null_", lengths_of_studies.null, lengths_of_studies.null_again),
+        for prefix, drawn, drawn_twice, drawn_same in (
+            ("", lengths_of_studies.model, lengths_of_studies.twice, lengths_of_studies.same),
+            ("null_", lengths_of_studies.null, (), ()),
         ):
-            (lengths, *resampled), again = _tables(drawn, chosen), _tables(drawn_again, chosen)
+            (lengths, *resampled), twice, same = (
+                _tables(sets, chosen) for sets in (drawn, drawn_twice, drawn_same)
+            )
             if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
                 continue
             test = joint_test(lengths, observed)
-            of_pool, of_repetitions = _errors(test.p, len(lengths), resampled, again, observed)
+            shares, again = (_p_of_tables(sets, observed) for sets in (resampled, twice))
+            times = len(resampled[0]) if resampled else 0
+            of_pool = float(pool_error(shares, times, again)) if len(shares) > 1 else 0.0
+            of_repetitions = _error_of_repetitions(test.p, len(lengths), same, observed)
             row |= {
                 f"{prefix}log_likelihood": test.log_likelihood,
                 f"{prefix}log_likelihood_error": test.standard_error,
@@ -276,32 +283,19 @@ def _tables(drawn: Sequence[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
     return [np.stack([lengths[entry] for entry in chosen], axis=1) for lengths in drawn]
 
 
-def _errors(
-    p: float,
-    repetitions: int,
-    resampled: list[np.ndarray],
-    again: list[np.ndarray],
-    observed: np.ndarray,
-) -> tuple[float, float]:
-    """Return the standard errors of p due to the pool, and due to the repetitions.
+def _p_of_tables(sets: list[np.ndarray], observed: np.ndarray) -> list[float]:
+    return [np.nan if np.any(each == 0.0) else p_of_table(each, observed) for each in sets]
 
-    Further sets of the pool itself give the scatter of p by as many repetitions as a resampled pool
-    has, and joined to sets of ``repetitions`` that of ``p``.
-    """
-    again = [each for each in again if np.all(each > 0.0)]
-    if not resampled or len(again) < 2:
-        return 0.0, _error(p, repetitions)
-    shares, same = (
-        [np.nan if np.any(each == 0.0) else p_of_table(each, observed) for each in sets]
-        for sets in (resampled, again)
-    )
-    joined = max(repetitions // len(again[0]), 1)
-    whole = [
-        p_of_table(np.concatenate(again[first : first + joined]), observed)
-        for first in range(0, len(again) - joined + 1, joined)
-    ]
-    of_repetitions = float(np.std([p, *whole], ddof=1)) if whole else _error(p, repetitions)
-    return float(pool_error(shares, len(again[0]), same)), of_repetitions
+
+def _error_of_repetitions(
+    p: float, repetitions: int, same: list[np.ndarray], observed: np.ndarray
+) -> float:
+    """Return the standard deviation of p over sets of so many repetitions of one pool."""
+    if not same:
+        return _error(p, repetitions)
+    joined = max(repetitions // len(same[0]), 1)
+    whole = [np.concatenate(same[i : i + joined]) for i in range(0, len(same), joined)]
+    return float(np.nanstd([p, *_p_of_tables(whole, observed)], ddof=1))
 
 
 def _groups(published: list[Entry]) -> dict[str, list[Entry]]:

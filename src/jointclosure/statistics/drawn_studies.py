@@ -166,15 +166,21 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
         Shares from each of `resampled_pools`; pools with NaN are left out.
     repetitions : int
         Number of repetitions behind each share; their binomial variance is subtracted.
-    again : array (sets,), optional
-        The same from other repetitions of one pool, as many a set. Their variance is subtracted
-        instead, for shares that are not counts alone, such as p by estimated densities.
+    again : array (pools,), optional
+        The same from other repetitions of the same pools, for shares that are not counts alone,
+        such as p by estimated densities. The variance is then the covariance of both, to which the
+        scatter of repetitions does not contribute.
     """
+    if len(again):
+        both = np.array([shares, again], dtype=float)
+        both = both[:, np.isfinite(both).all(axis=0)]
+        if both.shape[1] <= len(again) // 2:
+            return np.array(np.nan)
+        return np.sqrt(np.maximum(np.cov(both)[0, 1], 0.0))
     shares = np.asarray(shares, dtype=float)
     known = np.isfinite(shares).sum(axis=0)
     shares = np.where(known > len(shares) // 2, shares, 0.0)
-    binomial = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
-    noise = np.var(again, axis=0, ddof=1) if len(again) > 1 else binomial
+    noise = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
     variance = np.maximum(np.nanvar(shares, axis=0, ddof=1) - noise, 0.0)
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
