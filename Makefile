@@ -130,7 +130,8 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 	$(BIN)/lint-imports
 	$(BIN)/snakemake --lint
 
-docs: $(STAMP) ## Build the documentation site, without a network, to build/docs/index.html
+docs: $(STAMP) ## Write the pages made of docs/templates, and build the site, without a network, to build/docs/index.html
+	@$(BIN)/python docs/site/templates.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 	@$(BIN)/python docs/site/links.py build/docs
 

@@ -1,6 +1,5 @@
 """Pages of the site that are made when it is built: hooks of mkdocs (see mkdocs.yml).
 
-- Pages of docs/ are templates, whose tables and numbers come from stored results (templates.py).
 - Documents that lie outside of docs/ become pages, and links to them are followed.
 - A link to another file of the project leads to a copy of it.
 - The modules of the package have a page each, from their docstrings.
@@ -24,7 +23,6 @@ from mkdocs.structure.pages import Page
 from nbclient import NotebookClient
 from nbconvert import MarkdownExporter
 from nbformat import NotebookNode
-from templates import PageError, filled
 from traitlets.config import Config
 
 ROOT = Path(__file__).parents[2]
@@ -67,15 +65,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Fill a page of docs/, and lead links to where their targets are in the site."""
+    """Lead links to where their targets are in the site."""
     here = source_of(page.file)
     if here is None:
         return markdown
-    if here.is_relative_to(ROOT / "docs"):
-        try:
-            markdown = filled(markdown, here.relative_to(ROOT).as_posix())
-        except PageError as error:
-            raise PluginError(str(error)) from error
 
     def moved(link: re.Match) -> str:
         target = site_path(here, link[2])

@@ -97,7 +97,6 @@ RUNS = {
     "start_up": Run(("start_up",)),
     "growth": Run(("growth", "growth_beyond"), ("growth",)),
     "growth_once": Run(("growth_once",)),
-    "breakage_methods": Run(("breakage_methods",)),
     # finished inquiries, whose code has left (docs/decisions/0020-finished-inquiries.md)
     "along_curve": Run(figures=("along_curve_elasticities",)),
     "jrc_range": Run(("jrc_range", "jrc_range_claims")),

@@ -1,18 +1,24 @@
-"""Pages of docs/ as templates: `{{ size.exponents() }}` is a table of content/size.py.
+"""Pages of docs/ that are made of docs/templates/ and committed: readable where they lie.
 
+    python docs/site/templates.py
     python docs/site/templates.py '{{ size.exponents() }}'
 
-prints what a text becomes. `{{ number("p") }}` is a number of content/numbers.py.
+The first writes the pages, the second prints what a text becomes: a table of content/size.py.
+`{{ number("p") }}` is a number of content/numbers.py.
 """
 
 import sys
 import traceback
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
 
 import content
 from jinja2 import Environment, StrictUndefined
 
+DOCS = Path(__file__).parents[1]
+ALL = sorted(DOCS.glob("templates/*.md.j2"))
+NOTE = "<!-- Made by `make docs`: edit docs/templates/{name}. -->\n\n"
 NAMES = {
     module.name: import_module(f"content.{module.name}")
     for module in iter_modules(content.__path__)
@@ -39,5 +45,28 @@ def filled(text: str, page: str) -> str:
         ) from error
 
 
+def made(template: Path) -> str:
+    """Make the page of a template."""
+    text = template.read_text(encoding="utf-8")
+    return NOTE.format(name=template.name) + filled(text, f"docs/templates/{template.name}")
+
+
+def page_of(template: Path) -> Path:
+    """Return where the page of a template lies."""
+    return DOCS / template.stem
+
+
+def main(words: list[str]) -> None:
+    """Print what a text becomes, or write all pages."""
+    if words:
+        print(filled(words[0], "argument"))
+        return
+    for template in ALL:
+        page_of(template).write_text(made(template), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    print(filled(sys.argv[1], "argument"))
+    try:
+        main(sys.argv[1:])
+    except PageError as error:
+        raise SystemExit(str(error)) from None

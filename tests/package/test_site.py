@@ -3,7 +3,6 @@
 import importlib
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from nbformat import v4
@@ -47,12 +46,3 @@ def test_a_notebooks_cell_that_shows_has_an_image_whatever_the_environments_back
     closed = v4.new_code_cell(drawn.source.replace("plt.show", "plt.close('all'); plt.show"))
     with pytest.raises(pages.PluginError, match=r"a\.py: a cell shows a figure and has no image"):
         pages.executed(v4.new_notebook(cells=[closed]), "a.py")
-
-
-def test_a_page_that_asks_for_what_there_is_not_fails_the_build():
-    pages = importlib.import_module("pages")
-    path = pages.ROOT / "docs/size.md"
-    page = SimpleNamespace(file=SimpleNamespace(abs_src_path=str(path), src_uri="size.md"))
-    assert "| patch length |" in pages.on_page_markdown("{{ size.exponents() }}", page, None, None)
-    with pytest.raises(pages.PluginError, match=r"docs/size\.md, line 1: {{ size\.colour\(\) }}"):
-        pages.on_page_markdown("{{ size.colour() }}", page, None, None)

@@ -1,8 +1,8 @@
-"""Tables of docs/speed.md and docs/decisions/0010-resolved-breakage.md, of benchmarks."""
+"""Tables of docs/speed.md, of benchmarks."""
 
 from stored import origin, stored
 
-from content.markdown import Form, Table, rows_of
+from content.markdown import Table, rows_of
 
 AXES = {
     "cells": "cells along a square grid",
@@ -12,26 +12,6 @@ AXES = {
 }
 RATE = "{{{0}!k}} ({{{0} min!k}} to {{{0} max!k}})"
 """A median with the extremes behind it."""
-
-
-def _of_two(one: str, other: str, over: str, *names: str) -> dict[str, Form]:
-    """Columns of two that were timed in turn: the ratio of times, and what both took.
-
-    ``one`` and ``other`` make the names of their columns; the other's numbers are in brackets.
-    """
-    columns: dict[str, Form] = {
-        "rock": "{rock}",
-        "time over that in brackets": f"{{{over}:.2f}} ± {{{over} +-:.2f}}",
-        "of single surfaces": "{least of a surface:.2f} to {largest of a surface:.2f}",
-    }
-    for name in names:
-        title = "FFT pairs" if name == "pairs" else name
-        columns[title] = f"{{{one.format(name)}:,.0f}} ({{{other.format(name)}:,.0f}})"
-    steps = [form.format("breakage steps") for form in (one, other)]
-    columns["breakage steps (million)"] = lambda group: "{:.1f} ({:.1f})".format(
-        *(1e-6 * group[name] for name in steps)
-    )
-    return columns
 
 
 SIMULATIONS = 36 * (20 + 60)
@@ -174,13 +154,6 @@ peers = Table(
         "closure at 30 MPa (um)": "{um at 30 MPa:.1f}",
     },
 )
-breakage_methods = Table(
-    "breakage_methods/breakage_methods",
-    _of_two(
-        "resolved {}", "fixed_step {}", "resolved over fixed",
-        "pairs", "states", "equilibria", "products",
-    ),
-)  # fmt: skip
 versions = Table(
     "versions/versions",
     {
