@@ -288,14 +288,13 @@ def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patc
 
 def test_a_hole_beside_what_the_other_scan_did_not_see_is_left_out_with_it(joint):
     upper, lower = (wall.copy() for wall in joint)
-    upper[30:36, 60:70] = np.nan
-    lower[:, 66:] = np.nan
-    scans = scanned(upper, "common_frame"), Scan(lower, (SPACING, SPACING), (0.0, 0.0))
-    lower[:3, 66:] = joint[1][:3, 66:]  # so that these columns are in the frame of both
+    upper[30:36, 62:71] = np.nan
+    lower[30:36, 70:] = np.nan  # open to the edge, and hidden by the hole but for the last column
+    scans = scanned(upper, "common_frame"), grid(lower)
     found = registered(*scans, **AS_SCANNED)
-    assert found.upper.shape == (64, 66)
+    assert found.upper.shape == (64, 70)
     assert np.isfinite(found.upper + found.lower).all()
-    assert counted(found) == (36, 0)
+    assert counted(found) == (48, 0)
 
 
 @pytest.mark.parametrize("flat", ["upper", "lower"])
