@@ -1,6 +1,8 @@
 """The documentation site: its check finds what is dead, and its notebooks have their figures."""
 
+import html
 import importlib
+import re
 import sys
 from pathlib import Path
 
@@ -46,3 +48,16 @@ def test_a_notebooks_cell_that_shows_has_an_image_whatever_the_environments_back
     closed = v4.new_code_cell(drawn.source.replace("plt.show", "plt.close('all'); plt.show"))
     with pytest.raises(pages.PluginError, match=r"a\.py: a cell shows a figure and has no image"):
         pages.executed(v4.new_notebook(cells=[closed]), "a.py")
+
+
+def test_the_diagrams_are_those_of_their_code_and_name_rules_that_exist():
+    diagrams = importlib.import_module("diagrams")
+    for name, boxes in {"solver": diagrams.SOLVER, "rules": diagrams.RULES}.items():
+        drawn = html.unescape((diagrams.IMAGES / f"{name}.svg").read_text(encoding="utf-8"))
+        lines = [line for box in boxes.values() for line in box.text.splitlines()]
+        assert all(line in drawn for line in lines if "$" not in line)
+    rules = diagrams.IMAGES.parents[1] / "workflow/rules"
+    written = "".join(path.read_text(encoding="utf-8") for path in rules.glob("*.smk"))
+    named = {name for box in diagrams.RULES.values() for name in re.findall(r"\w+_\w+", box.text)}
+    assert named
+    assert named <= set(re.findall(r"^ *rule (\w+):", written, re.M))

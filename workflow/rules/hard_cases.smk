@@ -1,5 +1,5 @@
 # Joints that are hard to solve, judged by an oracle, and tests of the paper's formulas and sweep
-# (docs/numerical_stability.md): `snakemake hard_cases`. No other rule depends on this study.
+# (docs/model.md): `snakemake hard_cases`. No other rule depends on this study.
 from jointclosure.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"

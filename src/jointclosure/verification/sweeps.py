@@ -7,7 +7,7 @@ test stops it. *Simultaneous*: with the forces of the previous pass (Jacobi), as
 corrects all heights at the end of a pass. It does not converge above a load.
 
 Residuals are computed by a dense matrix and a contact law in numpy in this module, independent of
-the solvers. See docs/numerical_stability.md.
+the solvers. See docs/model.md.
 """
 
 from typing import NamedTuple
