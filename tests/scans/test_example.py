@@ -10,11 +10,11 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_samples_of_the_page_run_and_make_the_example_wall(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs/measured_walls.md").read_text(encoding="utf-8")
-    samples = re.findall(r"```python\n(.*?)```", text, re.S)
+    text = (ROOT / "docs/two_scans.md").read_text(encoding="utf-8")
+    samples = [c for c in re.findall(r"```python\n(.*?)```", text, re.S) if "example_wall" in c]
     assert len(samples) == 2
     for sample in samples:
-        exec(compile(sample, "docs/measured_walls.md", "exec"), {})
+        exec(compile(sample, "docs/two_scans.md", "exec"), {})
     assert "Z2 along x" in capsys.readouterr().out
     made, kept = (
         np.load(folder / "example_wall.npz", allow_pickle=False)

@@ -36,7 +36,7 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `measured_joints.yaml` | the model beside three measured joints ([validation](../docs/validation.md), `make measured-joints`) |
 | `global_sensitivity.yaml`, `global_sensitivity_full.yaml` | properties and open choices varied together (`make global-sensitivity`); at full size, for a cluster |
 | `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/clusters.md)) |
-| `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/measured_walls.md)) |
+| `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/two_scans.md)) |
 | `hard_cases.yaml` | joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py` |
 | `my_rock.yaml` | worked example: another rock and a measured curve ([how to](../docs/own_rock.md)) |
 

@@ -50,7 +50,7 @@ _EXAMPLES = """examples:
   jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
       --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
 
-Other values are those of the configuration (config/README.md). docs/own_joint.md is a tutorial.
+Other values are those of the configuration (config/README.md). docs/two_scans.md is a tutorial.
 """
 
 

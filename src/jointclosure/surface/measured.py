@@ -1,6 +1,6 @@
 """Conversion of scans to heights on the square grid of a joint.
 
-Files are read by `jointclosure.scans`. See docs/measured_walls.md.
+Files are read by `jointclosure.scans`. See docs/two_scans.md.
 """
 
 from typing import NamedTuple

@@ -83,7 +83,7 @@ def measure_wall(
     Returns
     -------
     list of Measure
-        Measures as defined in docs/measured_walls.md.
+        Measures as defined in docs/two_scans.md.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def hurst_of(heights: np.ndarray) -> float:
     H is the slope of the logarithm of their rms over that of their distance, from two cells to a
     quarter of the wall. Second differences do not depend on the plane that was removed, nor on
     waves longer than the wall. These make H from first differences too low by 0.1 and more (Kent &
-    Wood 1997; docs/measured_walls.md).
+    Wood 1997; docs/two_scans.md).
     """
     return _scaling(heights, 1.0)["H, both directions"]
 

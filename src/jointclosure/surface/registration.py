@@ -1,6 +1,6 @@
 """Registration of the scans of the two walls of a joint: orientation, shift, overlap, mating.
 
-Files are read by `jointclosure.scans`. See docs/measured_walls.md.
+Files are read by `jointclosure.scans`. See docs/two_scans.md.
 """
 
 from typing import NamedTuple

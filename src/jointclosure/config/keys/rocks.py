@@ -44,7 +44,7 @@ _WALL = entry(
 
 
 class WallKeys(Keys):
-    """Scanned walls instead of a JRC, docs/measured_walls.md."""
+    """Scanned walls instead of a JRC, docs/two_scans.md."""
 
     upper: Text = _WALL
     lower: Text = _WALL
