@@ -43,7 +43,7 @@ export MPLBACKEND := Agg
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
 	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
-	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/clusters.md)."
+	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/operations.md#run-on-a-cluster)."
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
 	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."

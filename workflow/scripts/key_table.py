@@ -35,10 +35,10 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `misalignment.yaml` | tilted or rotated walls (`make misalignment`) |
 | `measured_joints.yaml` | the model beside three measured joints ([validation](../docs/validation.md), `make measured-joints`) |
 | `global_sensitivity.yaml`, `global_sensitivity_full.yaml` | properties and open choices varied together (`make global-sensitivity`); at full size, for a cluster |
-| `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/clusters.md)) |
+| `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/operations.md#run-on-a-cluster)) |
 | `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/two_scans.md)) |
 | `hard_cases.yaml` | joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py` |
-| `my_rock.yaml` | worked example: another rock and a measured curve ([how to](../docs/own_rock.md)) |
+| `my_rock.yaml` | worked example: another rock and a measured curve ([how to](../docs/first_hour.md)) |
 
 Another rock is an entry under `rocks`, named in `study.rocks`:
 

@@ -1,7 +1,7 @@
 """Measured closure curves: read from text, and compared with realisations of a study.
 
 A curve is a CSV of stress, closure and cycle, in the order in which it was measured;
-docs/own_rock.md shows one. The closure of every cycle counts from the point where its loading
+docs/first_hour.md shows one. The closure of every cycle counts from the point where its loading
 reaches the seating stress, for measured and simulated curves, so that the zero of the measured
 closures does not matter.
 """

@@ -238,7 +238,7 @@ def wall_pair(
         Wavelength [m] beyond which the power spectrum is flat; None for no limit. The default of
         3 mm is for walls as in the paper's study, whose Table 3 asks for it (docs/decisions/
         0013-readings.md). Natural walls have waves of all lengths: take None for them, as
-        `jointclosure.fit` and docs/own_rock.md do.
+        `jointclosure.fit` and docs/first_hour.md do.
 
     unusual_values : bool
         Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
