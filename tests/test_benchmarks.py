@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
@@ -58,26 +57,6 @@ def test_selected_effects_are_compared_at_conditions_of_any_seed(tmp_path):
     assert (summary.scenes == 2).all()
     assert (summary.best_saved_percent >= 0.0).all()
     assert (tmp_path / "effects_regions.png").is_file()
-
-
-def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkeypatch):
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    validation = importlib.import_module("validation")
-    names = ("independent", "mating beyond 1.5 mm")
-    cases = {name: validation.CASES[name]._replace(cells=24, number=3) for name in names}
-    table = validation.model_table(cases)
-    assert table[["walls", "side_mm", "joints"]].to_numpy().tolist() == [
-        [name, 6.0, 3] for name in names
-    ]
-    for kind in ("net", "gross"):
-        independent, mating = table[f"seated_{kind}_mean"]
-        assert mating < independent
-        soft, stiff = table[f"kn_{kind}_mean"]
-        assert stiff > soft
-    assert (table.seated_net_mean < table.seated_gross_mean).all()
-    assert (table.kn_net_mean > table.kn_gross_mean).all()
-    assert (table.stays_net_mean > table.stays_gross_mean).all()
-    assert np.isfinite(table.drop(columns="walls").to_numpy(dtype=float)).all()
 
 
 def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys):

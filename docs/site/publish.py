@@ -32,25 +32,6 @@ _PLACES = ("tables", "figures", "")
 """Folders of a run's results in which files are looked for."""
 
 
-def contributions(results: Path) -> pd.DataFrame:
-    """Medians of what effects add, and the extremes, over rocks and roughness."""
-    added = {
-        "max_closure": "max_closure_added_percent",
-        "residual_closure": "residual_closure_added_percent",
-        "hysteresis": "hysteresis_added_percent",
-        "time_ratio": "time_ratio",
-    }
-    groups = read_csv(results / "tables/effects.csv").groupby(
-        ["effect", "cycle", "stress_MPa"], sort=False
-    )
-    columns = {"known": groups.max_closure_added_percent.count(), "conditions": groups.size()}
-    for name, column in added.items():
-        values = groups[column]
-        columns |= {name: values.median(), f"{name}_least": values.min()}
-        columns[f"{name}_largest"] = values.max()
-    return pd.DataFrame(columns).reset_index()
-
-
 def regions(results: Path) -> pd.DataFrame:
     """Change of the closure without each effect at random conditions, by stress over strength."""
     table = read_csv(_path(results, "effects_auto", "effects_auto.csv")).drop_duplicates("scene")
@@ -71,7 +52,6 @@ def regions(results: Path) -> pd.DataFrame:
 BANDS = (0.0, 0.001, 0.01, 0.1, 1.0)
 """Ratios of the maximum stress to the strength that limit the rows of the table of regions."""
 SUMMARIES = {
-    "effects_contributions": (contributions, "effects"),
     "effects_regions": (regions, "effects_auto"),
 }
 """Tables that are made of larger ones when they are stored: how, and of which."""

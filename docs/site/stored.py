@@ -46,14 +46,14 @@ RUNS = {
     ),
     "large_pool": Run(("table_3_joint_tests",)),
     "accuracy": Run(
-        tables=("accuracy_cost", "accuracy_sources", "accuracy_orders"),
-        figures=("accuracy_regularised", "accuracy_sources"),
+        tables=("accuracy_cost", "accuracy_sources"),
+        figures=("accuracy_regularised",),
         shipped={"accuracy_settings": "accuracy_settings"},
     ),
     "accuracy_biases": Run(
         ("accuracy_split",), ("accuracy_total",), {"accuracy_methods": "accuracy_methods"}
     ),
-    "effects": Run(("effects_contributions",), ("effects",)),
+    "effects": Run(figures=("effects",)),
     "effects_auto": Run(
         ("effects_regions", "effects_auto_summary"), ("effects_auto", "effects_regions")
     ),
@@ -82,20 +82,19 @@ RUNS = {
     ),
     "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
     "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
-    "validation": Run(("validation",)),
     "measured_fit": Run(
-        tuple(f"measured_fit{part}" for part in ("", "_readings", "_known", "_example"))
+        tuple(f"measured_fit{part}" for part in ("", "_known", "_example"))
     ),
     "measured_joints": Run(
         ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
     ),
     "hard_cases": Run(("hard_case_errors", "analytic"), ("numerics",)),
     "flow": Run(("flow",)),
-    "solver_speed": Run(("study", "elastic", "reference")),
+    "solver_speed": Run(("elastic", "reference")),
     "versions": Run(("versions",)),
     "peers": Run(("peers",)),
     "start_up": Run(("start_up",)),
-    "growth": Run(("growth", "growth_beyond"), ("growth",)),
+    "growth": Run(("growth_beyond",), ("growth",)),
     "growth_once": Run(("growth_once",)),
     # finished inquiries, whose code has left (docs/decisions/0020-finished-inquiries.md)
     "along_curve": Run(figures=("along_curve_elasticities",)),

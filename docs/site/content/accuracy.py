@@ -7,8 +7,6 @@ from content.markdown import Form, Group, Table, chosen, rows_of, titled
 from jointclosure.config.presets import SCENES, radii_words
 from jointclosure.statistics import total_error
 
-MOST_SHOWN = 100.0
-"""Total errors [%] beyond which a budget is not shown."""
 BIASES = {
     (response, cycle): f"bias of the {response}, cycle {cycle} (%)"
     for response, cycle in (("mean", 1), ("mean", 2), ("interval", 2))
@@ -67,10 +65,6 @@ def worth(response: str) -> str:
 def of_commit() -> str:
     """Name the commit at which biases and times were measured."""
     return f"`{origin('accuracy_biases')['commit'][:7]}`"
-
-
-def _plain(*names: str) -> dict[str, Form]:
-    return {name: f"{{{name}}}" for name in names}
 
 
 def _interval(name: str, digits: int, value: str = "{}_error_percent") -> str:
@@ -136,21 +130,6 @@ first = Table(
     },
     prepare=_shown_first,
 )
-total = Table(
-    "accuracy_biases/accuracy_split",
-    {
-        "of": "{response}, cycle {cycle}",
-        "core-minutes": "{budget:g}",
-        "by": _method,
-        "surfaces closed": "{surfaces}",
-        "measured": lambda group: group["measured"] or "",
-        "bias (%)": "{bias_percent:.1f}",
-        "known to ± (%)": "{bias_error_percent:.1f}",
-        "sampling (%)": "{sampling_percent:.1f}",
-        "total error (%)": "{total_percent:.1f}",
-    },
-    prepare=lambda table: table[table.total_percent <= MOST_SHOWN],
-)
 biases = Table(
     "accuracy_biases/accuracy_methods",
     {"s a surface": "{cost min:.2g}"},
@@ -163,49 +142,8 @@ biases = Table(
 )
 sources = Table(
     "accuracy/accuracy_sources",
-    _plain("rock", "cycle", "source")
-    | {"error (%)": "{error_percent!p}", "low": "{low!p}", "high": "{high!p}"},
+    rows={"source": "{source}"},
+    across="{rock}, cycle {cycle}",
+    cell="{error_percent!p} ({low!p} to {high!p})",
     prepare=chosen(scene="paper_size"),
-)
-orders = Table(
-    "accuracy/accuracy_orders",
-    {"variant": "{scene}"} | _plain("rock", "knob", "cycle", "order", "error", "remark"),
-    prepare=lambda table: table[~table.knob.str.contains("tolerance|preset")].round(2),
-)
-joints = Table(
-    "accuracy/accuracy_cost",
-    _plain("rock", "knob", "value", "cycle")
-    | {
-        "change of mean max. closure (%)": _interval("mean", 0),
-        "net of bulk indentation (%)": _interval("net", 0),
-        "time / base": "{relative_time:.1f}",
-    },
-    prepare=lambda table: table[table.knob.isin(["spacing", "patch"])],
-)
-
-
-def _range(column: str, scale: float = 1.0) -> Form:
-    """Write the least and the largest value, to two digits."""
-
-    def cell(group: Group) -> str:
-        values = scale * group.rows[column].dropna()
-        ends = [f"{float(f'{end:.2g}'):g}" for end in (values.min(), values.max())]
-        return " to ".join(dict.fromkeys(ends)) if len(values) else ""
-
-    return cell
-
-
-variance = Table(
-    "variance_reduction/variance_reduction",
-    {f"coverage, {kind} (%)": _range(f"{kind}_coverage", 100) for kind in ("adjusted", "plain")},
-    rows={
-        "response": lambda group: (
-            group["response"]
-            + (f", {group['draws']} draws" if group["response"] == "difference" else "")
-        ),
-        "cycle": "{cycle}",
-    },
-    across="{rock}",
-    cell=_range("worth"),
-    prepare=lambda table: table[table.response != "slope"],
 )

@@ -1,60 +1,34 @@
 """Tables of docs/conclusions.md; its numbers are those of content.numbers."""
 
-from collections.abc import Callable
-
 import pandas as pd
 from stored import stored
 
-from content.global_sensitivity import percents
-from content.markdown import Group, Table, markdown, rows_of, value_of
+from content.markdown import Table, markdown, value_of
 from jointclosure.claims.table import CLAIMS, OURS, Claim
-from jointclosure.report.findings import NOT_TRIED, conclusion_sheet, moved_sheet
-from jointclosure.report.sheets import ABSENT, Sheet
+from jointclosure.report.findings import NOT_TRIED, conclusion_sheet
 from jointclosure.sensitivity.conclusions import ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
 
-WITH_NET = (
-    ("2a", 1, "2b"), ("2a", 2, "2a"), ("2c", 2, "2c"), ("3", 1, "3, cycle 1"),
-    ("3", 2, "3, cycle 2"), ("3b", 2, "3b"), ("1a", 1, "1a, cycle 1"), ("1a", 2, "1a, cycle 2"),
-    ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
-)  # fmt: skip
-"""Conclusions asked with and without bulk indentation: number and cycle in the study of choices,
-and as a claim."""
 EARLIER = {
     "Readings of all rocks: stands, falls, open":
         ("readings_stand", "readings_fall", "readings_open"),
     "Readings of some rocks: true there, false, open":
         ("partial_stand", "partial_fall", "partial_open"),
-    "Contradicted by the reading": ("opposed_by",),
-    "Left open by the readings": ("opened_by",),
 }  # fmt: skip
 """Columns of the earlier run of the readings, by what their numbers are called in tables."""
 AVERAGED = "Averaged over readings"
 NOT_ASKED = "not asked"
-MARGINS = {
-    "1a": "smallest of the other three elasticities, less that to Poisson's ratio",
-    "1b": "0.02 less the largest relative change of the closure",
-    "2a": "elasticity to E, less the largest of the other three",
-    "2c": "elasticity to E, cycle 2 less cycle 1",
-    "3": "smallest lead of the ranking: E over strength, strength over the other two",
-    "3b": "elasticity to strength, cycle 2 less cycle 1",
-    "3c": "change of the closure with 5 % of strength, over the smallest that 20 joints show",
-    "4": "elasticity to JRC, cycle 1 less cycle 2",
-    "5a": "elasticity to E with opposite sign, smallest between two levels",
-    "5b": "elasticity to strength, smallest between two levels",
-    "5c": "elasticity to JRC, smallest between two levels",
-    "6a": "loop over the closure, smaller one of both cycles",
-}
-"""Margins in words, by number of the statement; elasticities by magnitude where not signed."""
 
 
 def conclusions() -> str:
     """Tabulate what claims rest on, what is left of them, and the verdict of the average."""
-    averaged = _averages().verdict
-    return _sheet(
-        conclusion_sheet,
-        lambda frame: frame.assign(**{AVERAGED: frame["No."].map(averaged).fillna(NOT_ASKED)}),
-    )
+    table = stored("paper", "conclusions")
+    sheet = conclusion_sheet(table)
+    rows = [[cell.text for cell in row] for row in sheet.rows]
+    frame = pd.DataFrame(rows, columns=sheet.titles)
+    averaged = frame["No."].map(_averages().verdict).fillna(NOT_ASKED)
+    frame = frame if table.readings_stand.notna().any() else _with_earlier(frame)
+    return markdown(frame.assign(**{AVERAGED: averaged}))
 
 
 def _averages() -> pd.DataFrame:
@@ -124,23 +98,6 @@ def threshold(number: str) -> str:
     return text if alike is None else f"{text}, no difference within ±{alike:g}"
 
 
-def moved() -> str:
-    """Tabulate what moves the verdicts."""
-    return _sheet(moved_sheet)
-
-
-def _sheet(
-    of: Callable[[pd.DataFrame], Sheet],
-    more: Callable[[pd.DataFrame], pd.DataFrame] = lambda frame: frame,
-) -> str:
-    """Write a table of the report; where readings were not run again, with those of before."""
-    table = stored("paper", "conclusions").astype({"opposed_by": object, "opened_by": object})
-    sheet = of(table)
-    rows = [[cell.text for cell in row] for row in sheet.rows]
-    frame = more(pd.DataFrame(rows, columns=sheet.titles))
-    return markdown(frame if table.readings_stand.notna().any() else _with_earlier(frame))
-
-
 def _with_earlier(frame: pd.DataFrame) -> pd.DataFrame:
     """Replace columns on readings by those of the earlier run, and name them so."""
     earlier = stored("conclusions", "earlier_readings").set_index("number")
@@ -152,28 +109,11 @@ def _with_earlier(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _earlier(table: pd.DataFrame, number: str) -> str:
-    """Write what the earlier run has of a claim: counts of readings, or their titles."""
+    """Write what the earlier run has of a claim: counts of readings."""
     if number not in table.index:
         return NOT_TRIED
     values = table.loc[number]
-    if len(values) == 1:
-        return ABSENT if pd.isna(values.iloc[0]) else values.iloc[0]
     return NOT_TRIED if values.isna().any() else ", ".join(f"{value:.0f}" for value in values)
-
-
-def net() -> str:
-    """Tabulate conclusions with and without bulk indentation: choices, verdict as configured."""
-    shares = rows_of(stored("global_sensitivity", "global_sensitivity_conclusions"), rock="all")
-    verdicts = stored("paper", "conclusions").set_index("number").verdict
-    rows = []
-    for number, cycle, claim in WITH_NET:
-        of_claim = rows_of(shares, number=number, cycle=cycle)
-        row = {"conclusion": of_claim.conclusion.iloc[0], "cycle": cycle}
-        for response, suffix in (("max_closure", ""), ("max_closure_net", ", net")):
-            row[f"as configured{suffix}"] = verdicts.get(f"{claim}{suffix}", "not judged")
-            row[f"choices{suffix} (%)"] = percents(Group(rows_of(of_claim, response=response)))
-        rows.append(row)
-    return markdown(pd.DataFrame(rows))
 
 
 readings = Table(
@@ -183,22 +123,5 @@ readings = Table(
         "weight": "{weight±weight, error}",
         "by cycle 1 only": "{weight by cycle 1±weight by cycle 1, error}",
         "by cycle 2 only": "{weight by cycle 2±weight by cycle 2, error}",
-    },
-)
-readings_tests = Table(
-    "readings_average/readings_average_tests",
-    {"entries tested": "{tested}", "entries that give the weights": "{seen}", "p": "{p±p_error}"},
-)
-readings_claims = Table(
-    "readings_average/readings_average_claims",
-    {
-        "No.": "{number}",
-        "claim": "{claim}",
-        "margin": lambda group: MARGINS[_claim(group["number"]).judged_by.number],
-        "least margin": "{margin±margin_error} ({rock})",
-        "needed": lambda group: threshold(group["number"]),
-        "share of the reading in its variance": "{share_of_reading:.0%}",
-        "weight of readings where it is true": "{weight_true±weight_true_error}",
-        "verdict": "{verdict}",
     },
 )

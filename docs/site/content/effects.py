@@ -9,27 +9,14 @@ from content.markdown import Table, markdown
 CHOICE = {
     "something was left out, of {scenes:.0f} conditions": "{changed:.0f}",
     "error within the tolerance (% of all, 95 % interval)": "{held_percent:.0f} ({held_interval})",
-    "where something was left out (%)": "{held_of_changed_percent:.0f}",
     "largest error (%)": "{largest_error_percent:.1f}",
     "time saved, of all conditions together (%)": "{saved_percent:.1f}",
     "by the best scenes (%)": "{best_saved_percent:.1f}",
-    "time saved, mean over conditions (%)": "{mean_saved_percent:.1f}",
-    "by the best scenes, mean (%)": "{best_mean_saved_percent:.1f}",
-    "regret, median": "{median_regret:.2f}",
     "time saved where it is least (%)": "{least_saved_percent:.0f}",
     "largest time lost by a pilot where all effects act (%)": "{largest_lost_percent:.1f}",
-    "effectivity index, median": "{effectivity:.1f}",
-    "from 1 to 5 (% of the selections that left something out)": "{effectivity_good_percent:.0f}",
-    "below 1, true error above the estimate (% of the same)": "{effectivity_below_percent:.0f}",
 }
 """Rows of the table of choices: their titles, and forms of their numbers."""
 EFFECTS = ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
-ADDED = {
-    "max. closure (%)": "max_closure",
-    "residual closure (%)": "residual_closure",
-    "hysteresis (% of work)": "hysteresis",
-    "time with / without": "time_ratio",
-}
 
 
 def choice() -> str:
@@ -63,18 +50,5 @@ regions = Table(
             f"{{{effect}!p}} ({{{effect}_least!p}} to {{{effect}_largest!p}})"
         )
         for effect in EFFECTS
-    },
-)
-contributions = Table(
-    "effects/effects_contributions",
-    {
-        "effect": "{effect}",
-        "cycle": "{cycle}",
-        "stress (MPa)": "{stress_MPa}",
-        "conditions": "{known} of {conditions}",
-    }
-    | {
-        title: f"{{{name}:.1f}} ({{{name}_least:.1f}} to {{{name}_largest:.1f}})"
-        for title, name in ADDED.items()
     },
 )

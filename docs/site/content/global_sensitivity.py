@@ -1,19 +1,15 @@
 """Tables and numbers of docs/global_sensitivity.md."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 from stored import origin, stored
 
-from content.markdown import MOST, Form, Group, Table, markdown, rows_of, titled, written
+from content.markdown import Group, Table, markdown, titled, written
 from jointclosure.config.properties import PARAMETERS
 from jointclosure.plotting.global_sensitivity import SHOWN
-from jointclosure.report.findings import found_text
+from jointclosure.statistics.standard_errors import rounded
 
 RUN = "global_sensitivity"
-ENOUGH = 0.08
-"""Standard error of a share that would settle it."""
 CASES = {
     (1, "max_closure"): "cycle 1",
     (1, "max_closure_net"): "cycle 1, net",
@@ -21,8 +17,6 @@ CASES = {
     (2, "max_closure_net"): "cycle 2, net",
 }
 """Cycle and response that conclusions are about."""
-SHOWN_FROM = 0.1
-"""Share of a margin's variance from which on an input is shown."""
 
 
 def _span(name: str, digits: int = 2) -> str:
@@ -37,34 +31,16 @@ def _from_all(table: pd.DataFrame) -> pd.DataFrame:
     return table[rows == rows.max()]
 
 
-def indices(kind: str) -> str:
-    """Tabulate indices ("first" or "total") of inputs."""
-
-    def prepare(table: pd.DataFrame) -> pd.DataFrame:
-        table = _from_all(table).dropna(subset=[kind])
-        return titled(table.assign(of=table.title), SHOWN, "response", "cycle")
-
-    rows = {"input": "{of}"}
-    return Table(f"{RUN}/global_sensitivity_indices", {}, rows, "{title}", _span(kind), prepare)()
-
-
-def _effects(table: pd.DataFrame) -> pd.DataFrame:
-    """Put Shapley effects with and without dependent inputs below each other."""
-    table = rows_of(_from_all(table), response="max_closure").dropna(subset=["shapley"])
-    dependent = table.assign(
-        shapley=table.shapley_dependent, shapley_error=table.shapley_dependent_error
-    )
-    parts = [table.assign(how=""), dependent.assign(how=", E and σc correlated")]
-    return pd.concat(parts).sort_values("cycle", kind="stable")
-
-
-shapley = Table(
+indices = Table(
     f"{RUN}/global_sensitivity_indices",
-    rows={"input": "{title}"},
-    across="cycle {cycle}{how}",
-    cell=_span("shapley"),
-    prepare=_effects,
-)
+    rows={"input": "{of}"},
+    across="{title}",
+    cell=_span("total"),
+    prepare=lambda table: titled(
+        _from_all(table).dropna(subset=["total"]).assign(of=lambda rows: rows.title),
+        SHOWN, "response", "cycle",
+    ),
+)  # fmt: skip
 elasticities = Table(
     f"{RUN}/global_sensitivity_elasticities",
     {"varies by": _span("spread"),
@@ -95,41 +71,14 @@ def _shares(group: Group) -> str:
     return f"{percents(least)}; all {percents(Group(group.rows[together]))}"
 
 
-def _by_case(cell: Form, unit: str, keep: Callable = lambda table: table) -> Table:
-    """Table of conclusions in rows, cycles and closures that they are about in columns."""
-    cases = {key: title + unit for key, title in CASES.items()}
-    return Table(
-        f"{RUN}/global_sensitivity_conclusions",
-        rows={"": "{number}", "conclusion": "{conclusion}"},
-        across="{title}",
-        cell=cell,
-        prepare=lambda table: titled(keep(table), cases, "cycle", "response").sort_values(
-            ["number", "conclusion"], kind="stable"
-        ),
-    )
-
-
-conclusions = _by_case(_shares, " (%)")
-single_rows = _by_case(
-    "{rows_true min} to {rows_true max}", "", lambda table: table[table.rock != "all"]
-)
-
-
-def _rankings(table: pd.DataFrame) -> pd.DataFrame:
-    """Choose margins of rankings on the second cycle, and inputs that matter to them."""
-    table = table[(table.cycle == 2) & table.number.isin(["1a", "2a"])]
-    largest = table.groupby(["number", "title"]).share.transform("max")
-    net = table.response.map({"max_closure": "", "max_closure_net": ", net"})
-    table = table.assign(of=table.rock + net)[largest >= SHOWN_FROM]
-    return table.sort_values(["number", "conclusion"], kind="stable")
-
-
-ranking = Table(
-    f"{RUN}/global_sensitivity_margins",
-    rows={"": "{number}", "conclusion": "{conclusion}", "varies with": "{title}"},
-    across="{of}",
-    cell="{share:.2f} ± {share_error:.2f}",
-    prepare=_rankings,
+conclusions = Table(
+    f"{RUN}/global_sensitivity_conclusions",
+    rows={"": "{number}", "conclusion": "{conclusion}"},
+    across="{title} (%)",
+    cell=_shares,
+    prepare=lambda table: titled(table, CASES, "cycle", "response").sort_values(
+        ["number", "conclusion"], kind="stable"
+    ),
 )
 
 
@@ -162,36 +111,6 @@ def _lengths(part: pd.DataFrame, digits: int) -> str:
     return written(_span("value", digits), Group(known)) + dashes
 
 
-jrc_claims = Table(
-    "jrc_range/jrc_range_claims",
-    rows={"": "{number}", "claim": "{claim}"},
-    across=_known,
-    cell=found_text,
-    prepare=lambda table: table.dropna(subset=["found_share"]),
-)
-full_size = Table(
-    "global_sensitivity_full/global_sensitivity_estimate",
-    {
-        "rock": "{job}",
-        "simulations": "{joints:,.0f}",
-        "seconds each": "{each:.2f}",
-        "core-hours": "{hours±error}",
-    },
-    prepare=lambda table: _with_sum(
-        table.assign(
-            hours=table.seconds / 3600, error=table.error / 3600, each=table.seconds / table.joints
-        )
-    ),
-)
-
-
-def _with_sum(table: pd.DataFrame) -> pd.DataFrame:
-    """Add a row of all rocks."""
-    whole = table[["joints", "hours"]].sum().to_dict()
-    whole |= {"job": "all", "error": (table.error**2).sum() ** 0.5}
-    return pd.concat([table, pd.DataFrame([whole])])
-
-
 def rows() -> int:
     """Count rows of the design."""
     return int(stored(RUN, "global_sensitivity_indices").rows.max())
@@ -207,62 +126,7 @@ def minutes() -> str:
     return f"{origin(RUN)['cpu_minutes']:.0f}"
 
 
-def _of_largest() -> pd.DataFrame:
-    """Choose the total indices on the first closure of the input with the largest one."""
-    table = stored(RUN, "global_sensitivity_indices").sort_values("rows", kind="stable")
-    table = rows_of(table[table.input != "surfaces"], response="max_closure", cycle=1)
-    return table[table.input == table.loc[_from_all(table).total.idxmax()].input]
-
-
-def largest_input() -> str:
-    """Name the input with the largest total index on the first closure."""
-    return _of_largest().title.iloc[0]
-
-
-def largest_index() -> str:
-    """List the largest total index on the first closure by rock, from few to all rows."""
-    rocks = stored(RUN, "global_sensitivity_estimate").job
-    totals = [rows_of(_of_largest(), rock=rock).total.map("{:.2f}".format) for rock in rocks]
-    return "; ".join(f"{rock} {', '.join(of)}" for rock, of in zip(rocks, totals, strict=True))
-
-
-def fewer_rows() -> str:
-    """List the numbers of rows from which indices were estimated."""
-    return ", ".join(f"{count:.0f}" for count in _of_largest().rows.unique())
-
-
-def index_error() -> str:
-    """Give the largest relative error [%] of that index from all rows."""
-    table = _from_all(_of_largest())
-    return f"{100 * (table.total_error / table.total).max():.0f}"
-
-
-def fit_shares() -> str:
-    """List what share of the variance the fitted polynomials have, by response."""
-    fits = titled(_from_all(stored(RUN, "global_sensitivity_indices")), SHOWN, "response", "cycle")
-    return "; ".join(
-        f"{title}: {part.fit_share.min():.2f} to {part.fit_share.max():.2f}"
-        for title, part in fits.groupby("title")
-    )
-
-
-def least_certain() -> str:
-    """State the share of the choices that is known least."""
-    row = Group(rows_of(stored(RUN, "global_sensitivity_conclusions"), share_error=MOST))
-    net = ", net of bulk indentation" * row["response"].endswith("net")
-    share = f"{100 * row['share']:.0f} ± {100 * row['share_error']:.0f} %"
-    return f'"{row["conclusion"]}" on cycle {row["cycle"]}{net}: {share}'
-
-
-def enough_rows() -> int:
-    """Count the rows, doubled and doubled again, that would settle that share."""
-    enough, error = rows(), stored(RUN, "global_sensitivity_conclusions").share_error.max()
-    while error * (rows() / enough) ** 0.5 > ENOUGH:
-        enough *= 2
-    return enough
-
-
-def hours(count: int, digits: int = 0) -> str:
-    """Give the core-hours of a design of so many rows, by the estimate of this one."""
-    hours_of_all = stored(RUN, "global_sensitivity_estimate").seconds.sum() / 3600
-    return f"{hours_of_all * count / rows():.{digits}f}"
+def hours() -> str:
+    """Give the core-hours of the design at full size, by its estimate."""
+    table = stored("global_sensitivity_full", "global_sensitivity_estimate")
+    return rounded(table.seconds.sum() / 3600.0, (table.error**2).sum() ** 0.5 / 3600.0)

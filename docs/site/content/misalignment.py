@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 from stored import stored
 
-from content.markdown import MOST, Group, Table, rows_of, titled
-from jointclosure.engine.quantities import QUANTITIES, shown_unit, titles_of_cycles
+from content.markdown import MOST, rows_of, titled
+from jointclosure.engine.quantities import titles_of_cycles
 
 SHOWN = titles_of_cycles(
     ("max_closure", 1),
@@ -20,42 +20,11 @@ LEVEL = 1.96
 """Standard errors of a 95 % interval."""
 
 
-def _walls(group: Group) -> str:
-    wavelength = group["wavelength_mm"]
-    return "independent" if np.isinf(wavelength) else f"mated beyond {wavelength:g} mm"
-
-
 def _shown(table: pd.DataFrame, motion: str = "") -> pd.DataFrame:
     """Choose rows of tables in which walls were moved so, and not otherwise."""
     for name in MOTIONS:
         table = table[(table[f"{name}_degrees"] > 0.0) == (name == motion)]
     return titled(table, SHOWN, "response", "cycle").sort_values(["wavelength_mm", "title"])
-
-
-def _changes(motion: str) -> Table:
-    """Table of changes [%], least to largest of the rocks, against one motion."""
-    return Table(
-        "misalignment/misalignment",
-        rows={"walls": _walls, "change (%) of": "{title}"},
-        across=f"{{{motion}_degrees:g}}°",
-        cell="{change_percent min:+.1f} to {change_percent max:+.1f} (± {change_error max:.1f})",
-        prepare=lambda table: _shown(table, motion),
-    )
-
-
-tilt, rotation = _changes("tilt"), _changes("rotation")
-aligned = Table(
-    "misalignment/misalignment",
-    rows={
-        "walls": _walls,
-        "": lambda group: "{} ({})".format(
-            group["title"], shown_unit(QUANTITIES[group["response"]].unit)[0]
-        ),
-    },
-    across="{rock}",
-    cell="{value±error}",
-    prepare=_shown,
-)
 
 
 def _moved(motion: str, walls: str) -> pd.DataFrame:

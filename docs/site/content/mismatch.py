@@ -4,7 +4,7 @@ import math
 
 from stored import stored
 
-from content.markdown import Form, Group, Table, chosen, rows_of
+from content.markdown import Form, Group, Table, chosen, rows_of, value_of
 from jointclosure.engine.quantities import HEADINGS
 from jointclosure.measured.fit import DOUBTFUL
 
@@ -36,32 +36,11 @@ def _two_digits(column: str) -> Form:
     return cell
 
 
-def _shift(column: str) -> Form:
-    """Write a shift; where none is enough, the largest that was tried."""
-
-    def cell(group: Group) -> str:
-        largest = stored("mismatch", "mismatch").shift_mm.max()
-        return f"{group[column]:.2g}" if math.isfinite(group[column]) else f"over {largest:g}"
-
-    return cell
-
-
 mismatched = Table(
     "mismatch/mismatch",
     {"mismatch wavelength (mm)": _walls, "cycle": "{cycle}"}
     | {HEADINGS[column]: _two_digits(column) for column in SHOWN},
     prepare=chosen(shift_mm=0.0),
-)
-unmated = Table(
-    "mismatch/mismatch_shifts",
-    {
-        "mismatch wavelength (mm)": _walls,
-        "shift (mm)": _shift("shift_mm"),
-        "low": _shift("low"),
-        "high": _shift("high"),
-        "in apertures": "{apertures:.1f}",
-    },
-    prepare=lambda table: table.replace({"apertures": {math.inf: math.nan}}),
 )
 
 
@@ -76,13 +55,6 @@ def _fitted(group: Group) -> str:
     return f"{_length(value)} ({_length(low)} to {_length(high)})"
 
 
-def _agreement(group: Group) -> str:
-    if math.isnan(group["low"]):
-        least, most = group["least"], group["most"]
-        return f"none (nearest: {least:.2g} to {most:.2g})"
-    return f"{1e3 * group['low']:.2g} to {1e3 * group['high']:.2g}"
-
-
 measured_fits = Table(
     "measured_fit/measured_fit",
     {
@@ -91,16 +63,6 @@ measured_fits = Table(
         "mismatch wavelength (95 % interval, mm)": _fitted,
         "joints as far from their mean (%)": lambda group: f"{100.0 * group['p_value']:.2g}",
     },
-)
-measured_readings = Table(
-    "measured_fit/measured_fit_readings",
-    {
-        "joint": "{joint}",
-        "reading": "{name}",
-        "measured": lambda group: f"{group['measured']:.3g} {group['unit']}",
-        "wavelengths at which joints have it (mm)": _agreement,
-    },
-    prepare=lambda table: table[table.side_mm == table.side_mm.max()],
 )
 known_wavelengths = Table(
     "measured_fit/measured_fit_known",
@@ -136,3 +98,8 @@ def first(column: str, walls: str, digits: str = ".0f", scale: float = 1.0) -> s
     mated = table[(table.residual_closure_seated_net_mm > 0.0) & (table.wavelength_mm < math.inf)]
     row = Group(mated if walls == "mated" else rows_of(table, wavelength_mm=math.inf))
     return f"{scale * row[column]:{digits}}"
+
+
+def least_shift() -> str:
+    """Give the least lower limit [mm] of the shift from which walls count as independent."""
+    return value_of("mismatch/mismatch_shifts", "{low min:.1f}")

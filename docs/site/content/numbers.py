@@ -1,15 +1,11 @@
 """Numbers of texts by name, with the stored rows that they come from."""
 
-import math
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
-import pandas as pd
-from stored import ROOT, origin, path_of
-
-from content.markdown import MOST, Form, Group, markdown, value_of
+from content.markdown import Form, Group, value_of
 from jointclosure.claims.table import OURS
 from jointclosure.sensitivity.conclusions import DEPENDS, JUDGED_ELSEWHERE, ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
@@ -20,7 +16,6 @@ class Number(NamedTuple):
     """A number of a text: rows of a stored table ("run/table") that have some values."""
 
     table: str
-    column: str
     form: Form
     rows: Mapping[str, object] = MappingProxyType({})
 
@@ -28,19 +23,6 @@ class Number(NamedTuple):
 def number(name: str) -> str:
     """Give the text of a number; `KeyError` where there is none of this name."""
     return value_of(NUMBERS[name].table, NUMBERS[name].form, **NUMBERS[name].rows)
-
-
-def origins() -> str:
-    """Tabulate where the numbers come from."""
-    rows = []
-    for name, (table, column, _, values) in NUMBERS.items():
-        run, file = table.split("/")
-        row = {"number": name, "is": number(name)}
-        row |= {"table": f"`{path_of(run, file).relative_to(ROOT).as_posix()}`"}
-        row |= {"column": f"`{column}`"}
-        row["rows"] = ", ".join(f"{key} = {value}" for key, value in values.items()) or "all"
-        rows.append(row | {"commit": f"`{origin(run)['commit']}`"})
-    return markdown(pd.DataFrame(rows))
 
 
 def span(table: str, value: str, error: str, scale: float = 1.0, **rows: object) -> Number:
@@ -51,7 +33,7 @@ def span(table: str, value: str, error: str, scale: float = 1.0, **rows: object)
         low, high = (rounded(scale * end, scale * doubt) for end, doubt in ends)
         return low if len(group.rows) == 1 else f"{low} to {high}"
 
-    return Number(table, value, text, rows)
+    return Number(table, text, rows)
 
 
 _elasticity = partial(span, "paper/elasticities", "elasticity", "elasticity_standard_error")
@@ -60,36 +42,13 @@ _mean = partial(
     span, "paper/max_closure", "max_closure_mean_mm", "max_closure_mean_mm_standard_error",
     parameter="base",
 )  # fmt: skip
-_jrc = partial(span, "jrc_range/jrc_range", "value", "standard_error")
-_studies = partial(span, "paper/claims", "found_share", "found_error", 100.0)
-_joint = partial(span, "large_pool/table_3_joint_tests", "p", "p_error")
-_no_effect = partial(span, "large_pool/table_3_joint_tests", "null_p", "null_p_error")
-_index = partial(
-    span, "global_sensitivity/global_sensitivity_indices", "total", "total_error",
-    response="max_closure", rows=MOST,
-)  # fmt: skip
-_choices = partial(
-    span,
-    "global_sensitivity/global_sensitivity_conclusions",
-    "share",
-    "share_error",
-    100.0,
-    rock="all",
+_scatter = partial(
+    span, "jrc_range/jrc_range", "value", "standard_error", parameter="base", half_width=0.0
 )
-_tilted = partial(
-    span, "misalignment/misalignment", "change_percent", "change_error",
-    wavelength_mm=math.inf, rotation_degrees=0.0, tilt_degrees=MOST, response="max_closure",
+_choices_of_2a = partial(
+    span, "global_sensitivity/global_sensitivity_conclusions", "share", "share_error", 100.0,
+    rock="all", number="2a", cycle=2,
 )  # fmt: skip
-_larger = partial(
-    span, "size/size_barton_bandis", "ratio", "error",
-    spectrum="roll_off_3mm", reading="max_closure_seated_net", to_mm=MOST,
-)  # fmt: skip
-_continuum = partial(
-    span, "continuum/continuum", "ratio", "ratio_error",
-    model="continuum, hardness at breakage (own)",
-)  # fmt: skip
-
-
 _E_OF_DOLERITE = {"rock": "dolerite", "parameter": "youngs_modulus"}
 
 
@@ -102,7 +61,7 @@ def _steps(cycle: int) -> Number:
         return " to ".join(form.format_map(row) for row in (rows[0], rows[-1]))
 
     rows = {"response": "mean", "method": "paper", "control_variates": False, "cycle": cycle}
-    return Number("accuracy_biases/accuracy_methods", "bias_percent", text, rows)
+    return Number("accuracy_biases/accuracy_methods", text, rows)
 
 
 def _count(*conclusions: str) -> Number:
@@ -115,8 +74,7 @@ def _count(*conclusions: str) -> Number:
         counted = group.rows.conclusion.isin(conclusions) | (not conclusions)
         return (counted & (group.rows.section != OURS)).sum()
 
-    which = f"conclusion = {' or '.join(conclusions)}, " if conclusions else ""
-    return Number("paper/conclusions", f"rows of {which}section not {OURS}", text)
+    return Number("paper/conclusions", text)
 
 
 def _readings(kind: str) -> Number:
@@ -126,18 +84,7 @@ def _readings(kind: str) -> Number:
     def text(group: Group) -> str:
         return f"{sum(group[column] for column in columns):.0f}"
 
-    return Number("conclusions/earlier_readings", " + ".join(columns), text, {"number": "2a"})
-
-
-def _share_of_rows(claim: str, cycle: int) -> Number:
-    """At how many rows a conclusion is true of the row's changes, over rocks."""
-
-    def text(group: Group) -> str:
-        of_rocks = group.rows[group.rows.rock != "all"].rows_true
-        return f"{of_rocks.min()} to {of_rocks.max()}"
-
-    rows = {"number": claim, "response": "max_closure", "cycle": cycle}
-    return Number("global_sensitivity/global_sensitivity_conclusions", "rows_true", text, rows)
+    return Number("conclusions/earlier_readings", text, {"number": "2a"})
 
 
 def _margin(name: str, rock: str) -> Number:
@@ -147,7 +94,7 @@ def _margin(name: str, rock: str) -> Number:
         return f"{100 * group['share']:.0f} ± {100 * group['share_error']:.0f} %"
 
     rows = {"number": "2a", "response": "max_closure", "cycle": 2, "input": name, "rock": rock}
-    return Number("global_sensitivity/global_sensitivity_margins", "share", text, rows)
+    return Number("global_sensitivity/global_sensitivity_margins", text, rows)
 
 
 NUMBERS = {
@@ -163,31 +110,24 @@ NUMBERS = {
     "2a goes with the Hurst exponent": _margin("hurst", "siltstone"),
     "readings of all rocks": _readings("readings"),
     "readings of some rocks": _readings("partial"),
-    "rows": Number(
-        "global_sensitivity/global_sensitivity_indices", "rows", "{rows}", {"rows": MOST}
-    ),
-    "rows of 5a": _share_of_rows("5a", 2),
-    "rows of 5b": _share_of_rows("5b", 2),
-    "rows of 5c": _share_of_rows("5c", 1),
-    "e(E) 2, net": _net(parameter="youngs_modulus", cycle=2),
-    "e(E) 2": _elasticity(parameter="youngs_modulus", cycle=2),
+    "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),
     "e(E) 1, net": _net(parameter="youngs_modulus", cycle=1),
+    "e(E) 2": _elasticity(parameter="youngs_modulus", cycle=2),
+    "e(E) 2, net": _net(parameter="youngs_modulus", cycle=2),
+    "e(sigma_c) 1": _elasticity(parameter="compressive_strength", cycle=1),
+    "e(sigma_c) 2": _elasticity(parameter="compressive_strength", cycle=2),
     "e(sigma_c) 2, net": _net(parameter="compressive_strength", cycle=2),
+    "e(JRC) 1": _elasticity(parameter="jrc", cycle=1),
+    "e(JRC) 2": _elasticity(parameter="jrc", cycle=2),
+    "e(nu) 1": _elasticity(parameter="poisson_ratio", cycle=1),
+    "e(nu) 2": _elasticity(parameter="poisson_ratio", cycle=2),
     "mean 1": _mean(cycle=1),
     "mean 2": _mean(cycle=2),
-    "scatter 1": _jrc(parameter="base", cycle=1, half_width=0.0),
-    "scatter 2": _jrc(parameter="base", cycle=2, half_width=0.0),
-    "p": _joint(entries="all"),
-    "p of no effect, cycle 1 without JRC": _no_effect(entries="cycle 1 without JRC"),
-    "p, cycle 1 without JRC": _joint(entries="cycle 1 without JRC"),
-    "e(sigma_c) 2": _elasticity(parameter="compressive_strength", cycle=2),
-    "e(JRC) 2": _elasticity(parameter="jrc", cycle=2),
-    "e(nu) 2": _elasticity(parameter="poisson_ratio", cycle=2),
-    "length of E 2": _jrc(parameter="youngs_modulus", cycle=2, half_width=0.0),
-    "found 2a": _studies(number="2a"),
+    "scatter 1": _scatter(cycle=1),
+    "scatter 2": _scatter(cycle=2),
+    "p": span("large_pool/table_3_joint_tests", "p", "p_error", entries="all"),
     "repeated length of E 2": Number(
         "paper/table_3_predictive",
-        "low_90, high_90",
         "{low_90:.1f} to {high_90:.1f}",
         _E_OF_DOLERITE | {"cycle": 2},
     ),
@@ -199,31 +139,13 @@ NUMBERS = {
         **_E_OF_DOLERITE,
         cycle=1,
     ),
-    "e(JRC) 1": _elasticity(parameter="jrc", cycle=1),
-    "e(sigma_c) 1": _elasticity(parameter="compressive_strength", cycle=1),
-    "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),
-    "e(nu) 1": _elasticity(parameter="poisson_ratio", cycle=1),
-    "found 2b": _studies(number="2b"),
-    "choices 2b": _choices(number="2a", response="max_closure", cycle=1),
-    "found 1a 1": _studies(number="1a, cycle 1"),
-    "ratio on 2": _index(input="peak_modulus", cycle=2),
-    "rule on 1": _index(input="rule", cycle=1),
-    "roll-off on 1": _index(input="roll_off", cycle=1),
-    "JRC on 1": _index(input="jrc", cycle=1),
-    "stress on 1": _index(input="stress", cycle=1),
-    "ratio on 1": _index(input="peak_modulus", cycle=1),
-    "choices 2a": _choices(number="2a", response="max_closure", cycle=2),
-    "choices 2a, net": _choices(number="2a", response="max_closure_net", cycle=2),
-    "choices 1a 1": _choices(number="1a", response="max_closure", cycle=1),
-    "choices 1a 2": _choices(number="1a", response="max_closure", cycle=2),
-    "scatter 1, JRC to 2": _jrc(parameter="base", cycle=1, half_width=2.0),
-    "tilt 1": _tilted(cycle=1),
-    "tilt 2": _tilted(cycle=2),
-    "larger 1": _larger(cycle=1),
-    "larger 2": _larger(cycle=2),
+    "choices 2a": _choices_of_2a(response="max_closure"),
+    "choices 2a, net": _choices_of_2a(response="max_closure_net"),
     "steps 1": _steps(1),
     "steps 2": _steps(2),
-    "continuum 1": _continuum(reading="closure_1_mm"),
-    "continuum 2": _continuum(reading="closure_2_mm"),
-}
-"""Numbers of docs/conclusions.md, in its order."""
+    "continuum 1": span(
+        "continuum/continuum", "ratio", "ratio_error",
+        model="continuum, hardness at breakage (own)", reading="closure_1_mm",
+    ),
+}  # fmt: skip
+"""Numbers of docs/conclusions.md."""

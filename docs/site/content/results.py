@@ -1,12 +1,11 @@
 """Tables and numbers of docs/results.md, and the outcome of the default study in short."""
 
-import numpy as np
 import pandas as pd
-from stored import origin, stored
+from stored import stored
 
 from content.markdown import Form, Table, markdown, rows_of, value_of
 from jointclosure.claims.table import OURS
-from jointclosure.report.findings import found_text, probability, verdict_text
+from jointclosure.report.findings import probability
 from jointclosure.sensitivity.conclusions import UNJUDGED
 from jointclosure.sensitivity.tables import markdown_rows, table_3
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
@@ -46,17 +45,6 @@ joint_tests = Table(
     },
     prepare=_beside_study,
 )
-claims = Table(
-    "paper/claims",
-    {
-        "": "{number}",
-        "claim": "{claim}",
-        "place in the paper": "{section}",
-        "true of the model": verdict_text,
-        "studies that find it": found_text,
-        "in the paper's Table 3": "{paper_finds}",
-    },
-)
 
 
 def scatter(cycle: int) -> str:
@@ -80,45 +68,6 @@ def flagged() -> str:
 def study_p(entries: str) -> str:
     """Give p of some entries from the pool of the study."""
     return value_of("paper/table_3_joint_tests", _probability("p"), entries=entries)
-
-
-AIM = 0.02
-"""Standard error of p that was wanted."""
-
-
-def fall() -> str:
-    """Give the power of the number of surfaces with which the error of p fell between the pools."""
-    errors = [
-        rows_of(stored(run, "table_3_joint_tests"), entries="all").p_error.iloc[0]
-        for run in ("large_pool", "paper")
-    ]
-    ratio = _large_pool() / int(study_surfaces())
-    return f"{np.log(errors[0] / errors[1]) / np.log(ratio):.1f}"
-
-
-def study_surfaces() -> str:
-    """Count the surfaces of the study's pool."""
-    return value_of("paper/table_3_predictive", "{pool max:.0f}")
-
-
-def _large_pool() -> int:
-    return origin("large_pool")["configuration"]["differs"]["study.pool"]
-
-
-def _pools_wanted() -> float:
-    """Compute how many of the large pools would give p of all entries to `AIM`."""
-    table = rows_of(stored("large_pool", "table_3_joint_tests"), entries="all")
-    return (table.p_error.iloc[0] / AIM) ** 2
-
-
-def wanted_surfaces() -> str:
-    """Count the surfaces that p to `AIM` takes, to two figures."""
-    return f"{float(f'{_large_pool() * _pools_wanted():.2g}'):,.0f}"
-
-
-def wanted_hours() -> str:
-    """Give the core-hours that p to `AIM` takes, by those of the large pool."""
-    return f"{origin('large_pool')['cpu_minutes'] * _pools_wanted() / 60.0:.0f}"
 
 
 VERDICTS = {

@@ -1,46 +1,13 @@
 """Tables and numbers of docs/validation.md."""
 
-import numpy as np
 import pandas as pd
 from stored import origin, stored
 
-from content.markdown import Form, Group, Table, markdown, rows_of, written
+from content.markdown import markdown, rows_of
 from jointclosure.engineering.measured_joints import ALL, JOINTS, measured_joints, measured_range
 from jointclosure.engineering.measured_joints import measured as measured_value
 from jointclosure.measured.joints import HEADINGS
 from jointclosure.statistics.standard_errors import rounded
-
-NAMES = {
-    "seated_net": "closure since 0.5 MPa, net (mm)",
-    "seated_gross": "gross (mm)",
-    "stays_net": "of it stays, net (%)",
-    "stays_gross": "gross (%)",
-    "kn_net": "kn, 5 to 10 MPa, net (MPa/mm)",
-    "kn_gross": "gross (MPa/mm)",
-    "stiffer_net": "kn of cycle 2 over cycle 1, net",
-    "stiffer_gross": "gross",
-    "semilog": "rms miss of the semi-logarithmic law (%)",
-    "hyperbola": "of the hyperbola (%)",
-    "loop": "loop of cycle 2 (MPa)",
-}
-
-
-def _with_deviation(name: str) -> Form:
-    """Write a mean and its deviation; a mean alone of one joint, or where joints do not differ."""
-
-    def cell(group: Group) -> str:
-        scattered = group[f"{name}_deviation"] > 0.0
-        form = f"{{{name}_mean±{name}_deviation}}" if scattered else f"{{{name}_mean:.3g}}"
-        return written(form, group)
-
-    return cell
-
-
-model = Table(
-    "validation/validation",
-    {"walls": "{walls}", "side (mm)": "{side_mm:g}", "joints": "{joints}"}
-    | {title: _with_deviation(name) for name, title in NAMES.items()},
-)
 
 OBSERVABLES = {
     "first_closure": "first loading: closure at 10.27 MPa (mm)",
@@ -56,8 +23,6 @@ JUDGED = {name: title for name, title in HEADINGS.items() if name != "first_clos
 """Observables that are not fitted, with their titles in tables of results."""
 _RUN = ("measured_joints", "measured_joints")
 DEFAULT = "default choices"
-SIGNIFICANT = 2.0
-"""Standard errors of a difference above which it counts as a change."""
 
 
 def _range(row: pd.Series) -> str:
@@ -95,20 +60,14 @@ def _hits(part: pd.DataFrame) -> str:
     return f"{(part.judgement == 'agrees').sum()} of {len(part)}"
 
 
-def judged(walls: str) -> str:
-    """Tabulate means of all choices for "independent" or "mated" walls, and hits."""
-    table = rows_of(stored(*_RUN), walls=walls)
+def judged() -> str:
+    """Count the joints that agree with walls fitted to them, by choice and observable."""
+    table = rows_of(stored(*_RUN), walls="mated")
     lines = []
     for variant, of_variant in table.groupby("variant", sort=False):
-        line = {"choice": variant}
-        if walls == "independent":
-            part = of_variant[of_variant.observable == "first_closure"]
-            line["first closure (mm)"] = f"{_mean(part.iloc[0])}; **{_hits(part)}**"
-        for name, title in JUDGED.items():
-            part = of_variant[of_variant.observable == name]
-            means = dict.fromkeys(_mean(row) for _, row in part.iterrows())
-            line[title] = f"{', '.join(means)}; **{_hits(part)}**"
-        lines.append(line)
+        agree = (of_variant.judgement == "agrees").groupby(of_variant.observable).sum()
+        titles = {title: str(agree[name]) for name, title in JUDGED.items()}
+        lines.append({"choice": variant} | titles | {"sum": str(agree[list(JUDGED)].sum())})
     return markdown(pd.DataFrame(lines))
 
 
@@ -148,58 +107,9 @@ def _hits_of(variant: str, walls: str) -> pd.Series:
     return (table.judgement == "agrees").groupby(table.joint).sum()
 
 
-def changes() -> str:
-    """Tabulate which observables a choice moves nearer to the measured range, and which away.
-
-    The means are those of fitted walls, compared with the default choices. A change counts if the
-    distance from the measured range differs by more than `SIGNIFICANT` standard errors.
-    """
-    table = rows_of(stored(*_RUN), walls="mated")
-    table = table[table.observable.isin(JUDGED)].assign(off=_distance)
-    keys = ["observable", "joint"]
-    default = rows_of(table, variant=DEFAULT).set_index(keys)
-    lines = []
-    for variant, part in table[table.variant != DEFAULT].groupby("variant", sort=False):
-        part = part.set_index(keys)
-        nearer = default.off - part.off
-        nearer = nearer[nearer.abs() > SIGNIFICANT * np.hypot(part.error, default.error)]
-        line = {"choice": variant, "nearer to the measured range": _with_joints(nearer[nearer > 0])}
-        lines.append(line | {"farther from it": _with_joints(nearer[nearer < 0])})
-    return markdown(pd.DataFrame(lines))
-
-
-def _distance(table: pd.DataFrame) -> pd.Series:
-    """Compute distances of means from measured ranges; an upper bound is off only if too small."""
-    below = (table.measured_low - table.value).clip(lower=0.0)
-    above = (table.value - table.measured_high).clip(lower=0.0)
-    return below + above.where(table.observable != "contact_share", 0.0)
-
-
-def _with_joints(rows: pd.Series) -> str:
-    """Name observables, each with the joints in the rows; "none" without rows."""
-    joints = rows.index.to_frame(index=False).groupby("observable").joint
-    named = {name: ", ".join(map(str, sorted(part))) for name, part in joints}
-    titles = {name: title.partition(" (")[0] for name, title in JUDGED.items()}
-    return (
-        "; ".join(f"{titles[name]} ({named[name]})" for name in JUDGED if name in named) or "none"
-    )
-
-
 def agreeing(observable: str, variant: str = DEFAULT, walls: str = "mated") -> str:
     """Count the joints that agree in an observable, of all: "1 of 3"."""
     return _hits(rows_of(stored(*_RUN), variant=variant, walls=walls, observable=observable))
-
-
-def mean(observable: str, joint: int, variant: str = DEFAULT) -> str:
-    """Give the mean of an observable for walls fitted to one joint."""
-    rows = {"variant": variant, "walls": "mated", "observable": observable, "joint": joint}
-    return _mean(rows_of(stored(*_RUN), **rows).iloc[0])
-
-
-def bounds(quantity: str, joint: int) -> str:
-    """Give the measured range of a quantity of a joint."""
-    rows = {"observable": quantity, "joint": joint, "variant": DEFAULT, "walls": "mated"}
-    return written("{measured_low:g} to {measured_high:g}", Group(rows_of(stored(*_RUN), **rows)))
 
 
 def softness_of_paper() -> str:
@@ -236,19 +146,5 @@ def predictions() -> str:
         for name in dict.fromkeys(table.observable):
             hits = part[part.observable == name].hit
             line[OBSERVABLES[name]] = f"{hits.sum()} of {hits.size}"
-        lines.append(line)
-    return markdown(pd.DataFrame(lines))
-
-
-def left_out() -> str:
-    """Tabulate the predicted intervals of the joint that was left out."""
-    table = stored("measured_joints", "measured_joints_predictions").astype({"fitted_to": str})
-    table = table[table.fitted_to.str.contains("+", regex=False)]
-    lines = []
-    for joint, part in table.groupby("joint"):
-        line = {"predicted joint": str(joint)}
-        for row in part.itertuples():
-            known = f"{row.measured_low:g} to {row.measured_high:g}"
-            line[OBSERVABLES[row.observable]] = f"{row.low:.3g} to {row.high:.3g} ({known})"
         lines.append(line)
     return markdown(pd.DataFrame(lines))
