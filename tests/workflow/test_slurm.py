@@ -1,4 +1,4 @@
-"""The pipeline on a real Slurm, where there is one (to get one: docs/operations.md#run-on-a-cluster)."""
+"""The pipeline on a real Slurm, where there is one (to get one: docs/operations.md)."""
 
 import importlib.util
 import shutil
