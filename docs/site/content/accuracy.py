@@ -96,7 +96,6 @@ presets = Table(
         "error of cycle 1 (%)": _error_of(1),
         "error of cycle 2 (%)": _error_of(2),
         "time": "{relative_time:.2g}",
-        "FFT pairs": "{pairs:.0f}",
         "s": "{seconds:.2g}",
     },
     prepare=lambda table: table[table.preset.notna() & table.scene.isin(SCENES.values())],

@@ -5,30 +5,24 @@ from stored import stored
 
 from content.markdown import Table, markdown, value_of
 from jointclosure.claims.table import CLAIMS, OURS, Claim
-from jointclosure.report.findings import NOT_TRIED, conclusion_sheet
+from jointclosure.report.findings import conclusion_sheet
 from jointclosure.sensitivity.conclusions import ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
 
-EARLIER = {
-    "Readings of all rocks: stands, falls, open":
-        ("readings_stand", "readings_fall", "readings_open"),
-    "Readings of some rocks: true there, false, open":
-        ("partial_stand", "partial_fall", "partial_open"),
-}  # fmt: skip
-"""Columns of the earlier run of the readings, by what their numbers are called in tables."""
 AVERAGED = "Averaged over readings"
 NOT_ASKED = "not asked"
+COLUMNS = ["No.", "Claim", "As configured", "Studies that find it", "True for so many open choices",
+           AVERAGED, "Conclusion"]  # fmt: skip
+"""Columns of the report's table that are shown, with the verdict of the average."""
 
 
 def conclusions() -> str:
     """Tabulate what claims rest on, what is left of them, and the verdict of the average."""
-    table = stored("paper", "conclusions")
-    sheet = conclusion_sheet(table)
+    sheet = conclusion_sheet(stored("paper", "conclusions"))
     rows = [[cell.text for cell in row] for row in sheet.rows]
     frame = pd.DataFrame(rows, columns=sheet.titles)
     averaged = frame["No."].map(_averages().verdict).fillna(NOT_ASKED)
-    frame = frame if table.readings_stand.notna().any() else _with_earlier(frame)
-    return markdown(frame.assign(**{AVERAGED: averaged}))
+    return markdown(frame.assign(**{AVERAGED: averaged})[COLUMNS])
 
 
 def _averages() -> pd.DataFrame:
@@ -96,24 +90,6 @@ def threshold(number: str) -> str:
     text = f"true {'up to' if claim.negated else 'above'} {above:g}"
     alike = claim.judged_by.alike
     return text if alike is None else f"{text}, no difference within ±{alike:g}"
-
-
-def _with_earlier(frame: pd.DataFrame) -> pd.DataFrame:
-    """Replace columns on readings by those of the earlier run, and name them so."""
-    earlier = stored("conclusions", "earlier_readings").set_index("number")
-    for title, columns in EARLIER.items():
-        for name in [name for name in frame if name.startswith(title.partition(":")[0])]:
-            texts = [_earlier(earlier[list(columns)], number) for number in frame["No."]]
-            frame = frame.assign(**{name: texts}).rename(columns={name: f"{title}, earlier run"})
-    return frame
-
-
-def _earlier(table: pd.DataFrame, number: str) -> str:
-    """Write what the earlier run has of a claim: counts of readings."""
-    if number not in table.index:
-        return NOT_TRIED
-    values = table.loc[number]
-    return NOT_TRIED if values.isna().any() else ", ".join(f"{value:.0f}" for value in values)
 
 
 readings = Table(

@@ -16,7 +16,7 @@ CHOICE = {
     "largest time lost by a pilot where all effects act (%)": "{largest_lost_percent:.1f}",
 }
 """Rows of the table of choices: their titles, and forms of their numbers."""
-EFFECTS = ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
+EFFECTS = ("interaction", "soft_peaks", "gouge", "breakage")
 
 
 def choice() -> str:

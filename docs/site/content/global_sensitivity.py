@@ -4,12 +4,14 @@ import numpy as np
 import pandas as pd
 from stored import origin, stored
 
-from content.markdown import Group, Table, markdown, titled, written
+from content.markdown import Group, Table, markdown, rows_of, titled, written
 from jointclosure.config.properties import PARAMETERS
 from jointclosure.plotting.global_sensitivity import SHOWN
 from jointclosure.statistics.standard_errors import rounded
 
 RUN = "global_sensitivity"
+LEAST_SHOWN = 0.02
+"""Share of the variance below which, with two standard errors, none is shown."""
 CASES = {
     (1, "max_closure"): "cycle 1",
     (1, "max_closure_net"): "cycle 1, net",
@@ -31,31 +33,39 @@ def _from_all(table: pd.DataFrame) -> pd.DataFrame:
     return table[rows == rows.max()]
 
 
+def _total(group: Group) -> str:
+    """Write the total indices of the rocks, unless they are all below `LEAST_SHOWN`."""
+    small = (group.rows.total + 2.0 * group.rows.total_error).max() < LEAST_SHOWN
+    return "–" if small else written(_span("total"), group)
+
+
 indices = Table(
     f"{RUN}/global_sensitivity_indices",
     rows={"input": "{of}"},
     across="{title}",
-    cell=_span("total"),
+    cell=_total,
     prepare=lambda table: titled(
         _from_all(table).dropna(subset=["total"]).assign(of=lambda rows: rows.title),
-        SHOWN, "response", "cycle",
+        SHOWN,
+        "response",
+        "cycle",
     ),
-)  # fmt: skip
+)
 elasticities = Table(
     f"{RUN}/global_sensitivity_elasticities",
-    {"varies by": _span("spread"),
-     "fit over noise": "{fit_over_noise min:.1f} to {fit_over_noise max:.1f}"},
-    rows={"property": "{property}", "of the closure of": "{case}"},
+    {
+        "varies by": _span("spread"),
+        "fit over noise": "{fit_over_noise min:.1f} to {fit_over_noise max:.1f}",
+    },
+    rows={"property": "{property}", "cycle": "{cycle}"},
     across="{rock}",
     cell="{elasticity±elasticity_error}",
-    prepare=lambda table: table.assign(
+    prepare=lambda table: rows_of(table, response="max_closure").assign(
         property=table.input.map(
             stored(RUN, "global_sensitivity_indices").groupby("input").title.first()
-        ),
-        case="cycle " + table.cycle.astype(str)
-        + table.response.map({"max_closure": "", "max_closure_net": ", net of bulk indentation"}),
-    ).dropna(subset=["case"]).sort_values(["response", "cycle"], kind="stable"),
-)  # fmt: skip
+        )
+    ),
+)
 
 
 def percents(row: Group) -> str:

@@ -77,12 +77,12 @@ def _count(*conclusions: str) -> Number:
     return Number("paper/conclusions", text)
 
 
-def _readings(kind: str) -> Number:
-    """How many readings that the paper allows closed all rocks (readings), or some (partial)."""
-    columns = [f"{kind}_{verdict}" for verdict in ("stand", "fall", "open")]
+def _readings() -> Number:
+    """How many readings that the paper allows closed all rocks."""
 
     def text(group: Group) -> str:
-        return f"{sum(group[column] for column in columns):.0f}"
+        counts = (group[f"readings_{verdict}"] for verdict in ("stand", "fall", "open"))
+        return f"{sum(counts):.0f}"
 
     return Number("conclusions/earlier_readings", text, {"number": "2a"})
 
@@ -108,8 +108,7 @@ NUMBERS = {
     "elsewhere": _count(JUDGED_ELSEWHERE),
     "2a goes with the ratio": _margin("peak_modulus", "dolerite"),
     "2a goes with the Hurst exponent": _margin("hurst", "siltstone"),
-    "readings of all rocks": _readings("readings"),
-    "readings of some rocks": _readings("partial"),
+    "readings of all rocks": _readings(),
     "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),
     "e(E) 1, net": _net(parameter="youngs_modulus", cycle=1),
     "e(E) 2": _elasticity(parameter="youngs_modulus", cycle=2),

@@ -98,14 +98,6 @@ def verdicts() -> str:
     return markdown(table.rename(columns={"claims": f"of {len(claims)} claims"}))
 
 
-def unasked() -> str:
-    """Name the claims that stand and were not asked of the earlier readings."""
-    claims = stored("paper", "conclusions")
-    standing = claims[(claims.conclusion == STANDS) & (claims.section != OURS)].number
-    *first, last = standing[~standing.isin(stored("conclusions", "earlier_readings").number)]
-    return f"{', '.join(first)} and {last}"
-
-
 def headline() -> dict[str, str]:
     """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
     tests = "large_pool/table_3_joint_tests"
@@ -115,7 +107,6 @@ def headline() -> dict[str, str]:
     return {
         "p": value_of(tests, _probability("p"), entries="all"),
         "p of the study": study_p("all"),
-        "p of no effect": value_of(tests, _probability("null_p"), entries="all"),
         "claims": str(len(claims)),
         "stand": str(left.get(STANDS, 0)),
         "fall": str(left.get(FALLS, 0)),

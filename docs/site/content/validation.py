@@ -66,7 +66,7 @@ def judged() -> str:
     lines = []
     for variant, of_variant in table.groupby("variant", sort=False):
         agree = (of_variant.judgement == "agrees").groupby(of_variant.observable).sum()
-        titles = {title: str(agree[name]) for name, title in JUDGED.items()}
+        titles = {title.partition(" (")[0]: str(agree[name]) for name, title in JUDGED.items()}
         lines.append({"choice": variant} | titles | {"sum": str(agree[list(JUDGED)].sum())})
     return markdown(pd.DataFrame(lines))
 
