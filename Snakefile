@@ -18,9 +18,7 @@ configfile: DEFAULT
 include: "workflow/rules/setting.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/walls.smk"
-include: "workflow/rules/analyse.smk"
-include: "workflow/rules/present.smk"
-include: "workflow/rules/conclusions.smk"
+include: "workflow/rules/products.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/experiments_setting.smk"
@@ -50,13 +48,7 @@ rule all:
     default_target: True
     input:
         f"{RESULTS}/study.nc",
-        f"{RESULTS}/logs/checks_passed.txt",
-        expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
-        expand(
-            f"{RESULTS}/figures/{{figure}}.{{format}}",
-            figure=FIGURES,
-            format=["png", "pdf"],
-        ),
+        COMPLETE,
     message:
         "The study {STUDY} is complete"
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from jointclosure.compilation import sources
+from jointclosure.products import PRODUCTS
 
 ROOT = Path(__file__).parents[2]
 
@@ -60,6 +61,60 @@ def test_an_import_inside_of_a_function_counts(copy, tmp_path):
     assert digest(str(script)) != before
 
 
+FUNCTIONS = '''
+from functools import partial
+from jointclosure.statistics import bootstrap as b, paired as p
+
+LIMIT = 3
+
+def _half(values):
+    return b.length(values) / LIMIT
+
+Halved = partial(_half)
+
+def bootstrapped(values: Halved):
+    """Some text."""
+    return values
+
+def paired(values):
+    from jointclosure.statistics import indifference
+    return p.mean(values)
+'''
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "moved"),
+    [
+        ("functions.py", "Some text", "Other text", set()),
+        ("functions.py", "LIMIT = 3", "LIMIT = 4", {"bootstrapped"}),
+        ("functions.py", "p.mean", "p.median", {"paired"}),
+        ("functions.py", "paired as p", "indifference as p", {"paired"}),
+        ("functions.py", "bootstrap as b", "correlations as b", {"bootstrapped"}),
+        ("statistics/bootstrap.py", "import numpy as np", "import numpy as n", {"bootstrapped"}),
+        (
+            "statistics/paired.py",
+            "import numpy as np",
+            "import numpy as n",
+            {"bootstrapped", "paired"},
+        ),
+        ("statistics/__init__.py", '"""\n', '"""\nADDED = 1\n', set()),
+    ],
+)
+def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
+    copy, file, old, new, moved
+):
+    (copy / "functions.py").write_text(FUNCTIONS)
+    names = ("bootstrapped", "paired")
+    before = {name: digest(f"functions:{name}") for name in names}
+    edit(copy / file, old, new)
+    assert {name for name in names if digest(f"functions:{name}") != before[name]} == moved
+
+
+def test_the_digest_of_an_unknown_function_is_an_error(copy):
+    with pytest.raises(KeyError, match="no function 'unknown'"):
+        digest("products.tables:unknown")
+
+
 def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
     digests = set()
     for folder in ("a", "z"):
@@ -104,9 +159,12 @@ RULES = [
 
 
 def scripts_digests():
-    """Digests of all scripts of the workflow, by name."""
+    """Digests of all scripts of the workflow and of all products of a study, by name."""
     forget()
-    return {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
+    products = {name: product.code for name, product in PRODUCTS.items()}
+    scripts = {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
+    del scripts["make_product"]  # its rules have the digests of the products
+    return scripts | products
 
 
 @pytest.fixture(scope="module")
@@ -119,8 +177,7 @@ def unedited():
 def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited, file):
     text = (copy / file).read_text(encoding="utf-8")
     (copy / file).write_text(f"# a comment\n{text}\nADDED = 1\n", encoding="utf-8")
-    forget()
-    after = {rule: sources.code_digest(str(SCRIPTS / f"{rule}.py")) for rule in RULES}
+    after = scripts_digests()
     moved = {rule for rule in RULES if after[rule] != unedited[rule]}
     needed = set(EDITS[file].split()) & set(RULES)
     assert needed <= moved

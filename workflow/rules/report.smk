@@ -16,9 +16,9 @@ rule report:
 rule write_report:
     input:
         study=f"{RESULTS}/study.nc",
-        tables=expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
-        figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
-        captions=[CAPTIONS / f"{figure}.rst" for figure in FIGURES],
+        tables=TABLES,
+        figures=FIGURES,
+        captions=[caption(figure) for figure in FIGURES],
         paper=PAPER,
         default=os.path.relpath(DEFAULT),
         presets=os.path.relpath(MEASURED_SETTINGS),

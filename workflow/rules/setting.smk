@@ -5,7 +5,6 @@ from pathlib import Path
 from jointclosure.config import configuration
 from jointclosure.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
-from jointclosure.config.wanted import measured_rocks, wanted_of
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
@@ -14,6 +13,8 @@ from jointclosure.scans import files_of
 from jointclosure.storage.text import read_csv, read_text
 from jointclosure.measured import curves as measured
 from jointclosure.joint.warmup import kernels_of
+from jointclosure.products import PRODUCTS
+from jointclosure.products.needs import BESIDE, Plan
 
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:
@@ -39,46 +40,10 @@ BLOCKS = {
     ensemble: {str(block.start): block for block in cases.blocks_of(settled.study)}
     for ensemble, settled in ENSEMBLES.items()
 }
-# the ensemble by which the model is judged
-POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
-FLOW = CONFIGURATION.flow
-WANTED = wanted_of(config)
 AUTO = CONFIGURATION.effects_chosen_to is not None
-CURVES = measured.curve_settings(CONFIGURATION)
 # measured curves are read here, so that errors in them are reported before any job
-measured.measured_curves(CURVES, read_text)
-CURVE_FILES = [curve.measured.file for curve in CURVES.values()]
-VARIED = any(rock.levels for rock in ROCKS.values())
-TABLES = [
-    "table_1_rocks.csv",
-    "table_2_cases.csv",
-    "table_3_indifference.csv",
-    "table_3_indifference.tex",
-    "table_3_indifference.md",
-    "table_3_predictive.csv",
-    "table_3_joint_tests.csv",
-    "correlations.csv",
-    "elasticities.csv",
-    "max_closure.csv",
-    "claims.csv",
-    "claim_margins.csv",
-    "checks.csv",
-    *(["accuracy_reached.csv"] if WANTED else []),
-    *(["measured_fit.csv"] if CURVES else []),
-    *(["hydraulic_aperture.csv"] if FLOW else []),
-]
-# figures of the study itself, and of its pool
-STUDY_FIGURES = [
-    "fig_3_equivalent_stress",
-    "fig_5_closure",
-    "closure_since_seating",
-    "wall_pair",
-    *(["hydraulic_aperture"] if FLOW else []),
-    *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
-]
-POOL_FIGURES = ["table_3_predictive"] if VARIED else []
-FIGURES = [*STUDY_FIGURES, *POOL_FIGURES]
+measured.measured_curves(measured.curve_settings(CONFIGURATION), read_text)
 
 
 def code_of(*scripts):
@@ -88,17 +53,27 @@ def code_of(*scripts):
 
 # priority of the jobs of the study itself: its tables and figures are complete before its pool is closed
 EARLY = 1
-# covariates of the study's cases and of its pool, where asked for; of scanned walls the means are not known
-SYNTHETIC = any(rock.walls is None for rock in ROCKS.values())
-VARIATES = CONFIGURATION.statistics.control_variates is not None and SYNTHETIC
-COVARIATES = f"{RESULTS}/covariates.nc" if VARIATES else []
-POOL_COVARIATES = (
-    f"{RESULTS}/pool_covariates.nc" if VARIATES and "pool" in ENSEMBLES else COVARIATES
-)
 
 # files of surfaces and closures bear these, and are refused where they differ
 SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
+
+PLAN = Plan(CONFIGURED, SURFACE_CODE)
+PLANNED = {name: product for name, product in PRODUCTS.items() if product.when(PLAN)}
+# of the target `all`
+COMPLETE = [
+    PLAN.file(name)
+    for product in PLANNED.values()
+    if not product.apart
+    for name in product.files(PLAN)
+]
+TABLES = [path for path in COMPLETE if Path(path).parent.name == "tables"]
+FIGURES = [path for path in COMPLETE if path.endswith(".png")]
+
+
+def caption(figure):
+    """Text that describes a figure, by its file."""
+    return CAPTIONS / f"{Path(figure).stem}.rst"
 
 
 def closure_of(ensemble, case, block):
@@ -130,13 +105,6 @@ def surfaces_of(ensemble, case, first):
     )
 
 
-def beside(*paths):
-    """The first existing table of another study, where this one is of the same model."""
-    same_model = STUDY == read_plain(DEFAULT)["study"]["name"]
-    existing = [path for path in paths if Path(path).exists()]
-    return ancient(existing[0]) if same_model and existing else []
-
-
 def rock_of(wildcards):
     """The rock of a job's case."""
     return CASES[wildcards.ensemble][wildcards.case].rock
@@ -161,13 +129,3 @@ wildcard_constraints:
     ensemble="cases|pool",
     case="[a-z0-9_-]+",
     first="[0-9]+",
-
-
-def drawn(figures):
-    """Files of figures; Snakemake's report shows the PNG."""
-    files = expand(f"{RESULTS}/figures/{{figure}}.png", figure=figures)
-    shown = [
-        (report(file, caption=CAPTIONS / f"{Path(file).stem}.rst", category="Figures"))
-        for file in files
-    ]
-    return [*shown, *expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=figures)]

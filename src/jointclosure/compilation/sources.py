@@ -9,12 +9,14 @@ modules.
 
 import ast
 import contextlib
+import copy
 import hashlib
 import json
 import os
 import sys
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeGuard
 
 PACKAGE = Path(__file__).parents[1]
 NAME = PACKAGE.name
@@ -32,7 +34,9 @@ def code_digest(*names: str) -> str:
     ----------
     *names : str
         Modules of the package by their dotted names below it (``"solvers.fast"``,
-        ``"solvers"`` for all below it), or paths of scripts (ending in ``.py``).
+        ``"solvers"`` for all below it), paths of scripts (ending in ``.py``), or functions of
+        modules (``"products.tables:judge_claims"``): of such a module, only what the function uses
+        counts, and the modules from which that is imported.
 
     Returns
     -------
@@ -43,6 +47,8 @@ def code_digest(*names: str) -> str:
     ------
     FileNotFoundError
         If a module or script does not exist.
+    KeyError
+        If a module has no such function.
 
     Notes
     -----
@@ -69,11 +75,21 @@ def code_digest(*names: str) -> str:
 def _code_digest(*names: str) -> str:
     """Return `code_digest`, from the files."""
     files: set[Path] = set()
+    functions: list[ast.AST] = []
     for name in names:
-        files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
+        module, _, function = name.partition(":")
+        if function:
+            (file,) = _files_of(module)
+            used = _used(file, function)
+            functions += used
+            files |= {file for part in used for file in _imported(part)}
+        else:
+            files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
     files = closure(files)
     unseen = frozenset(call for call, shows in SHOWN_BY.items() if PACKAGE / shows not in files)
     digest = hashlib.sha256()
+    for part in functions:
+        digest.update(_text(part, unseen).encode() + b"\0")
     for file in sorted(files, key=lambda file: (PACKAGE not in file.parents, file)):
         digest.update(file.name.encode() + b"\0" + _code(file, unseen).encode() + b"\0")
     return digest.hexdigest()[:16]
@@ -140,8 +156,13 @@ def _name(file: Path) -> str:
 @lru_cache(maxsize=None)
 def _imports(file: Path) -> frozenset[Path]:
     """Return the files of the package that a file imports directly."""
+    return _imported(_tree(file))
+
+
+def _imported(tree: ast.AST) -> frozenset[Path]:
+    """Return the files of the package that are imported in a part of the syntax of a file."""
     imported: set[Path] = set()
-    for node in ast.walk(_tree(file)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             imported |= {f for alias in node.names for f in _module(alias.name)}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -149,6 +170,38 @@ def _imports(file: Path) -> frozenset[Path]:
                 inner = _module(f"{node.module}.{alias.name}")
                 imported |= inner or _module(node.module)
     return frozenset(imported - {PACKAGE / name for name in UNCOUNTED})
+
+
+def _used(file: Path, function: str) -> list[ast.AST]:
+    """Return the statements of a module that a function uses by name, itself and imports included.
+
+    Of an import of several names, those that are used.
+    """
+    bound: dict[str, list[ast.AST]] = {}
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            for alias in node.names:
+                one = copy.copy(node)
+                one.names = [alias]
+                bound.setdefault(alias.asname or alias.name.partition(".")[0], []).append(one)
+        else:
+            names = {part.id for part in ast.walk(node) if _binds(part)}
+            for name in names | {getattr(node, "name", "")}:
+                bound.setdefault(name, []).append(node)
+    if function not in bound:
+        raise KeyError(f"{file}: no function {function!r}")
+    used, waiting = {}, [function]
+    while waiting:
+        name = waiting.pop()
+        if name in bound and name not in used:
+            used[name] = bound[name]
+            parts = (part for node in bound[name] for part in ast.walk(node))
+            waiting += [part.id for part in parts if isinstance(part, ast.Name)]
+    return [node for name in sorted(used) for node in used[name]]
+
+
+def _binds(part: ast.AST) -> TypeGuard[ast.Name]:
+    return isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)
 
 
 def _module(name: str) -> set[Path]:
@@ -174,7 +227,11 @@ def _code(file: Path, unseen: frozenset[str]) -> str:
 
     ``unseen`` are the calls of `SHOWN_BY` whose texts do not count.
     """
-    tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+    return _text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
+
+
+def _text(tree: ast.AST, unseen: frozenset[str]) -> str:
+    """Return a part of the syntax as `_code` does; the part is changed."""
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):

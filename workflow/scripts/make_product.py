@@ -1,0 +1,13 @@
+"""Make the files of a product of the study."""
+
+from jointclosure.jobs.job import job, listed
+from jointclosure.products import PRODUCTS
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        PRODUCTS[snakemake.rule].write(
+            dict(snakemake.input),
+            snakemake.params.settings,
+            listed(snakemake.output.files),
+            logbook,
+        )
