@@ -79,6 +79,11 @@ class Quantity(NamedTuple):
         return {"long_name": self.title} | unit | dict(self.further)
 
     @property
+    def harmonic(self) -> bool:
+        """Whether its mean over joints is harmonic: that of stiffnesses, of the mean curve."""
+        return self.unit == "Pa/m"
+
+    @property
     def heading(self) -> str:
         """Title with the unit in which tables and figures show the quantity."""
         return heading(self.title, shown_unit(self.unit)[0])
@@ -232,7 +237,20 @@ QUANTITIES: dict[str, Quantity] = {
 """All quantities by name: that of variables of datasets, and of what tables call a response."""
 COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
 """Columns of tables, and their scale, by quantity."""
-HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.items()}
+COORDINATES = {
+    "wavelength": ("mismatch wavelength", "m"),
+    "shift": ("shift", "m"),
+    "patch": ("patch length", "m"),
+    "spacing": ("spacing", "m"),
+    "tilt": ("tilt", "degrees"),
+    "rotation": ("rotation", "degrees"),
+    "stress": ("maximum stress", "Pa"),
+}
+"""Titles and SI units of coordinates of points that are numbers."""
+HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.items()} | {
+    shown_as(name, unit)[0]: heading(title, shown_unit(unit)[0])
+    for name, (title, unit) in COORDINATES.items()
+}
 """Headings of tables and labels of axes, by column."""
 
 

@@ -4,7 +4,7 @@ An experiment is a module here with a constant ``EXPERIMENT``. The engine
 (`jointclosure.engine.points`) closes its points. A new one is named in `SECTIONS`.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,7 +15,6 @@ from jointclosure.config.configuration import Configured
 from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.config.typed import Configuration
 from jointclosure.engine.points import Jobs, Samples, samples_of
-from jointclosure.engine.quantities import shown_as
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.joint.warmup import kernels_of
@@ -25,9 +24,6 @@ if TYPE_CHECKING:
 
 Tables = Mapping[str, Any]
 """DataFrames by name of the table; texts by name of a file that ends in .md."""
-COORDINATES = dict.fromkeys(("wavelength", "shift", "patch", "spacing"), "m")
-COORDINATES |= {"tilt": "degrees", "rotation": "degrees", "stress": "Pa"}
-"""Units of coordinates of points that are numbers."""
 
 
 class Design(NamedTuple):
@@ -122,13 +118,3 @@ def settings_of(configuration: Configuration, case: Case, **surface: Any) -> Clo
     changed = configuration._replace(surface=configuration.surface._replace(**surface))
     block = range(configuration.study.realizations)
     return block_settings(changed, {case.label: case}, case.label, block)
-
-
-def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
-    """Generate the joints with equal coordinates, and these in the columns of a published table."""
-    for values, part in joints.groupby(list(by), sort=False):
-        at = {}
-        for name, value in zip(by, values, strict=True):
-            column, scale = shown_as(name, COORDINATES.get(name, "1"))
-            at[column] = value if scale == 1.0 else scale * value
-        yield at, part

@@ -13,8 +13,9 @@ import pandas as pd
 from jointclosure.config.configuration import Configured
 from jointclosure.engine.points import Point
 from jointclosure.engine.quantities import COLUMNS
+from jointclosure.engine.summary import grouped
 from jointclosure.ensemble.cases import base_case
-from jointclosure.experiments import Design, Experiment, grouped, settings_of
+from jointclosure.experiments import Design, Experiment, settings_of
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.plotting.effects import effect_figure

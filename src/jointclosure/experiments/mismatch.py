@@ -12,22 +12,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import scipy
+from matplotlib.figure import Figure
 
 from jointclosure.config.configuration import Configured
 from jointclosure.engine.points import Point
-from jointclosure.engine.quantities import COLUMNS
+from jointclosure.engine.quantities import COLUMNS, QUANTITIES
+from jointclosure.engine.summary import grouped, means
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
-from jointclosure.experiments import Design, Experiment, Tables, grouped, settings_of
+from jointclosure.experiments import Design, Experiment, Tables, settings_of
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.plotting.mismatch import mismatch_figure
+from jointclosure.plotting.panels import Column, Row, panels
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
-from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.statistics.ratios import ratio_of_means
 
 CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"
 MEANS = ("max_closure", CLOSURE, RESIDUAL, "hysteresis", "mean_aperture_at_seating")
 """Quantities whose means over surfaces are columns of the table."""
+SHOWN = (CLOSURE, "stiffness_net", RESIDUAL, "hysteresis")
+"""Quantities of the figure."""
 CONFIDENCE = 0.95
 RESAMPLES = 2000
 
@@ -80,22 +83,31 @@ def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
         closed = part[part.status < FAILURE]
-        row = at | {"samples": len(closed)}
-        for name in MEANS:
-            column, scale = COLUMNS[name]
-            known = closed[name].dropna().to_numpy()
-            row[column] = scale * (float(known.mean()) if known.size else np.nan)
-            error = mean_of(known).standard_error if known.size > 1 else np.nan
-            row[f"{column}_error"] = scale * error
-        stiffness, scale = COLUMNS["stiffness_net"]
-        ratios = {
-            stiffness: harmonic_mean(scale * closed.stiffness_net.values),
-            "residual_share_net": ratio_of_means(closed[RESIDUAL].values, closed[CLOSURE].values),
-        }
-        for name, (value, error) in ratios.items():
-            row |= {name: value, f"{name}_error": error}
-        rows.append(row)
+        share, error = ratio_of_means(closed[RESIDUAL].to_numpy(), closed[CLOSURE].to_numpy())
+        row = at | {"samples": len(closed)} | means(closed, (*MEANS, "stiffness_net"))
+        rows.append(row | {"residual_share_net": share, "residual_share_net_error": error})
     return pd.DataFrame(rows)
+
+
+def mismatch_figure(table: pd.DataFrame) -> Figure:
+    """Draw the first rock: without a shift by cycle, and the first cycle of shifted walls."""
+    table = table[table.rock == table.rock.iloc[0]]
+    # the hysteresis of mated walls is unresolved, and may be far below 0
+    axes: dict[str, dict[str, Any]] = {
+        "stiffness_net": {"yscale": "log"},
+        "hysteresis": {"ylim": (-0.1, 1.05)},
+    }
+    rows = [
+        Row(QUANTITIES[name].heading, table, column, f"{column}_error", axes.get(name, {}))
+        for name in SHOWN
+        for column in [COLUMNS[name][0]]
+    ]
+    free = {"wavelength_mm": np.inf}
+    columns = [
+        Column("wavelength_mm", "cycle", {"shift_mm": 0.0}, "log", "without a shift"),
+        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", "shifted, cycle 1", free),
+    ]
+    return panels(rows, columns, {"wavelength_mm": {0.0: "0 (mated)", np.inf: "independent"}})
 
 
 def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:

@@ -16,8 +16,8 @@ import scipy
 import xarray as xr
 
 from jointclosure.engine.points import gridded
+from jointclosure.engine.summary import grouped
 from jointclosure.ensemble.cases import BASE
-from jointclosure.experiments import grouped
 from jointclosure.experiments.accuracy.design import Setting
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval

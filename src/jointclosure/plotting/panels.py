@@ -1,0 +1,202 @@
+"""Figures of tables: a row of panels for each quantity, a column for each coordinate."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from textwrap import fill
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jointclosure.engine.quantities import HEADINGS
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    key,
+    panel_grid,
+    styled,
+    ticks_at,
+)
+
+_LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+
+
+class Row(NamedTuple):
+    """Values of a row of panels: columns of a table, and settings of the axes."""
+
+    label: str
+    table: pd.DataFrame
+    value: str
+    error: str
+    axes: Mapping[str, Any] = {}
+
+
+class Column(NamedTuple):
+    """Coordinate of a column of panels.
+
+    Attributes
+    ----------
+    along, lines : str
+        Columns of tables: coordinate, and what has a line for each value.
+    where : mapping
+        Values that other columns have there.
+    scale, title : str
+        Scale of the axis; 0 and infinity are at the ends of a logarithmic one.
+    level : mapping
+        Values of columns by which a row is found that is drawn across the panel.
+    """
+
+    along: str
+    lines: str
+    where: Mapping[str, Any] = {}
+    scale: str = "linear"
+    title: str = ""
+    level: Mapping[str, Any] = {}
+
+    def of(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows of a table that are drawn as lines."""
+        table = _having(table, self.where)
+        return table.drop(_having(table, self.level).index) if self.level else table
+
+
+def _having(table: pd.DataFrame, values: Mapping[str, Any]) -> pd.DataFrame:
+    return table[(table[list(values)] == pd.Series(values, dtype=object)).all(axis=1)]
+
+
+Names = Mapping[str, Mapping[Any, str]]
+"""Names of values at axes and in legends, such as infinity, by column."""
+
+
+@styled
+def panels(
+    rows: Sequence[Row],
+    columns: Sequence[Column],
+    names: Names,
+    *,
+    styles: str = "",
+    bars: float = 1.0,
+    reference: float | None = None,
+    sharey: str | bool = "row",
+) -> Figure:
+    """Draw values with error bars over coordinates.
+
+    Parameters
+    ----------
+    rows, columns : sequence
+    names : mapping
+    styles : str
+        Column of tables whose values have line styles.
+    bars : float
+        Length of a bar to each side, in standard errors.
+    reference : float, optional
+        Value of a grey line in all panels.
+    sharey : as for `matplotlib.pyplot.subplots`
+    """
+    shape, margin = (len(rows), len(columns)), (0.0, 0.8)
+    figure, grid = panel_grid(*shape, (4.5, 2.1), margin, sharex="col", sharey=sharey)
+    whole = pd.concat([row.table for row in rows], ignore_index=True)
+    dashes = _dashes(whole[styles], names) if styles else {}
+    legends = {}
+    for axes, column in zip(grid.T, columns, strict=True):
+        known = column.of(whole)
+        looks = _looks(known[column.lines], names)
+        places = _places(known[column.along], column.scale)
+        drawn = [
+            ({column.lines: line} | ({styles: style} if dashes else {}), look | dash)
+            for line, look in looks.items()
+            for style, dash in (dashes or {"": {}}).items()
+        ]
+        for panel, row in zip(axes, rows, strict=True):
+            _draw(panel, column, row, drawn, places, bars)
+            if reference is not None:
+                panel.axhline(reference, color="0.7", lw=0.8, zorder=0)
+            panel.set(**row.axes)
+            if panel.get_yscale() == "log":
+                decimal_ticks(panel.yaxis, subs=_LOG_TICKS)
+        axes[0].set_title(column.title)
+        _coordinates(axes[-1], column, places, names)
+        legends[column.lines] = [key(**look) for look in looks.values()]
+        legends[column.lines] += [
+            key(color="0.3", marker="o", ms=3.5, **dash) for dash in dashes.values()
+        ]
+        if column.level:
+            name = _name(*next(iter(column.level.items())), names)
+            legends[column.lines].append(key(name, color="0.6"))
+    for panel, row in zip(grid[:, 0], rows, strict=True):
+        panel.set_ylabel(fill(row.label, 30), fontsize="small")
+    sides = ["center"] if len(legends) == 1 else ["left", "right"]
+    for side, (lines, handles) in zip(sides, legends.items(), strict=True):
+        settings = {"ncols": 6 if side == "center" else 4, "frameon": False, "fontsize": "small"}
+        title = "" if styles else HEADINGS.get(lines, lines)
+        figure.legend(handles=handles, loc=f"outside lower {side}", title=title, **settings)
+    return figure
+
+
+def _name(column: str, value: Any, names: Names) -> str:
+    return names.get(column, {}).get(value) or (value if isinstance(value, str) else f"{value:g}")
+
+
+def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
+    """Return label, colour and mark of lines by value; the colours of real numbers ascend."""
+    real = pd.api.types.is_float_dtype(values)
+    known = list(dict.fromkeys(values.sort_values() if real else values))
+    palette = sns.color_palette("viridis" if real else "colorblind", len(known))
+    marks = itertools.cycle("osD^vP*X")
+    return {
+        value: {
+            "label": _name(str(values.name), value, names),
+            "color": colour,
+            "marker": mark,
+            "ms": 3.5,
+        }
+        for value, colour, mark in zip(known, palette, marks, strict=False)
+    }
+
+
+def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
+    """Return label and line style by value, the largest first; marks of the others are hollow."""
+    known, styles = sorted(values.unique(), reverse=True), itertools.cycle(("-", "--", ":"))
+    return {
+        value: {"label": _name(str(values.name), value, names), "ls": style}
+        | ({"mfc": "white"} if i else {})
+        for i, (value, style) in enumerate(zip(known, styles, strict=False))
+    }
+
+
+def _places(values: pd.Series, scale: str) -> dict[float, float]:
+    """Return where values of a coordinate are drawn."""
+    known = np.sort(values.unique())
+    inner = known[(known > 0.0) & np.isfinite(known)]
+    least, most = (inner[0], inner[-1]) if inner.size else (1.0, 1.0)
+    ends = {0.0: least / 3.0, np.inf: 3.0 * most} if scale == "log" else {}
+    return {value: ends.get(value, value) for value in known}
+
+
+def _draw(
+    axes: Axes, column: Column, row: Row, lines: Sequence, places: Mapping, bars: float
+) -> None:
+    """Draw the lines of a panel, and its level with its error as a band."""
+    table = column.of(row.table)
+    for where, look in lines:
+        line = _having(table, where).sort_values(column.along)
+        at, error = line[column.along].map(places), bars * line[row.error]
+        axes.errorbar(at, line[row.value], error, lw=1.0, capsize=1.5, **look)
+    if column.level:
+        level = _having(row.table, {**column.where, **column.level}).iloc[0]
+        value, error = level[row.value], bars * level[row.error]
+        axes.axhspan(value - error, value + error, color="0.9", lw=0.0, zorder=0)
+        axes.axhline(value, color="0.6", lw=1.2, zorder=0)
+
+
+def _coordinates(axes: Axes, column: Column, places: Mapping[float, float], names: Names) -> None:
+    """Scale and label the axis of a coordinate; small values are as far apart as large ones."""
+    positive = [value for value in places if value > 0.0]
+    if column.scale == "symlog" and positive:
+        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.4)
+        axes.set_xlim(-0.3 * positive[0], 1.3 * positive[-1])
+    elif column.scale == "log":
+        axes.set_xscale("log")
+    axes.set_xlabel(HEADINGS[column.along])
+    ticks_at(axes.xaxis, places.values(), [_name(column.along, value, names) for value in places])
