@@ -7,7 +7,7 @@ import pytest
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.claims.statements import NEGLIGIBLE, TOLERANCE
-from jointclosure.claims.table import CLAIMS
+from jointclosure.claims.table import CLAIMS, HERTZ_EXCESS
 from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.joint.protocol import FAILURE
@@ -99,6 +99,14 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
 def test_what_is_false_of_the_model_falls(numbers, stated):
     found = judged(study_of(ONE), repetitions=10, **stated)
     assert set(found.verdict[numbers]) == {"falls"}
+
+
+def test_a_hertz_contact_has_the_excess_at_low_stress_that_the_remark_states():
+    study = world(study_of(ONE), power=2.0 / 3.0)
+    table, margins = both_tables(study, world(pool_of(study_of(ONE)), power=2.0 / 3.0), 1)
+    np.testing.assert_allclose(margins.value[margins.number == "6b"], HERTZ_EXCESS, atol=1e-3)
+    assert table.verdict["6b"] == "stands"
+    assert f"{HERTZ_EXCESS:.2f}" in table.remark["6b"]
 
 
 @pytest.mark.parametrize(("less", "verdict"), [(0.3, "no difference"), (3.0, "falls")])

@@ -92,6 +92,9 @@ class Claim(NamedTuple):
         return ~every if self.negated else every
 
 
+HERTZ_EXCESS = 0.5 ** (2.0 / 3.0) - 0.5
+"""Excess at half the stress over the closure of one Hertz contact, Eq. (5)."""
+
 _BOTH = "Sections 6, 7"
 _MOST = "Abstract, Sections 1, 6, 7"
 _NEXT = "Abstract, Section 6"
@@ -135,11 +138,11 @@ CLAIMS = (
     Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
           statements.RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
     Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",
-          statements.HYSTERESIS, (1, 2), _FIG_5, remark="0 on cycle 2 by construction: where an "
-          "unloading broke nothing, the next loading is its curve"),
+          statements.HYSTERESIS, (1, 2), _FIG_5, remark="by construction: an unloading that broke "
+          "nothing is the curve of the next loading, so cycle 2 has no loop"),
     Claim("6b", "Excess deformation at low stress survives on the second cycle", "Sections 3, 5",
-          statements.SOFT_AT_FIRST, (2,), _FIG_5, remark="the measured curves, part of which the "
-          "paper misses in dolerite and slate, are not available"),
+          statements.SOFT_AT_FIRST, (2,), _FIG_5, remark="by construction of a stiffening contact, "
+          f"{HERTZ_EXCESS:.2f} of the closure for Hertz's; the measured curves are not available"),
     Claim("8", "The model fits Bandis' curves, dolerite worst, second cycles worse", "Section 5",
           None, (), _FIG_5, remark="the measured curves are not available"),
 )  # fmt: skip
