@@ -19,7 +19,7 @@ def add_to(commands) -> None:
         help=COMMANDS["engineering"],
         description="Writes a table for each case: closure, normal stiffness and, for a study with "
         "flow, apertures over stress, with mean, median and a band of 90 % over its joints "
-        "(docs/engineering.md). No joint is closed again.",
+        "(docs/export.md). No joint is closed again.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument(

@@ -80,7 +80,7 @@ def add_to(commands) -> None:
         "--tables",
         type=Path,
         metavar="FOLDER",
-        help="curves, stiffness, fitted laws and input of other programs (docs/engineering.md)",
+        help="curves, stiffness, fitted laws and input of other programs (docs/export.md)",
     )
     command.set_defaults(run=run)
 

@@ -1,7 +1,7 @@
 """Hydraulic aperture of a field of apertures, by Reynolds' equation.
 
 div(h^3/(12 mu) grad p) = 0 with the cubic law in every cell (Witherspoon et al. 1980, Brown 1987,
-Zimmerman & Bodvarsson 1996): docs/flow.md. Viscosity and cell size cancel.
+Zimmerman & Bodvarsson 1996): docs/export.md. Viscosity and cell size cancel.
 """
 
 from typing import NamedTuple

@@ -54,7 +54,7 @@ class Conditions(NamedTuple):
     choices : Choices
     numerics : Numerics
     flow : bool
-        Whether to compute hydraulic apertures (docs/flow.md). It changes no other result.
+        Whether to compute hydraulic apertures (docs/export.md#flow). It changes no other result.
     unusual_values : bool
         Whether values that are unusual for rock are accepted. Otherwise a modulus of 78 Pa, for
         example, is refused, because 78 GPa was probably meant, and a `UserWarning` is given for

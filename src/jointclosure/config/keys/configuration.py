@@ -44,7 +44,7 @@ class _StudyKeys(Keys):
     effects: EffectKeys = entry(EffectKeys.__doc__)
     flow: bool = entry(
         "Whether hydraulic apertures are found too, by Reynolds' equation at every step "
-        "(docs/flow.md); it changes nothing else.",
+        "(docs/export.md#flow); it changes nothing else.",
         False,
     )
     choices: ChoiceKeys = entry(ChoiceKeys.__doc__)
