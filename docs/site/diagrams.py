@@ -77,7 +77,7 @@ RULES = {
     "cases": Box(0, 4, "cases/, pool/: <case>.<block>.nc", FILES),
     "join": Box(0, 5, "aggregate"),
     "study": Box(0, 6, "study.nc, pool.nc", FILES),
-    "analyse": Box(0, 7, "analyses: statistics, tables, figures, checks"),
+    "products": Box(0, 7, "products: statistics, tables, figures, checks"),
     "tables": Box(0, 8, "tables/, figures/", FILES),
     "report": Box(1, 8, "write_report"),
 }
@@ -93,8 +93,8 @@ RULES_ARROWS = (
     Arrow("close", "cases"),
     Arrow("cases", "join"),
     Arrow("join", "study"),
-    Arrow("study", "analyse"),
-    Arrow("analyse", "tables"),
+    Arrow("study", "products"),
+    Arrow("products", "tables"),
     Arrow("tables", "report"),
 )
 
