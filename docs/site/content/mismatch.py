@@ -38,9 +38,9 @@ def _two_digits(column: str) -> Form:
 
 mismatched = Table(
     "mismatch/mismatch",
-    {"mismatch wavelength (mm)": _walls, "cycle": "{cycle}"}
+    {"mismatch wavelength (mm)": _walls}
     | {HEADINGS[column]: _two_digits(column) for column in SHOWN},
-    prepare=chosen(shift_mm=0.0),
+    prepare=chosen(shift_mm=0.0, cycle=1),
 )
 
 
