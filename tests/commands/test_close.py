@@ -1,5 +1,6 @@
 """`jointclosure close` and `jc.close`: two scans in, curves out; refusals in one line."""
 
+import functools
 import json
 
 import numpy as np
@@ -157,7 +158,8 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
     assert cli.main(["report", str(tmp_path)]) == 0
     page = (tmp_path / "report.html").read_text()
     assert f"closes {closure['text']} mm in its first cycle" in page
-    for ends in (["strength", 1, 2], ["compressive_strength_MPa", "a", 2]):
+    twice = ["compressive_strength_MPa", 1, 2, *stated]
+    for ends in (["strength", 1, 2], ["compressive_strength_MPa", "a", 2], twice):
         code, _, err = shown(capsys, *files, *WORDS, "--rock", "granite", "--range", *ends)
         assert (code, err.count("\n")) == (2, 1)
         assert f"--range {ends[0]}" in err
@@ -218,6 +220,38 @@ def test_what_is_wrong_is_one_line_and_nothing_is_closed(
     assert code == 2
     assert err.count("\n") == 1
     assert message.format(scans) in err
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--set", "choices.largest_radius_mm=20", "--set", "numerics.tolerance=0.05"], 0.05),
+        (["--set", "choices.largest_radius_mm=20", "numerics.force_tolerance=1.0e-6"], 0.01),
+        (["--set", "choices.largest_radius_mm=20", "--config", "file"], 0.03),
+        (["--set", "choices.largest_radius_mm=20", "--set", "numerics.breakage=fixed_step"], None),
+    ],
+)
+def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakage(
+    words, expected, tmp_path, monkeypatch
+):
+    closed = {}
+
+    @functools.wraps(jc.close)
+    def stopped(*walls, **given):
+        closed.update(given)
+        raise jc.InputError("enough")
+
+    monkeypatch.setattr("jointclosure.commands.close.close", stopped)
+    (tmp_path / "file").write_text("numerics: {tolerance: 0.03}")
+    words = [tmp_path / word if word == "file" else word for word in words]
+    command = ["close", "a.txt", "b.txt", "--rock", "Granite", "--output", tmp_path / "j", *words]
+    assert cli.main([str(word) for word in command]) == 2
+    conditions = closed["conditions"]
+    assert conditions.choices.largest_radius == 0.02
+    usual = scanned_joint.RESOLVED if expected else jc.Numerics()
+    for name in ("breakage", "displacement_step", "later_breakage_step"):
+        assert getattr(conditions.numerics, name) == getattr(usual, name)
+    assert expected in (None, conditions.numerics.tolerance)
 
 
 def test_a_wall_that_is_an_array_is_refused_with_what_closes_it(small_joint):

@@ -73,6 +73,15 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
             "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
         ),
         (["--rock", "dolorite"], "--rock dolorite: must be one of dolerite, siltstone"),
+        (["--rock", "Granite"], "--rock granite: has no roughness, --jrc must be given"),
+        (
+            ["--rock", "slate", "--set", "study.cycles=1", "--set", "study.cycles=3"],
+            "--set study.cycles=1: another value is set as well",
+        ),
+        (
+            ["--rock", "slate", "--set", "numerics.tolerance=0.01"],
+            "--set numerics.tolerance: has no effect on fixed steps of breakage, needs",
+        ),
         (["--rock", "slate", "--jrc", "30"], "rocks.slate.jrc = 30.0: must be at most 20"),
         (["--rock", "slate", "--stress", "10e6"], "max_normal_stress_MPa = 10000000.0: not usual"),
         (["--rock", "slate", "--seed", "-1"], "--seed = -1: must be 0 or above"),

@@ -56,11 +56,13 @@ def test_a_rock_is_given_by_its_name_or_its_properties(door, walls):
     granite = ROCKS["granite"].intact
     closures = [
         first_closure(DOORS[door](*walls, rock=rock, max_normal_stress=2e6, **ELASTIC))
-        for rock in ("granite", granite, ("granite", granite))
+        for rock in ("granite", granite, ("Granite", granite))
     ]
     assert closures == [closures[0]] * 3
-    with pytest.raises(jc.InputError, match="rock = 'marble': must be a Rock or one of dolerite"):
-        DOORS[door](*walls, rock="marble", max_normal_stress=2e6)
+    for rock in ("marble", None, 3):
+        message = f"rock = {rock!r}: must be a Rock or one of dolerite"
+        with pytest.raises(jc.InputError, match=message):
+            DOORS[door](*walls, rock=rock, max_normal_stress=2e6)
 
 
 def test_functions_of_one_state_take_the_name_of_a_rock_too(walls):

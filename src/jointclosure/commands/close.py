@@ -162,7 +162,7 @@ def _settings(arguments) -> tuple[Configured, Conditions]:
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
     base = base_keys(arguments)
-    changes = {"grid": grid, "surface": {"roll_off_mm": None}, **resolved_breakage(base, arguments)}
+    changes = {"grid": grid, "surface": {"roll_off_mm": None}, **resolved_breakage(arguments)}
     settings, conditions = joint_configuration(
         base, arguments, {"jrc": None, "walls": walls}, changes, needed
     )
@@ -182,6 +182,8 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
         if key not in VARIED.values():
             raise InputError(f"--range {key}: must be one of {', '.join(VARIED.values())}")
         ((name, values),) = to_si({key: values}).items()
+        if name in ranges:
+            raise InputError(f"--range {key}: must be given once")
         ranges[name] = tuple(values)
     return ranges
 

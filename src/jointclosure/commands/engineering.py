@@ -25,6 +25,7 @@ def add_to(commands) -> None:
     command.add_argument(
         "--case",
         nargs="+",
+        action="extend",
         metavar="NAME",
         help="name of a case, such as dolerite-base; by default the base case of each rock",
     )

@@ -225,7 +225,7 @@ def _settings(arguments, largest: float) -> tuple[Configured, Conditions]:
     grid: dict = {"cells_x": cells, "cells_y": cells, "spacing_mm": spacing}
     rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")
-    changes = {"grid": grid, **resolved_breakage(base, arguments)}
+    changes = {"grid": grid, **resolved_breakage(arguments)}
     if base["surface"] == merged_study()["surface"]:
         changes["surface"] = {"roll_off_mm": None}  # natural walls have waves of all lengths
     return joint_configuration(base, arguments, rock, changes, needed)

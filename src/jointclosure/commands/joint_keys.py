@@ -6,12 +6,15 @@ Of the commands that close a joint this module alone knows the configuration of 
 
 from jointclosure.commands.joint_options import NEEDED, OPTIONS
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
+from jointclosure.config.files import read_plain
+from jointclosure.config.presets import CHOSEN_BY
 from jointclosure.config.rocks import other_rocks
 from jointclosure.config.units import in_unit
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import load_cycles, usual_seating
+from jointclosure.joint.rocks import matching
 from jointclosure.storage.text import read_csv
 
 _UNNAMED = "rock"
@@ -25,12 +28,13 @@ def base_keys(arguments) -> dict:
     """
     base = merged_study(*([arguments.config] if arguments.config else []))
     configured(base, read_csv)
-    name, others = arguments.rock, other_rocks()
-    if name and name not in base["rocks"]:
-        if name not in others:
-            known = ", ".join(base["rocks"] | others)
-            raise InputError(f"--rock {name}: must be one of {known}")
-        base["rocks"][name] = others[name]
+    if arguments.rock:
+        known = other_rocks() | base["rocks"]
+        name = matching(arguments.rock, known)
+        if name is None:
+            listed = ", ".join(base["rocks"] | known)
+            raise InputError(f"--rock {arguments.rock}: must be one of {listed}")
+        arguments.rock, base["rocks"][name] = name, known[name]
     return base
 
 
@@ -63,7 +67,16 @@ def joint_configuration(
     if given.get("flow"):
         changes["flow"] = True
     changes["seating_stress_MPa"] = given.get("seating", _seating(base, arguments, rock))
-    settings = configured(merged(base, changes, *arguments.set), read_csv)
+    stated = _settings(arguments)
+    keys = merged(base, changes, stated)
+    if "jrc" in needed and not {"jrc", "walls"} & keys["rocks"][name].keys():
+        raise InputError(f"--rock {name}: has no roughness, --jrc must be given")
+    settings = configured(keys, read_csv)
+    if settings.typed.numerics.breakage != "resolved" and "tolerance" in stated.get("numerics", {}):
+        raise InputError(
+            "--set numerics.tolerance: has no effect on fixed steps of breakage, needs "
+            "numerics.breakage=resolved"
+        )
     conditions = _conditions(settings, name, arguments)
     conditions.checked(given.get("snapshots", ()))
     return settings, conditions
@@ -96,11 +109,29 @@ def _seating(base: dict, arguments, rock: dict) -> float:
     return min(stated, 1e-6 * usual_seating(1e6 * min(maxima)))
 
 
-def resolved_breakage(base: dict, arguments) -> dict:
-    """Return the numerics of a scanned or measured joint as keys, none if others are stated."""
-    stated = any("numerics" in changed for changed in arguments.set)
-    if stated or base["numerics"] != merged_study()["numerics"]:
+def resolved_breakage(arguments) -> dict:
+    """Return the numerics of a scanned or measured joint as keys, without those that are stated.
+
+    There are none if the rule of breakage, or a key that selects it, is stated.
+    """
+    files = [read_plain(arguments.config)] if arguments.config else []
+    stated = merged(*files, _settings(arguments)).get("numerics") or {}
+    if not isinstance(stated, dict) or {"breakage", *CHOSEN_BY} & stated.keys():
         return {}
     about = RESOLVED._asdict()
     steps = {f"{name}_um": in_unit(about[name], "um") for name in about if name.endswith("_step")}
-    return {"numerics": {name: about[name] for name in ("breakage", "tolerance")} | steps}
+    keys = {name: about[name] for name in ("breakage", "tolerance")} | steps
+    return {"numerics": {name: keys[name] for name in keys.keys() - stated.keys()}}
+
+
+def _settings(arguments) -> dict:
+    """Return the keys of all --set; a key with two values is an error."""
+    together = merged(*arguments.set)
+    for setting in arguments.set:
+        if merged(together, setting) != together:
+            path, value = [], setting
+            while isinstance(value, dict) and len(value) == 1:
+                ((key, value),) = value.items()
+                path.append(key)
+            raise InputError(f"--set {'.'.join(path)}={value}: another value is set as well")
+    return together

@@ -125,6 +125,7 @@ def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     model.add_argument(
         "--without",
         nargs="+",
+        action="extend",
         choices=Effects._fields,
         default=[],
         metavar="EFFECT",
@@ -133,6 +134,7 @@ def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     model.add_argument(
         "--set",
         nargs="+",
+        action="extend",
         type=_setting,
         default=[],
         metavar="KEY=VALUE",

@@ -4,7 +4,7 @@ Each number has its source. Rocks of the paper are Table 1 (after Bandis et al. 
 default study; their maximum stress is an assumption, as it is not in the paper's text.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError
@@ -31,11 +31,26 @@ ROCKS = {
 """Rocks by the names that all functions with an argument ``rock`` take."""
 
 
-def named_rock(name: str) -> Rock:
-    """Return the properties of a rock of `ROCKS`; `InputError` if there is none of that name."""
-    if name not in ROCKS:
-        raise InputError(f"rock = {name!r}: must be a Rock or one of {', '.join(ROCKS)}")
-    return ROCKS[name].intact
+def named_rock(rock: str | Rock) -> Rock:
+    """Return the properties of a rock, which may be named as in `ROCKS`, in any case.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    """
+    if isinstance(rock, Rock):
+        return rock
+    known = matching(rock, ROCKS) if isinstance(rock, str) else None
+    if known is None:
+        raise InputError(f"rock = {rock!r}: must be a Rock or one of {', '.join(ROCKS)}")
+    return ROCKS[known].intact
+
+
+def matching(name: str, known: Collection[str]) -> str | None:
+    """Return the known name that equals a name, if need be without regard to case, or None."""
+    alike = (other for other in known if other.casefold() == name.casefold())
+    return name if name in known else next(alike, None)
 
 
 def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
@@ -46,10 +61,9 @@ def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]
     InputError
         If there is no rock of a name, or as `both_walls`.
     """
-    pair: Any = (rock, rock) if isinstance(rock, str | Rock) else rock
-    if isinstance(pair, tuple | list):
-        pair = tuple(named_rock(wall) if isinstance(wall, str) else wall for wall in pair)
-    return both_walls(pair)
+    several = isinstance(rock, tuple | list) and not isinstance(rock, Rock)
+    pair: Any = rock if several else (rock, rock)
+    return both_walls(tuple(map(named_rock, pair)))
 
 
 def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:

@@ -286,7 +286,7 @@ def fit(
     model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.read_along`).
     """
-    intact = named_rock(rock) if isinstance(rock, str) else rock
+    intact = named_rock(rock)
     check_rock(intact)
     if pair is not None:
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
