@@ -289,12 +289,22 @@ def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patc
 def test_a_hole_beside_what_the_other_scan_did_not_see_is_left_out_with_it(joint):
     upper, lower = (wall.copy() for wall in joint)
     upper[30:36, 62:71] = np.nan
-    lower[30:36, 70:] = np.nan  # open to the edge, and hidden by the hole but for the last column
+    lower[:, 70:] = np.nan
     scans = scanned(upper, "common_frame"), grid(lower)
     found = registered(*scans, **AS_SCANNED)
     assert found.upper.shape == (64, 70)
     assert np.isfinite(found.upper + found.lower).all()
     assert counted(found) == (48, 0)
+
+
+@pytest.mark.parametrize("place", [np.s_[30], np.s_[:, 41], np.s_[:6, 20:26], np.s_[40:46, 66:]])
+def test_a_missing_profile_and_a_hole_at_the_edge_are_out_of_contact_and_cut_nothing(place, joint):
+    lower = joint[1].copy()
+    lower[place] = np.nan
+    found = registered(scanned(joint[0], "common_frame"), grid(lower), **AS_SCANNED)
+    assert found.upper.shape == SHAPE
+    assert counted(found) == (0, np.isnan(lower).sum())
+    assert found.holes[place].all()
 
 
 @pytest.mark.parametrize("flat", ["upper", "lower"])
@@ -317,6 +327,7 @@ def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_r
     assert found.upper.size < 0.8 * upper.size
     assert not found.holes.any()
     assert any(line.startswith("Warning: 300 cells in holes of a scan") for line in found.warnings)
+    assert any("left out" in line and "% of the smaller scan" in line for line in found.warnings)
     lower[np.random.default_rng(1).random(SHAPE) < 0.3] = np.nan
     with pytest.raises(jc.InputError, match=r"walls overlap in .* \d{4} cells lie in holes"):
         registered(scanned(upper, "common_frame"), grid(lower))

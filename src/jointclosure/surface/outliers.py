@@ -192,7 +192,7 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
         return scan.points
     listed = np.isfinite(scan.heights)
     if missing:
-        listed = np.logical_and.outer(*(_between(listed.any(axis=axis)) for axis in (1, 0)))
+        listed = np.logical_and.outer(*(between(listed.any(axis=axis)) for axis in (1, 0)))
     y, x = np.nonzero(listed)
     y0, x0 = scan.origin or (0.0, 0.0)
     return np.column_stack(
@@ -200,9 +200,10 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     )
 
 
-def _between(known: np.ndarray) -> np.ndarray:
-    """Return which places lie from the first to the last known one: bool (n,)."""
-    return np.logical_or.accumulate(known) & np.logical_or.accumulate(known[::-1])[::-1]
+def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return which places lie from the first to the last known one along an axis: bool."""
+    after = np.logical_or.accumulate(known, axis)
+    return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
 
 
 def _sharpness(points: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured import LARGEST_TILT, REACH, filled, heights_between
+from jointclosure.surface.outliers import between
 from jointclosure.surface.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
@@ -54,7 +55,8 @@ class Overlap(NamedTuple):
         if self.cut:
             sentences.append(
                 f"{self.cut} cells in holes of a scan are left out: the walls are the largest "
-                "rectangle without them (see largest_filled_share)"
+                f"rectangle without them, {100.0 * max(self.shares):.0f} % of the smaller scan "
+                "(see largest_filled_share)"
             )
         return sentences
 
@@ -174,12 +176,16 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 
 
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
-    """Return the cells (y, x) of a wall inside of it without a height.
+    """Return the cells (y, x) without a height between others of their row or their column.
 
-    ``reach`` [cells] is the distance over which scattered points were interpolated into a hole.
+    ``reach`` [cells] is the distance over which scattered points were interpolated into a hole. The
+    outline of scattered points is ragged: narrow gaps that are open to it are no holes.
     """
     known = np.isfinite(wall)
-    holes = scipy.ndimage.binary_fill_holes(known) & ~known
+    holes = (between(known, 0) | between(known, 1)) & ~known
+    if reach > 0.0:
+        enclosed = scipy.ndimage.binary_fill_holes(known) & ~known
+        holes = enclosed | scipy.ndimage.binary_opening(holes, np.ones((3, 3)))
     if reach > 0.0 and holes.any():
         holes |= scipy.ndimage.distance_transform_edt(~holes) <= reach
     return holes
