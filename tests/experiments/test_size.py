@@ -111,6 +111,7 @@ def test_larger_patches_close_more(run):
 
 
 def test_ratios_are_of_pairs_of_the_same_walls(run):
+    parameters = EXPERIMENT.design(checked_study(TINY)).parameters
     table = size_table({"slate": run}, BASE)
     row = table[
         (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
@@ -124,10 +125,13 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
     base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
     assert (base.max_closure_mm_ratio == 1.0).all()
     assert (base.max_closure_mm_error == 0.0).all()
-    figure = EXPERIMENT.draw("size", {"size": table}, {})
+    figure = EXPERIMENT.draw("size", {"size": table}, parameters)
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 10
     assert len(figure.axes[0].containers) == 2
+    (legend,) = figure.legends
+    spectra = [text.get_text() for text in legend.get_texts()]
+    assert spectra == ["H 0.8, roll-off 1.5 mm", "H 0.6, no roll-off"]
 
 
 def power_law(power, bend=0.0, surfaces=6):

@@ -70,3 +70,15 @@ def test_line_styles_tell_the_values_of_another_column_and_a_common_legend_has_b
     assert len(figure.axes[0].containers) == 2 * 3
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["1", "2", "2", "1", "0"]
+
+
+@pytest.mark.parametrize("length", [3, 40])
+def test_a_legend_is_no_wider_than_its_figure(length):
+    shown = table()[table().wavelength_mm < np.inf]
+    names = {"wavelength_mm": {value: f"{value:g}".rjust(length, "w") for value in (0.0, 1.0, 2.0)}}
+    columns = [Column("shift_mm", "wavelength_mm", {"cycle": 1})]
+    figure = panels([Row("closure (mm)", shown, "value", "error")], columns, names)
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1

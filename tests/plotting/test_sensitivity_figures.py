@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from matplotlib.colors import to_rgb
 
+from jointclosure.experiments.global_sensitivity.table import INDEX_COLUMNS
 from jointclosure.plotting.global_sensitivity import convergence
 from jointclosure.plotting.sensitivity import predictive_figure
 from tests.studied import study_of
@@ -63,10 +63,7 @@ def test_no_two_inputs_look_alike_where_colours_repeat():
     ]
     figure = convergence(pd.DataFrame(rows), {"slate": "Slate"})
     lines = [container[0] for container in figure.axes[0].containers]
-    looks = {
-        (line.get_color(), line.get_linestyle(), to_rgb(line.get_markerfacecolor()))
-        for line in lines
-    }
+    looks = {(line.get_color(), line.get_marker()) for line in lines}
     assert len(looks) == len(lines) == 12
 
 
@@ -79,3 +76,10 @@ def test_ticks_of_convergence_are_the_rows_of_the_response_that_is_drawn():
     ]
     axes = convergence(pd.DataFrame(rows), {"slate": "Slate"}).axes[-1]
     assert axes.get_xticks().tolist() == [64.0]
+    assert axes.get_xlabel() == "rows of the design"
+
+
+def test_without_any_index_convergence_has_axes_alone():
+    """All rows of a design may have failed."""
+    figure = convergence(pd.DataFrame(columns=list(INDEX_COLUMNS)), {})
+    assert [axes.containers for axes in figure.axes] == [[], []]

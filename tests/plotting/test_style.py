@@ -8,7 +8,6 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.plotting.labels import Label, label_marks
-from jointclosure.plotting.size import spectrum_title
 from jointclosure.plotting.snapshots import snapshot_figure
 from jointclosure.plotting.style import StyledFigure
 from tests.conftest import DOLERITE, SPACING
@@ -34,12 +33,6 @@ def test_figures_leave_the_backend_and_the_style_of_the_process_alone(tmp_path):
     )
     assert answer.returncode == 0, answer.stderr
     assert (tmp_path / "figure.png").stat().st_size > 1000
-
-
-def test_names_of_spectra_are_written_in_words():
-    names = ["roll_off_3mm", "no_roll_off", "hurst_05_roll_off_3mm", "hurst_05"]
-    words = ["roll-off 3 mm", "no roll-off", "H = 0.5, roll-off 3 mm", "H = 0.5"]
-    assert [spectrum_title(name) for name in names] == words
 
 
 def test_labels_of_marks_do_not_meet():

@@ -60,25 +60,12 @@ def mismatch_design(configured: Configured) -> Design:
 
 
 def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """Compute means and standard errors over surfaces for each mismatch wavelength, shift, cycle.
+    """Compute means over surfaces with errors, for each mismatch wavelength, shift and cycle.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `jointclosure.engine.points.close_points`, with the columns ``rock``,
-        ``wavelength`` and ``shift`` [m].
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``wavelength_mm`` (infinite: independent walls), ``shift_mm``, ``cycle``, number
-        of closed ``samples``, ``MEANS``; ``stiffness_net_MPa_per_mm`` from half of
-        the maximum stress to the landing on all of it, and ``residual_share_net`` of the closure
-        since seating, both of the mean curve; and the ``..._error`` of each.
-
-    Notes
-    -----
-    A joint that is too stiff for its steps may lack a quantity, and is left out of its mean.
+    ``MEANS``, the stiffness, ``residual_share_net`` of the closure since seating, and the number
+    of closed ``samples``, by ``rock``, ``wavelength_mm`` (infinite: independent walls) and
+    ``shift_mm``. A joint that is too stiff for its steps may lack a quantity, and is left out of
+    its mean.
     """
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
@@ -113,26 +100,10 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As for `mismatch_table`.
-    tolerance : float
-        Share by which the mean closure may be below that of independent walls.
-    root_seed : int
-        Root seed of the study, for the resamples.
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``wavelength_mm``, ``shift_mm`` with the ends ``low`` and ``high`` of a 95 %
-        interval (bootstrap over surfaces), infinite if no shift of the design suffices; and
-        ``apertures``: that shift over the mean aperture of independent walls at seating.
-
-    Notes
-    -----
-    Means over shifts are their isotonic regression (closure does not fall with the shift), with
-    straight lines between.
+    ``shift_mm`` with ``low`` and ``high`` of a 95 % interval (bootstrap over surfaces), infinite if
+    no shift of the design suffices, and ``apertures``: that shift over the mean aperture of
+    independent walls at seating. ``tolerance`` is the share by which the mean closure may be below
+    theirs. Means over shifts are their isotonic regression, with straight lines between.
     """
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]

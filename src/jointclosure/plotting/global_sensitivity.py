@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.plotting.panels import Column, Row, panels
 from jointclosure.plotting.style import keys_of, legend_below, point_key, styled, subplots
 
 SURFACES = "surfaces"
@@ -19,8 +20,7 @@ SHOWN = titles_of_cycles(
 )
 """Title of each panel, by response and cycle."""
 _WIDTH = 1.96
-_COLOURS = 10
-"""Number of colours of lines, which repeat after it (`jointclosure.plotting.style`)."""
+_ROWS = "rows of the design"
 
 
 @styled
@@ -43,11 +43,9 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     names = [name for name in dict.fromkeys(whole.input) if name != SURFACES]
     labels = [whole.title[whole.input == name].iloc[0] for name in names]
     rocks = list(dict.fromkeys(whole.rock))
-    figure, panels = subplots(
-        2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True
-    )
+    figure, grid = subplots(2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True)
     places = np.arange(len(names))[::-1]
-    for axes, ((response, cycle), title) in zip(panels.flat, SHOWN.items(), strict=True):
+    for axes, ((response, cycle), title) in zip(grid.flat, SHOWN.items(), strict=True):
         for number, rock in enumerate(rocks):
             part = whole[(whole.rock == rock) & (whole.response == response)]
             part = part[part.cycle == cycle].set_index("input").reindex(names)
@@ -62,7 +60,7 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         axes.set_title(title, fontsize=10)
         axes.set_yticks(places, labels, fontsize=8)
         axes.grid(axis="y", lw=0.3)
-    for axes in panels[-1]:
+    for axes in grid[-1]:
         axes.set_xlabel("share of the variance of the mean")
     keys = [point_key(titles[rock], color=f"C{number}") for number, rock in enumerate(rocks)]
     keys.append(point_key("total index", color="0.3"))
@@ -71,46 +69,22 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     return figure
 
 
-@styled
 def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     """Draw total indices of the closures of both cycles over the number of rows.
 
-    Parameters as of `indices`. Bars are 95 % intervals. Inputs beyond the number of colours have
-    hollow markers and dashed lines.
+    Parameters as of `indices`. Bars are 95 % intervals.
     """
-    table = table[table.response == "max_closure"]
-    rocks = list(dict.fromkeys(table.rock))
-    names = [name for name in dict.fromkeys(table.input) if name != SURFACES]
-    figure, panels = subplots(
-        2, max(1, len(rocks)), figsize=(2.7 * len(rocks) + 2.4, 5.6),
-        sharex=True, sharey=True, squeeze=False,
-    )  # fmt: skip
-    markers = "osD^v<>PX*hd"
-    for column, rock in zip(panels.T, rocks, strict=False):  # axes alone without any rock
-        for axes, cycle in zip(column, (1, 2), strict=True):
-            here = table[(table.rock == rock) & (table.cycle == cycle)]
-            for number, name in enumerate(names):
-                part = here[here.input == name].sort_values("rows")
-                again = number >= _COLOURS
-                axes.errorbar(
-                    (part.rows + part.left_out) * 1.03 ** (number - len(names) / 2.0), part.total,
-                    yerr=_WIDTH * part.total_error, marker=markers[number % len(markers)],
-                    color=f"C{number}", markerfacecolor="white" if again else None,
-                    linestyle="--" if again else "-", ms=4.0, lw=0.8, label=part.title.iloc[0],
-                )  # fmt: skip
-            axes.set_title(f"{titles[rock]}, cycle {cycle}", fontsize=10)
-            axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
-    ticks = sorted(set(table.rows + table.left_out))
-    for axes in panels[-1]:
-        axes.set_xscale("log")
-        axes.set_xticks(ticks, [f"{tick:.0f}" for tick in ticks])
-        axes.minorticks_off()
-        axes.set_xlabel("rows of the design")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("total index")
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8)
-    return figure
+    table = table[(table.response == "max_closure") & (table.input != SURFACES)]
+    table = table.assign(input=table.title, **{_ROWS: table.rows + table.left_out})
+    rows = [
+        Row(f"total index, cycle {cycle}", table[table.cycle == cycle], "total", "total_error")
+        for cycle in (1, 2)
+    ]
+    columns = [
+        Column(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
+        for rock in dict.fromkeys(table.rock) or [""]  # axes alone without any rock
+    ]
+    return panels(rows, columns, {}, bars=_WIDTH, reference=0.0, sharey=True)
 
 
 @styled
@@ -134,14 +108,12 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
     unique = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
     rows = list(unique.itertuples(index=False))
-    figure, panels = subplots(
-        1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True
-    )
+    figure, grid = subplots(1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True)
     places = np.arange(len(rows))[::-1]
     cases = [
         (response, cycle) for cycle in (1, 2) for response in ("max_closure", "max_closure_net")
     ]
-    for axes, (response, cycle) in zip(panels, cases, strict=True):
+    for axes, (response, cycle) in zip(grid, cases, strict=True):
         here = table[(table.response == response) & (table.cycle == cycle)]
         for number, rock in enumerate(rocks):
             part = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
@@ -160,5 +132,5 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         )
         axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
         axes.grid(axis="y", lw=0.3)
-    legend_below(figure, keys_of(panels[:1]), len(rocks))
+    legend_below(figure, keys_of(grid[:1]), len(rocks))
     return figure

@@ -21,6 +21,8 @@ from jointclosure.plotting.style import (
 )
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+_KEY, _LETTER = 0.7, 0.07
+"""Widths [inches] of an entry of a legend without its words, and of a letter."""
 
 
 class Row(NamedTuple):
@@ -94,8 +96,8 @@ def panels(
         Value of a grey line in all panels.
     sharey : as for `matplotlib.pyplot.subplots`
     """
-    shape, margin = (len(rows), len(columns)), (0.0, 0.8)
-    figure, grid = panel_grid(*shape, (4.5, 2.1), margin, sharex="col", sharey=sharey)
+    shape, panel = (len(rows), len(columns)), (max(3.0, 9.0 / len(columns)), 2.1)
+    figure, grid = panel_grid(*shape, panel, (0.0, 0.8), sharex="col", sharey=sharey)
     whole = pd.concat([row.table for row in rows], ignore_index=True)
     dashes = _dashes(whole[styles], names) if styles else {}
     legends = {}
@@ -128,7 +130,9 @@ def panels(
         panel.set_ylabel(fill(row.label, 30), fontsize="small")
     sides = ["center"] if len(legends) == 1 else ["left", "right"]
     for side, (lines, handles) in zip(sides, legends.items(), strict=True):
-        settings = {"ncols": 6 if side == "center" else 4, "frameon": False, "fontsize": "small"}
+        longest = max((len(str(handle.get_label())) for handle in handles), default=0)
+        fit = int(figure.get_figwidth() / len(legends) / (_KEY + _LETTER * longest))
+        settings = {"ncols": max(1, fit), "frameon": False, "fontsize": "small"}
         title = "" if styles else HEADINGS.get(lines, lines)
         figure.legend(handles=handles, loc=f"outside lower {side}", title=title, **settings)
     return figure
@@ -167,7 +171,7 @@ def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
 
 def _places(values: pd.Series, scale: str) -> dict[float, float]:
     """Return where values of a coordinate are drawn."""
-    known = np.sort(values.unique())
+    known = np.sort(values.unique().astype(float))
     inner = known[(known > 0.0) & np.isfinite(known)]
     least, most = (inner[0], inner[-1]) if inner.size else (1.0, 1.0)
     ends = {0.0: least / 3.0, np.inf: 3.0 * most} if scale == "log" else {}
@@ -198,5 +202,5 @@ def _coordinates(axes: Axes, column: Column, places: Mapping[float, float], name
         axes.set_xlim(-0.3 * positive[0], 1.3 * positive[-1])
     elif column.scale == "log":
         axes.set_xscale("log")
-    axes.set_xlabel(HEADINGS[column.along])
+    axes.set_xlabel(HEADINGS.get(column.along, column.along))
     ticks_at(axes.xaxis, places.values(), [_name(column.along, value, names) for value in places])

@@ -34,7 +34,17 @@ GROUPS = 16
 """Number of groups of rows of the jackknife."""
 CHOICES_DRAWN = 4096
 """Number of random choices for which a conclusion is judged."""
-INDEX_COLUMNS = ("rock", "response", "cycle", "rows", "input", "title", "total", "total_error")
+INDEX_COLUMNS = (
+    "rock",
+    "response",
+    "cycle",
+    "rows",
+    "left_out",
+    "input",
+    "title",
+    "total",
+    "total_error",
+)
 """Columns of a table without any indices."""
 ELASTICITY_COLUMNS = (
     "rock", "response", "cycle", "input",

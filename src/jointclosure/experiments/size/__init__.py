@@ -4,10 +4,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pandas as pd
+from matplotlib.figure import Figure
 
 from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Grid, SizeDesign
 from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.ensemble.cases import base_case
 from jointclosure.experiments import Design, Experiment, Tables, settings_of
 from jointclosure.experiments.size.scaling import collapse_table
@@ -19,7 +21,16 @@ from jointclosure.experiments.size.table import (
     runs_of,
     size_table,
 )
-from jointclosure.plotting.size import size_figure
+from jointclosure.plotting.panels import Column, Row, panels
+
+SHOWN = (
+    ("max_closure_seated_net", 1),
+    ("max_closure_net", 1),
+    ("residual_closure_seated_net", 1),
+    ("max_closure_seated_net", 2),
+    ("stiffness_net", 2),
+)
+"""Quantity and cycle of each row of the figure."""
 
 
 def size_design(configured: Configured) -> Design:
@@ -45,6 +56,11 @@ def size_design(configured: Configured) -> Design:
     parameters = {
         "base": [base.cells_x * base.spacing, base.spacing],
         "spectra": {name: spectrum.roll_off for name, spectrum in design.spectra.items()},
+        "titles": {
+            name: f"H {spectrum.hurst:g}, "
+            + (f"roll-off {1e3 * spectrum.roll_off:g} mm" if spectrum.roll_off else "no roll-off")
+            for name, spectrum in design.spectra.items()
+        },
         "rocks": {
             name: [rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress]
             for name, rock in configuration.rocks.items()
@@ -77,10 +93,29 @@ def size_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     }
 
 
+def size_figure(table: pd.DataFrame, parameters: Mapping[str, Any]) -> Figure:
+    """Draw ratios of the first rock to the joints of the base; a power law is a straight line."""
+    table = table[table.rock == table.rock.iloc[0]]
+    rows = [
+        Row(f"ratio of {title}", part, f"{column}_ratio", f"{column}_error", {"yscale": "log"})
+        for (name, cycle), title in titles_of_cycles(*SHOWN).items()
+        for column, part in [(COLUMNS[name][0], table[table.cycle == cycle])]
+    ]
+    side, spacing = (
+        table[name].iloc[(table[name] - 1e3 * base).abs().argmin()]
+        for name, base in zip(("patch_mm", "spacing_mm"), parameters["base"], strict=True)
+    )
+    columns = [
+        Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
+        Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
+    ]
+    return panels(rows, columns, {"spectrum": parameters["titles"]}, reference=1.0)
+
+
 EXPERIMENT = Experiment(
     title="effects of patch length and grid spacing",
     quantities=(*READ, *GEOMETRY),
     design=size_design,
     tabulate=size_tables,
-    draw=lambda name, tables, parameters: size_figure(tables[name]),
+    draw=lambda name, tables, parameters: size_figure(tables[name], parameters),
 )

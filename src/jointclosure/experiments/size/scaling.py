@@ -98,23 +98,13 @@ def collapse_table(
 ) -> pd.DataFrame:
     """Compute by how much each scaling reduces the spread between sizes.
 
-    Parameters
-    ----------
-    runs : mapping
-        As for `jointclosure.experiments.size.table.size_table`.
-    roll_offs : mapping
-        Roll-off wavelength [m] of each spectrum, None for none.
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``reading``, ``cycle``, ``between`` (`BETWEEN`), ``scaling``, ``realizations``;
-        ``exponents`` with their errors as text; on realisations that were not fitted:
-        ``removed_percent`` of the mean square spread with its ``removed_error``, and the
-        ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
-        and spacings of the error in the largest patch, predicted by fits without it, with
-        its ``largest_off_error``. These are NaN where fewer than `FEWEST` realisations have the
-        quantity at every size.
+    By ``reading``, ``cycle``, ``between`` (`BETWEEN`) and ``scaling``: ``realizations``;
+    ``exponents`` with their errors as text; on realisations that were not fitted
+    ``removed_percent`` of the mean square spread with its ``removed_error``, and the
+    ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
+    and spacings of the error in the largest patch, predicted by fits without it, with
+    its ``largest_off_error``. NaN where fewer than `FEWEST` realisations have the quantity at
+    every size. ``roll_offs`` [m] are by spectrum, None for none.
     """
     rows = []
     for rock, run in runs.items():

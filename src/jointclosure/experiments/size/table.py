@@ -57,22 +57,12 @@ def logs_of(run: xr.Dataset, name: str, cycle: int | None = None) -> xr.DataArra
 
 
 def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
-    """Compute typical values at each size and spacing, and their ratios to those of the base.
+    """Compute geometric means at each size and spacing, and their ratios to those of the base.
 
-    Parameters
-    ----------
-    runs : mapping
-        By rock, datasets over (spectrum, patch, spacing, position, realization, cycle), as from
-        `runs_of`.
-    base : (float, float)
-        Side [m] and spacing [m] of the joints with which others are compared.
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``spectrum``, ``patch_mm``, ``spacing_mm``, ``cycle``, numbers of ``joints`` and
-        of ``failed`` ones; of each quantity the geometric mean in the unit of its column, its
-        ``..._ratio`` to the base, and the ``..._error`` of the ratio (pairs of the same walls).
+    ``runs`` are those of `runs_of`, ``base`` is side and spacing [m]. By ``rock``, ``spectrum``,
+    ``patch_mm``, ``spacing_mm`` and ``cycle``: numbers of ``joints`` and ``failed`` ones, and of
+    each quantity the mean, its ``..._ratio`` and the ``..._error`` of that (pairs of the same
+    walls).
     """
     rows = []
     for about, run in _spectra(runs):
@@ -123,16 +113,10 @@ def ratio_of(differences: np.ndarray) -> Estimate:
 def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
     """Fit powers of patch length and of spacing, and test whether quantities are powers of these.
 
-    Parameters as for `size_table`.
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``spectrum``, ``reading`` (the quantity), ``cycle`` (0 for the pristine walls),
-        ``of`` (patch length at the base's spacing, or spacing of the base's patch), the fitted
-        ``exponent`` and its ``error``; ``change``: the exponent of the larger half of the range
-        less that of the smaller, its ``change_error``, and ``p`` that there is none (t test over
-        realisations).
+    By ``reading`` (the quantity), ``cycle`` (0 for the pristine walls) and ``of`` (patch length at
+    the base's spacing, or spacing of the base's patch): ``exponent`` and ``error``; ``change``, the
+    exponent of the larger half of the range less that of the smaller, its ``change_error``, and
+    ``p`` that there is none (t test over realisations).
     """
     rows = []
     for about, run in _spectra(runs):
@@ -171,20 +155,9 @@ def barton_bandis_table(
 ) -> pd.DataFrame:
     """Compare changes from the smallest patch to larger ones with those of Barton and Bandis.
 
-    Parameters
-    ----------
-    runs, base
-        As for `size_table`.
-    rocks : mapping
-        By rock: JRC, sigma_c [Pa], maximum stress [Pa]. The smallest patch is taken to have them.
-    strength_ratio : float
-        sigma_c/JCS of the smallest patch.
-
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``spectrum``, ``reading`` (the quantity), ``cycle``, ``from_mm``, ``to_mm``, the
-        model's ``ratio`` with its ``error``, and ``barton_bandis``.
+    ``rocks`` has JRC, sigma_c [Pa] and maximum stress [Pa], which the smallest patch is taken to
+    have, ``strength_ratio`` is its sigma_c/JCS. By ``reading``, ``cycle``, ``from_mm`` and
+    ``to_mm``: the model's ``ratio`` with its ``error``, and ``barton_bandis``.
     """
     rows = []
     for rock, run in runs.items():
@@ -199,43 +172,21 @@ def barton_bandis_table(
                 for patch, law in zip(larger, laws, strict=True):
                     large, small = (_at(logs, (length, base[1])) for length in (patch, smallest))
                     ratio = ratio_of(large - small)
-                    rows.append(
-                        {
-                            "rock": rock,
-                            "spectrum": spectrum,
-                            "reading": reading,
-                            "cycle": cycle,
-                            "from_mm": 1e3 * smallest,
-                            "to_mm": 1e3 * patch,
-                            "ratio": ratio.value,
-                            "error": ratio.standard_error,
-                            "barton_bandis": law[reading] / known[reading],
-                        }
-                    )
+                    row = {"rock": rock, "spectrum": spectrum, "reading": reading, "cycle": cycle}
+                    row |= {"from_mm": 1e3 * smallest, "to_mm": 1e3 * patch}
+                    row |= {"ratio": ratio.value, "error": ratio.standard_error}
+                    rows.append(row | {"barton_bandis": law[reading] / known[reading]})
     return pd.DataFrame(rows)
 
 
 def law_of_size(
     times: float, rock: tuple[float, float, float], strength_ratio: float, cycle: int
 ) -> dict[str, float]:
-    """Apply the law of Barton and Bandis to a joint that is longer than a known one.
+    """Apply the law of Barton and Bandis to a joint of so many ``times`` the length of a known one.
 
-    Parameters
-    ----------
-    times : float
-        Length over that of the known joint.
-    rock : (float, float, float)
-        JRC, sigma_c [Pa] and maximum stress [Pa] of the known joint.
-    strength_ratio : float
-        sigma_c/JCS of the known joint.
-    cycle : int
-
-    Returns
-    -------
-    dict
-        Initial stiffness and stiffness from half of the stress on [Pa/m], largest closure and that
-        at the stress [m], by the names of the model's quantities. The law's closures are those of
-        the joint without the rock, and count from seating.
+    ``rock`` is JRC, sigma_c [Pa] and maximum stress [Pa] of the known joint, ``strength_ratio``
+    its sigma_c/JCS. Returns stiffnesses [Pa/m] and closures [m] by the names of the model's
+    quantities. The law's closures are those of the joint without the rock, and count from seating.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
