@@ -150,9 +150,9 @@ def test_the_readmes_outcome_is_that_of_the_stored_study():
 def test_the_readme_states_the_stored_errors_of_the_papers_steps():
     """They are distances to the finest setting; README's joint is farther from it than they."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert f"the paper's steps end {accuracy.bias('paper')} % from the finest" in text
-    assert f"adaptive steps, in {accuracy.dearer()} times the time" in text
-    assert "the joint above differs by a quarter" in text
+    assert f"the paper's steps is {accuracy.bias('paper')} % from that of the finest" in text
+    assert f"by adaptive steps, in {accuracy.dearer()} times the time" in text
+    assert "for the joint above the paper's steps give a quarter more net closure" in text
     walls = [ROOT / f"config/walls/joint_{wall}.npz" for wall in ("upper", "lower")]
     of_paper, adaptive = (
         cycle_table(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from content.markdown import Form, Group, value_of
 from jointclosure.claims.table import OURS
-from jointclosure.sensitivity.conclusions import DEPENDS, JUDGED_ELSEWHERE, ONLY_CONFIGURED
+from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE, ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
@@ -101,7 +101,6 @@ NUMBERS = {
     "claims": _count(),
     "stand": _count(STANDS),
     "fall": _count(FALLS),
-    "depend": _count(DEPENDS),
     "alike": _count(NO_DIFFERENCE),
     "undecided": _count(UNDECIDED),
     "configured only": _count(*ONLY_CONFIGURED.values()),

@@ -85,8 +85,8 @@ def verdicts() -> str:
     claims = claims[claims.section != OURS]
     averaged = stored("readings_average", "readings_average_claims").set_index("number").verdict
     columns = {
-        "study": claims.verdict.mask(claims.index.isin(UNJUDGED)),
-        "open choices too": claims.conclusion,
+        "as configured": claims.verdict.mask(claims.index.isin(UNJUDGED)),
+        "open choices varied": claims.conclusion,
         "readings averaged": averaged.reindex(claims.index),
     }
     words = [*VERDICTS.values(), REST]

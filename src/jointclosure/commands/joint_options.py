@@ -158,8 +158,8 @@ def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
     lines = (
         [
             "gross closure contains the elastic indentation of the half-spaces, net does not"
-            f"; closures since {seating:g} MPa; in brackets the range in which 9 in 10 joints lie "
-            "over what is not known",
+            f"; closures since {seating:g} MPa; in brackets the range of 9 in 10 "
+            "random sets of the inputs that are not known",
             str(budget),
         ]
         if budget

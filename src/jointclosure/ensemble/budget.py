@@ -143,7 +143,7 @@ class Budget(NamedTuple):
                 )
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
-            count = f"{len(rows)} joints with random values" if source == ALL else TITLES[source]
+            count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
             lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
         if self.omitted:
             names = ", ".join(TITLES[name] for name in self.omitted)
@@ -163,7 +163,7 @@ class Budget(NamedTuple):
         if not OUTLYING <= below <= 1.0 - OUTLYING:
             lines.append(
                 f"{name}: the best value is {'smaller' if below < 0.5 else 'larger'} than "
-                f"{100.0 * max(below, 1.0 - below):.0f} % of the joints with random values, whose "
+                f"{100.0 * max(below, 1.0 - below):.0f} % of the results of random inputs, whose "
                 f"median is {_two_digits(drawn[quantity].median())}"
             )
         if leading(row) != row.best:
@@ -174,7 +174,7 @@ class Budget(NamedTuple):
         if row[TOGETHER] > MUCH_TOGETHER:
             most = drawn.loc[drawn[quantity].idxmax()]
             lines.append(
-                f"{name}: the largest of these joints, {_two_digits(most[quantity])}, has "
+                f"{name}: the largest of these results, {_two_digits(most[quantity])}, has "
                 f"{most.value.replace('; ', ', ')}"
             )
         return lines
