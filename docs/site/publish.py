@@ -139,7 +139,9 @@ def _provenance(results: Path) -> dict[str, str] | None:
     for path in sorted(results.glob("*.nc")):
         with reading_netcdf(path) as dataset:
             if "provenance_commit" in dataset.attrs:
-                return dict(dataset.attrs)
+                stated = results / "tables/configuration.json"  # of a study: all of its keys
+                whole = {"configuration": stated.read_text("utf-8")} if stated.is_file() else {}
+                return dataset.attrs | whole
     return None
 
 

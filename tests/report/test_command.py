@@ -39,6 +39,9 @@ def finished(material, pictures, folder):
         if (frame := getattr(material, part)) is not None:
             write_csv(frame, table)
             write_seal(folder / f"seals/{name}.json", [table], {}, [], [])
+    stated = folder / "tables/configuration.json"
+    stated.write_text(material.study.attrs["configuration"])
+    write_seal(folder / "seals/state_configuration.json", [stated], {}, [], [])
     figures = [folder / f"figures/{picture.name}.png" for picture in pictures]
     for figure, picture in zip(figures, pictures, strict=True):
         figure.write_bytes(picture.png)
@@ -62,7 +65,10 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
     assert "report.html: " in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("missing", ["study.nc", "seals/aggregate.json", "seals/checks.json"])
+@pytest.mark.parametrize(
+    "missing",
+    ["study.nc", "seals/aggregate.json", "seals/checks.json", "seals/state_configuration.json"],
+)
 def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
     (folder / missing).unlink()
     assert cli.main(["report", str(folder)]) == 2

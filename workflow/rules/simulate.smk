@@ -83,7 +83,7 @@ rule aggregate:
     priority: EARLY
     params:
         ensemble="cases",
-        configuration=config,
+        configuration=slices.closed_keys(config),
         surface_code=SURFACE_CODE,
         solver_code=SOLVER_CODE,
     script:

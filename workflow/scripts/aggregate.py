@@ -29,12 +29,13 @@ def main(
     choices: list[str],
     walls: list[str],
     keys: dict,
+    stated: dict,
     ensemble: str,
     codes: tuple[str, str],
     output: str,
     log: Logbook,
 ):
-    """Write the dataset of an ensemble, "cases" or "pool", with the study's configuration."""
+    """Write the dataset of an ensemble, "cases" or "pool", with the keys ``stated`` of it."""
     configuration = ensembles_of(resolved(keys))[ensemble]
     cases, study = cases_of(configuration), configuration.study
     with reading_netcdf(inputs[0]) as first:
@@ -47,7 +48,7 @@ def main(
         "ensemble": ensemble,
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
-    } | provenance(keys)
+    } | provenance(stated)
     if choices:
         frame.attrs["effects_chosen"] = json.dumps(
             {Path(path).stem: json.loads(read_text(path)) for path in choices}
@@ -97,6 +98,7 @@ if __name__ == "__main__":
             snakemake.input.cases,
             list(snakemake.input.effects),
             list(snakemake.input.walls),
+            snakemake.config,
             snakemake.params.configuration,
             snakemake.params.ensemble,
             (snakemake.params.surface_code, snakemake.params.solver_code),

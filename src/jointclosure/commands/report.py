@@ -17,7 +17,7 @@ from jointclosure.inputs.extras import needs
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.seals import check_folder
-from jointclosure.storage.text import read_benchmarks, read_csv, write_text
+from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
 
 if TYPE_CHECKING:  # not loaded by other commands
     from jointclosure.report.content import Material
@@ -124,7 +124,8 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
     """Collect the material of the page."""
     from jointclosure.report.content import Material
 
-    configuration = json.loads(study.attrs["configuration"])
+    stated = read_text(_sealed(folder / "tables/configuration.json", sealed))
+    study, configuration = study.assign_attrs(configuration=stated), json.loads(stated)
     return Material(
         study=study,
         closures=_needed(folder / "tables/max_closure.csv", sealed),
@@ -173,6 +174,10 @@ def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
 
 
 def _needed(path: Path, sealed: list[Path]) -> pd.DataFrame:
+    return read_csv(_sealed(path, sealed))
+
+
+def _sealed(path: Path, sealed: list[Path]) -> Path:
     if path not in sealed:
         raise InputError(f"{path}: must exist with a seal; is the study finished?")
-    return read_csv(path)
+    return path

@@ -7,6 +7,12 @@ from jointclosure.ensemble.cases import wall_name
 from jointclosure.scans import file_digest
 
 
+def closed_keys(keys: dict) -> dict:
+    """Return the keys of a configuration that may change closures: no others are in their file."""
+    output = {key: value for key, value in keys["output"].items() if key != "wall_strength_ratio"}
+    return {key: value for key, value in keys.items() if key != "statistics"} | {"output": output}
+
+
 def surface_settings(
     configuration: Configuration, case: Case, block: range, code: str = ""
 ) -> SurfaceSettings:

@@ -21,7 +21,7 @@ from jointclosure.storage.text import read_csv, write_csv, write_text
 
 _WRITERS: dict[str, Callable[..., None]] = {
     **{".nc": write_netcdf, ".csv": write_csv, ".png": save_figure, ".pdf": save_figure},
-    **dict.fromkeys((".tex", ".md", ".txt"), write_text),
+    **dict.fromkeys((".json", ".tex", ".md", ".txt"), write_text),
 }
 
 

@@ -131,6 +131,7 @@ def _ensembles(plan: Plan) -> list[str]:
 
 
 SETTINGS: dict[str, Callable[[Plan], Any]] = {
+    "keys": lambda plan: plan.configured.keys,
     "grid": lambda plan: plan.typed.grid,
     "surface": lambda plan: plan.typed.surface,
     "surface_settings": Plan.first_surfaces,

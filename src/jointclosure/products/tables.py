@@ -43,6 +43,7 @@ from jointclosure.sensitivity.tables import (
 )
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.provenance import configuration_text
 from jointclosure.storage.text import read_csv, read_text
 
 
@@ -222,6 +223,12 @@ def write_tables(
         table_3_latex(intervals, titles),
         table_3_markdown(intervals, titles, elasticities),
     )
+
+
+@product("tables/configuration.json")
+def state_configuration(keys: dict) -> str:
+    """State all keys of the study, of which study.nc has those that may change closures."""
+    return configuration_text(keys)
 
 
 @product("tables/conclusions.csv", apart=True)

@@ -20,22 +20,27 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
     the split of work over jobs, which changes no result. The configuration and the digest of the
     sources may not differ.
     """
-    study = dict(configuration["study"])
-    split = study.pop("realizations_per_job", None)
-    configuration = configuration | {"study": study}
     versions = versions_of(
         "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
     )
     return {
         "Conventions": "CF-1.11",
-        "configuration": json.dumps(configuration, sort_keys=True),
+        "configuration": configuration_text(configuration),
         "root_seed": str(configuration["study"]["root_seed"]),
         "source_digest": package_digest(),
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": commit(),
-        "provenance_realizations_per_job": str(split),
+        "provenance_realizations_per_job": str(configuration["study"].get("realizations_per_job")),
         "provenance_machine": f"{platform.system()} {platform.machine()}, {processor()}",
     }
+
+
+def configuration_text(configuration: dict[str, Any]) -> str:
+    """Return a configuration as JSON, without the split of work over jobs."""
+    study = {
+        key: value for key, value in configuration["study"].items() if key != "realizations_per_job"
+    }
+    return json.dumps(configuration | {"study": study}, sort_keys=True)
 
 
 def versions_of(*packages: str) -> dict[str, str]:
