@@ -392,6 +392,16 @@ def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(seed, jrc
     assert re.search(rf"rms slope of .*{words}", " ".join(lines))
 
 
+@pytest.mark.parametrize("factor", [2.0, 2.54, 3.0, 1 / 2.54])
+@pytest.mark.parametrize("mismatch", [0.5e-3, 1e-3, 5e-3])
+def test_a_mated_wall_whose_heights_are_in_another_unit_is_refused(mismatch, factor):
+    walls = jc.wall_pair(10.0, (44, 52), SPACING, 3, mismatch_wavelength=mismatch, roll_off=None)
+    upper, lower = grid(1e-3 - walls[0]), grid(walls[1])
+    registered(upper, lower, **AS_SCANNED)
+    with pytest.raises(jc.InputError, match=r"times those of the other .*inches and cm"):
+        registered(upper._replace(heights=factor * upper.heights), lower, **AS_SCANNED)
+
+
 def test_what_was_not_seen_is_not_in_the_walls(joint):
     upper, lower = (wall.copy() for wall in joint)
     lower[:20] = np.nan
