@@ -431,3 +431,16 @@ def test_a_unit_a_thousand_times_off_is_refused_or_warned_of_at_every_door(
         warnings.simplefilter("error", UserWarning)  # so that nothing is computed
         with pytest.raises((jc.InputError, UserWarning)):
             DOORS[door](upper, lower, spacing=spacing, rock=DOLERITE)
+
+
+@pytest.mark.parametrize("form", ["npz", "mat"])
+def test_a_mask_beside_heights_is_not_left_unread(form, tmp_path):
+    arrays = {"Z_mm": np.random.default_rng(1).random((12, 14)), "spacing_mm": 0.25}
+    arrays["mask"] = arrays["Z_mm"] > 0.5
+    path = tmp_path / f"scan.{form}"
+    if form == "npz":
+        np.savez(path, **arrays)
+    else:
+        scipy.io.savemat(path, arrays)
+    with pytest.raises(jc.InputError, match="mask"):
+        read_scan(path)

@@ -199,8 +199,9 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
             if kind in ("struct", "cell") and asked in ("", name):
                 check_size((size,), 1, name)
                 arrays |= _leaves({name: load()})
-            elif kind in ("double", "single") or "int" in kind:
-                arrays[name] = Array(shape, np.dtype(kind), split_name(name)[1], load)
+            elif kind in ("double", "single", "logical") or "int" in kind:
+                number = np.dtype(bool if kind == "logical" else kind)
+                arrays[name] = Array(shape, number, split_name(name)[1], load)
         return grid_of(arrays, variable)
 
 
