@@ -34,6 +34,9 @@ def study():
             "max_closure_net": (("case", "realization", "cycle"), per_cycle),
             "max_closure_seated_net": (("case", "realization", "cycle"), per_cycle - 5e-5),
             "residual_closure": (("case", "realization", "cycle"), 0 * per_cycle),
+            "residual_closure_seated_net": (
+                ("case", "realization", "cycle"), np.full((1, 4, 2), 7e-6),
+            ),
         },
         coords={
             "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
@@ -57,13 +60,18 @@ def test_closures_are_drawn_since_seating_for_every_success(study):
     assert len(thick) == len(later) == 2  # loading and unloading, the second cycle in a panel
     np.testing.assert_allclose(thick[0].get_xdata()[[0, -1]], [0.0, 0.15 - 0.05])
     assert thick[0].get_ydata()[0] == 0.5
+    for unloading in (thick[1], later[1]):  # ends at seating, with the residual closure
+        np.testing.assert_allclose(
+            (unloading.get_xdata()[0], unloading.get_ydata()[0]), (7e-3, 0.5)
+        )
 
 
 def test_the_papers_figure_is_gross_and_counts_from_first_touch(study):
     figure = plotting.closure_figure(study, {"one": ROCK}, None, 1.5)
     axes = figure.axes[0]
     assert "gross closure since the start of the cycle" in axes.get_xlabel()
-    (line, _) = [line for line in axes.lines if line.get_linewidth() == 2.0]
+    line, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
+    assert (unloading.get_xdata()[0], unloading.get_ydata()[0]) == (0.0, 0.0)
     assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 0.0)
     bulk = 0.02  # mm at the maximum
     np.testing.assert_allclose(line.get_xdata()[-1], 0.15 + bulk)
@@ -80,6 +88,7 @@ def test_the_barton_bandis_law_starts_where_the_closures_do(study, seating):
         drawn = barton_bandis(ROCK.jrc, ROCK.intact.compressive_strength, 1.5, cycle)
         reached = 1e3 * (drawn.closure(2e6) - drawn.closure(first))
         np.testing.assert_allclose(law.get_xdata()[-1], reached)
+        assert law.get_xdata().size > 100  # it is a curve between the stresses of the study
 
 
 def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():

@@ -34,6 +34,8 @@ MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
 _FEW_LINES = 20
 """Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
+_LAW_POINTS = 200
+"""Stresses at which an empirical law is drawn."""
 _LEGEND_WIDTH = 4.2
 """Width of the longest entry of a legend below panels [inches]."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
@@ -200,7 +202,7 @@ def _draw_rock(
         _draw_cycle(axes, base, cycle, chosen, seating_stress)
     if not rock.walls and law_holds(rock.jrc):
         first = seating_stress or 0.0
-        stress = np.append(first, study.stress.values[study.stress.values > first])
+        stress = np.linspace(first, max(first, float(study.stress.max())), _LAW_POINTS)
         for cycle in set(cycles) & set(CYCLES):
             law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
             closure = 1e3 * (law.closure(stress) - law.closure(first))
@@ -236,18 +238,20 @@ def _draw_cycle(
     stress = 1e-6 * base.stress.values
     curves, first = _curves(base, seating_stress).sel(cycle=cycle), seating_stress or 0.0
     colour = _colour(cycle)
-    for branch in ("loading", "unloading"):
+    left = base["residual_closure" if seating_stress is None else "residual_closure_seated_net"]
+    ends = {"loading": 0.0 * left, "unloading": left}  # loading starts without closure
+    for branch, end in ends.items():
         every = 1e3 * curves.sel(branch=branch)
         shown = (stress > 1e-6 * first) & np.isfinite(every.values).any(axis=0)
-        x, y = every.values[:, shown], stress[shown]
-        line = every.sel(realization=chosen).values[shown]
-        if branch == "loading":  # starts without closure by definition
-            x = np.column_stack([np.zeros(len(x)), x])
-            line, y = np.append(0.0, line), np.append(1e-6 * first, y)
+        at_end = 1e3 * end.sel(cycle=cycle).values
+        x = np.column_stack([at_end, every.values[:, shown]])
+        y = np.append(1e-6 * first, stress[shown])
+        if branch == "loading":
             mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
             axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
         axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
         style = "-" if branch == "loading" else "--"
+        line = x[int(np.flatnonzero(base.realization.values == chosen)[0])]
         axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
 
 
