@@ -55,7 +55,7 @@ RUNS = {
     ),
     "effects": Run(figures=("effects",)),
     "effects_auto": Run(
-        ("effects_regions", "effects_auto_summary"), ("effects_auto", "effects_regions")
+        ("effects_regions", "effects_auto_summary"), ("effects_regions",)
     ),
     "conclusions": Run(("earlier_readings",)),
     "readings_average": Run(
