@@ -29,6 +29,7 @@ rule close_points:
 
 
 for NAME, EXPERIMENT in EXPERIMENTS.items():
+
     rule:
         name:
             f"estimate_{NAME}"
