@@ -1,6 +1,7 @@
 """Optional dependencies: the modules of each extra, and one clear error if one is missing."""
 
 import importlib.util
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -34,7 +35,9 @@ def needs(extra: str, what: str) -> Iterator[None]:
         If a module is not installed; names the module and how to install the extra.
     """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ImportWarning)  # of what a module itself can do without
+            yield
     except ModuleNotFoundError as error:
         module = (error.name or "").partition(".")[0]
         if module not in EXTRAS[extra]:
