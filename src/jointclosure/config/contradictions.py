@@ -10,6 +10,7 @@ from jointclosure.config.typed import Configuration, StudyRock
 from jointclosure.config.units import in_unit, name_and_unit
 from jointclosure.config.walls import wall_problems
 from jointclosure.inputs import InputError
+from jointclosure.joint.loading import LARGEST_SEATING
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.surface.roughness import relation_of
@@ -178,10 +179,8 @@ def _rock_problems(
     given = keys["rocks"][name]
     stress, seating = given["max_normal_stress_MPa"], keys["seating_stress_MPa"]
     where = f"rocks.{name}.max_normal_stress_MPa = {stress:g}"
-    if seating >= stress * (1.0 - configuration.numerics.stress_tolerance):
-        yield (
-            f"seating_stress_MPa = {seating:g}: must be below {where} by numerics.stress_tolerance"
-        )
+    if seating > LARGEST_SEATING * stress:
+        yield f"seating_stress_MPa = {seating:g}: must be at most {LARGEST_SEATING:g} of {where}"
     end = keys["output"]["largest_stress_MPa"]
     if end is not None and end < stress:
         yield f"output.largest_stress_MPa = {end:g}: must be at least {where}"

@@ -6,7 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar, cast
 
 from jointclosure.inputs import InputError, check_length, check_number
-from jointclosure.joint.loading import LoadCycle, largest_stress, load_cycles, usual_seating
+from jointclosure.joint.loading import (
+    LARGEST_SEATING,
+    LoadCycle,
+    largest_stress,
+    load_cycles,
+    usual_seating,
+)
 from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.parameters import (
     Choices,
@@ -47,9 +53,9 @@ class Conditions(NamedTuple):
     cycles : int or None
         Number of load cycles, at least 1: by default 2, or that of the load history.
     seating_stress : float or None
-        Stress from which closures since seating count [Pa], at least 0 and below the smallest
-        maximum: by default 0.5 MPa, or a tenth of that maximum if it is below 0.505 MPa. It does
-        not change the history. Seated closures are NaN in a cycle whose loading starts above it.
+        Stress from which closures since seating count [Pa], from 0 to 0.9 of the smallest maximum:
+        by default 0.5 MPa, or a tenth of that maximum where 0.5 MPa are too much. It does not
+        change the history. Seated closures are NaN in a cycle whose loading starts above it.
     effects : Effects
     choices : Choices
     numerics : Numerics
@@ -113,7 +119,7 @@ class Conditions(NamedTuple):
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
             check_usual(pair, **given | {"max_normal_stress": largest})
-        seating = _checked_seating(self.seating_stress, load, self.numerics.stress_tolerance)
+        seating = _checked_seating(self.seating_stress, load)
         for stress in snapshots:
             check_number("snapshots", stress)
             if not 0.0 <= stress <= largest:
@@ -175,20 +181,15 @@ def conditions_from(
     return Conditions(**{"spacing": None, **changes})
 
 
-def _checked_seating(
-    seating_stress: float | None, load: Sequence[LoadCycle], tolerance: float
-) -> float:
-    """Return the seating stress [Pa], by default that of the load.
-
-    A loading may end below its maximum by a relative tolerance.
-    """
+def _checked_seating(seating_stress: float | None, load: Sequence[LoadCycle]) -> float:
+    """Return the seating stress [Pa], by default that of the load."""
     least = min(cycle.maximum for cycle in load)
     if seating_stress is None:
         seating_stress = usual_seating(least)
     check_number("seating_stress", seating_stress)
-    if not 0.0 <= seating_stress < least * (1.0 - tolerance):
+    if not 0.0 <= seating_stress <= LARGEST_SEATING * least:
         raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
-            f"maximum of max_normal_stress, {least!r} Pa, by its stress_tolerance of {tolerance:g}"
+            f"seating_stress = {seating_stress!r} Pa: must be from 0 to {LARGEST_SEATING:g} of the "
+            f"smallest maximum of max_normal_stress, {least!r} Pa"
         )
     return float(seating_stress)

@@ -11,9 +11,11 @@ from jointclosure.inputs import InputError, check_number
 USUAL_CYCLES = 2
 SEATING_STRESS = 0.5e6
 """Usual stress [Pa] from which seated closures count, as laboratory curves do."""
-_SEATING_SHARE, _LEAST_ABOVE = 0.1, 1.01
-"""Seating stress over the smallest maximum for joints that are loaded less far than to the usual
-seating stress, or to at most this multiple of it."""
+LARGEST_SEATING = 0.9
+"""Largest seating stress over the smallest maximum: from nearer to it, closures since seating are
+those of a step or two."""
+_SEATING_SHARE = 0.1
+"""The same by default, for joints that are loaded less far than the usual seating stress allows."""
 
 
 class LoadCycle(NamedTuple):
@@ -88,7 +90,7 @@ def load_cycles(
 
 def usual_seating(least: float) -> float:
     """Return the default seating stress [Pa] for the smallest maximum [Pa] of a load."""
-    low = 0.0 < least < _LEAST_ABOVE * SEATING_STRESS
+    low = 0.0 < LARGEST_SEATING * least < SEATING_STRESS
     return _SEATING_SHARE * least if low else SEATING_STRESS
 
 
