@@ -4,10 +4,10 @@ import sys
 
 from snakemake.utils import min_version
 
-from jointclosure.config.files import DEFAULT
-from jointclosure.jobs.folder import enter_folder
-from jointclosure.jobs.rules import complete
-from jointclosure.jobs.server import JobServer
+from studies.frame.config.files import DEFAULT
+from studies.frame.jobs.folder import enter_folder
+from studies.frame.jobs.rules import complete
+from studies.frame.jobs.server import JobServer
 
 min_version("9.27")
 

@@ -17,12 +17,12 @@ from pathlib import Path
 import pandas as pd
 from yardstick import machine, show
 
-from jointclosure.config.configuration import configured, merged, merged_study
-from jointclosure.config.files import ConfigurationError
-from jointclosure.effects.validation import validate, validation_settings, validation_summary
-from jointclosure.plotting.effects import choice_figure, region_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
+from studies.effects.figures import choice_figure, region_figure
+from studies.effects.validation import validate, validation_settings, validation_summary
+from studies.frame.config.configuration import configured, merged, merged_study
+from studies.frame.config.files import ConfigurationError
 
 STUDY = Path(__file__).parents[1] / "config/effects.yaml"
 

@@ -20,18 +20,18 @@ import pandas as pd
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engineering.measured_joints import JOINTS, measured
-from jointclosure.engineering.stiffness import closures_at
-from jointclosure.ensemble.scanned_joint import RESOLVED
+from jointclosure.engine.measured_joints import JOINTS, measured
+from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.joint.rocks import named_rock
+from jointclosure.joint.stiffness import closures_at
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit
-from jointclosure.measured.joints import digitised_curve
 from jointclosure.plotting.calibration import fit_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import write_csv
-from jointclosure.surface.synthesis import ROLL_OFF
+from jointclosure.walls.synthesis import ROLL_OFF
+from studies.measured_joints.observables import digitised_curve
 
 OUTPUT = Path(__file__).parents[1] / "build/benchmarks"
 WALLS = Path(__file__).parents[1] / "config/walls"

@@ -1,8 +1,8 @@
 """Does a plan hold? `python benchmarks/plan.py`: surfaces as planned are closed, and it is seen.
 
 A pool of 60 surfaces of one rock is closed, small, and for each wish the number of surfaces is
-planned from it, as `jointclosure plan` does. Then many other surfaces are closed, studies of as
-many independent draws as planned are drawn from them, and what they reach is held against what
+planned from it, as `python -m studies plan` does. Then many other surfaces are closed, studies of
+as many independent draws as planned are drawn from them, and what they reach is held against what
 was wished. The time is held against the planned one. A minute.
 """
 
@@ -20,23 +20,23 @@ import scipy.stats
 import xarray as xr
 from yardstick import machine
 
-from jointclosure.claims.findings import TARGET
-from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import DEFAULT, read_plain
+from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.joints import close_surfaces
 from jointclosure.engine.surfaces import surfaces_of
-from jointclosure.ensemble.aggregation import join_cases
-from jointclosure.ensemble.cases import cases_of, pool_of
-from jointclosure.ensemble.slices import block_settings
-from jointclosure.sensitivity.planning import Goal, plan
-from jointclosure.sensitivity.responses import (
-    Response,
-    responses,
-)
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import bootstrap_error, elasticity
 from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import configured, merged
+from studies.frame.config.files import DEFAULT, read_plain
+from studies.frame.ensemble.cases import cases_of, pool_of
+from studies.frame.ensemble.slices import block_settings
+from studies.paper.claims.findings import TARGET
+from studies.paper.planning import Goal, plan
+from studies.paper.responses import (
+    Response,
+    responses,
+)
 
 SIGNIFICANCE = 0.05
 GOALS = (

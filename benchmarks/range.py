@@ -21,9 +21,9 @@ import pandas as pd
 from yardstick import machine
 
 import jointclosure as jc
-from jointclosure.ensemble.budget import ALL, ranges_of
-from jointclosure.ensemble.scanned_joint import RESOLVED
-from jointclosure.ensemble.uncertainty import (
+from jointclosure.engine.budget import ALL, ranges_of
+from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.engine.uncertainty import (
     DRAWS,
     FURTHER,
     random_shares,

@@ -24,16 +24,16 @@ import pandas as pd
 import scipy.fft
 
 import jointclosure as jc
-from jointclosure.config.configuration import configured, merged, merged_study
-from jointclosure.config.files import ConfigurationError
-from jointclosure.config.typed import Configuration
-from jointclosure.engine.settings import Case, ClosureSettings
+from jointclosure.engine.settings import BASE, Case, ClosureSettings
 from jointclosure.engine.surfaces import walls_of
-from jointclosure.ensemble.cases import BASE, cases_of
-from jointclosure.ensemble.slices import block_settings
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
 from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import configured, merged, merged_study
+from studies.frame.config.files import ConfigurationError
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.slices import block_settings
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 import jointclosure as jc
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 BUDGET = Path(__file__).with_suffix(".csv")
 COUNTS = ("settled_states", "equilibria", "newton_steps", "solver_iterations", "breakage_steps")

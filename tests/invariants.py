@@ -2,7 +2,7 @@
 
 `judged` closes a joint with a solver that shows every state it brings to rest to
 `assert_at_rest`. Walls here may have profiles that are straight but for rounding, which
-`jointclosure.verification.oracle.judge` takes as they are: so forces are held against the
+`studies.verification.oracle.judge` takes as they are: so forces are held against the
 interval of curvatures that rounding leaves.
 """
 
@@ -13,8 +13,8 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import height_datum, simulate_by
 from jointclosure.solvers.registry import solver_named
-from jointclosure.verification import oracle
-from jointclosure.verification.hard_cases import JudgedSolver
+from studies.verification import oracle
+from studies.verification.hard_cases import JudgedSolver
 
 EPSILON = np.finfo(float).eps
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from jointclosure.config import files
-from jointclosure.config.configuration import Configured, configured, merged
-from jointclosure.config.typed import Configuration
 from jointclosure.storage.text import read_csv
+from studies.frame.config import files
+from studies.frame.config.configuration import Configured, configured, merged
+from studies.frame.config.typed import Configuration
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = files.read_plain(files.DEFAULT)

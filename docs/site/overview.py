@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 import jointclosure as jc
-from jointclosure.ensemble.aggregation import since_seating
+from jointclosure.engine.aggregation import since_seating
 from jointclosure.joint.loading import SEATING_STRESS
 
 JRC, SHAPE, SPACING, SURFACES, STRESS = 8, (100, 100), 0.25e-3, 20, 10e6

@@ -20,13 +20,13 @@ import numpy as np
 import pandas as pd
 from stored import ORIGIN, PACKAGE, ROOT, RUNS, STORED, Run, StoredError
 
-from jointclosure.config.configuration import merged_study
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import atomically
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.seals import check_folder
 from jointclosure.storage.text import read_csv, write_csv
+from studies.frame.config.configuration import merged_study
+from studies.frame.jobs.seals import check_folder
 
 _PLACES = ("tables", "figures", "")
 """Folders of a run's results in which files are looked for."""

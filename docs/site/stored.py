@@ -17,7 +17,7 @@ from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 STORED = ROOT / "docs/results"
-PACKAGE = ROOT / "src/jointclosure/config"
+PACKAGE = ROOT / "studies/frame/config"
 ORIGIN = "origin.json"
 
 

@@ -12,18 +12,18 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
-    from jointclosure.effects.choice import choose_effects
+    from jointclosure.engine.choice import choose_effects
     from jointclosure.engine.ensembles import simulate_ensemble
-    from jointclosure.ensemble.scanned_joint import close
+    from jointclosure.engine.scanned_joint import close
     from jointclosure.inputs import InputError
     from jointclosure.joint.conditions import Conditions
     from jointclosure.joint.simulation import equilibrium, simulate
     from jointclosure.measured.fit import fit
     from jointclosure.parameters import Choices, Effects, Numerics, Rock
     from jointclosure.plotting import plot
-    from jointclosure.scans import read_scan
     from jointclosure.statistics.indifference import indifference_interval
-    from jointclosure.surface.synthesis import wall_pair
+    from jointclosure.walls.scans import read_scan
+    from jointclosure.walls.synthesis import wall_pair
 
     __version__: str
 
@@ -34,16 +34,16 @@ _MODULES = {
     "InputError": "inputs",
     "Numerics": "parameters",
     "Rock": "parameters",
-    "choose_effects": "effects.choice",
-    "close": "ensemble.scanned_joint",
+    "choose_effects": "engine.choice",
+    "close": "engine.scanned_joint",
     "equilibrium": "joint.simulation",
     "fit": "measured.fit",
     "indifference_interval": "statistics.indifference",
     "plot": "plotting",
-    "read_scan": "scans",
+    "read_scan": "walls.scans",
     "simulate": "joint.simulation",
     "simulate_ensemble": "engine.ensembles",
-    "wall_pair": "surface.synthesis",
+    "wall_pair": "walls.synthesis",
 }
 """Module that defines each public name."""
 

@@ -16,8 +16,8 @@ from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.workers import Failed, shared
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
-from tests.conftest import DOLERITE, SPACING
 from tests.engine.dying import die_or_double, kill_worker_once
+from tests.joints import DOLERITE, SPACING
 from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}

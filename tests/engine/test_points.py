@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.config.files import read_plain
 from jointclosure.engine import joints as closing
 from jointclosure.engine import points as engine
 from jointclosure.engine import quantities as registry
@@ -23,8 +22,9 @@ from jointclosure.engine.points import (
     unpacked,
 )
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.experiments import SECTIONS, experiment_named, experiments_in
 from jointclosure.joint.simulation import close_walls
+from studies.frame.config.files import read_plain
+from studies.frame.experiments import SECTIONS, experiment_named, experiments_in
 from tests.studied import ROOT, checked_study
 
 TINY = {

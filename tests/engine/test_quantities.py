@@ -9,13 +9,13 @@ import pytest
 import jointclosure as jc
 from jointclosure.engine.closed_joint import ClosedJoint
 from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES
-from jointclosure.engine.summary import mean_shown
-from jointclosure.engineering.curves import cycle_table
-from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.stiffness import landing_stress, secant_stiffness
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.storage.text import read_csv
+from studies.frame.summary import mean_shown
 from tests.studied import ROOT
 
 LARGEST, HALF = 20e6, 10e6

@@ -9,8 +9,8 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.config.typed import Configuration
-from jointclosure.effects.choice import choose_for_case
+from jointclosure.engine.aggregation import join_cases
+from jointclosure.engine.choice import choose_for_case
 from jointclosure.engine.joints import close_surfaces
 from jointclosure.engine.settings import (
     ClosureSettings,
@@ -19,14 +19,14 @@ from jointclosure.engine.settings import (
     check_settings,
 )
 from jointclosure.engine.surfaces import surfaces_of
-from jointclosure.ensemble.aggregation import join_cases
-from jointclosure.ensemble.cases import blocks_of, cases_of
-from jointclosure.ensemble.comparison import differences
-from jointclosure.ensemble.repetition import repeated
-from jointclosure.ensemble.slices import block_settings
 from jointclosure.parameters import Effects
-from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import blocks_of, cases_of
+from studies.frame.ensemble.comparison import differences
+from studies.frame.ensemble.repetition import repeated
+from studies.frame.ensemble.slices import block_settings
+from studies.paper.closures import max_closure_table
 from tests.studied import study_of
 
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}
@@ -166,13 +166,13 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
     lines = []
     surfaces = xr.concat(pairs, "realization", coords="minimal")
     (closed,) = close_surfaces(
-        surfaces, settings, report=lines.append, repeated_by="jointclosure repeat r slate-base"
+        surfaces, settings, report=lines.append, repeated_by="python -m studies repeat r slate-base"
     )
     assert closed.status.values.tolist() == [0, 0, 64, 0]
     for name, values in closed.isel(realization=2).data_vars.items():
         counted = name == "timing_simulation" or values.dtype.kind == "i"
         assert np.isfinite(values).all() if counted else np.isnan(values).all()
-    assert "failed; to repeat it: jointclosure repeat r slate-base 2" in lines[2]
+    assert "failed; to repeat it: python -m studies repeat r slate-base 2" in lines[2]
     assert not any("failed" in line for line in lines[:2] + lines[3:])
     study = join_cases([cases["slate-base"]], [closed])
     table = max_closure_table(study)
@@ -192,7 +192,7 @@ def test_a_case_has_the_effects_of_its_rock_whatever_the_studys():
 
 
 def test_a_case_chooses_among_the_effects_of_its_rock_to_the_tolerance_given(monkeypatch):
-    monkeypatch.setattr("jointclosure.effects.pilot.WORTH", -np.inf)  # no measured times
+    monkeypatch.setattr("jointclosure.engine.pilot.WORTH", -np.inf)  # no measured times
     configuration = study_of(SMALL, {"effects": {"auto": 0.9}})
     settings = settings_of(configuration, "slate-base", range(4))
     lines = []

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.commands import cli
+from jointclosure.cli import main as cli
 from jointclosure.joint.loading import SEATING_STRESS
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.surface.measured import Scan
-from tests.conftest import SPACING
+from jointclosure.walls.measured import Scan
+from tests.joints import SPACING
 from tests.measured.test_calibration import GOOD
 from tests.studied import study_of
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.surface.plausibility import doubts
-from tests.conftest import DOLERITE, SPACING
+from jointclosure.walls.plausibility import doubts
+from tests.joints import DOLERITE, SPACING
 
 
 def mates():

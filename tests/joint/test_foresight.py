@@ -9,7 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import simulation
 from jointclosure.joint.protocol import FAILURE, FLAGS
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 CELLS = (12, 12)
 

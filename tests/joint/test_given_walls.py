@@ -7,7 +7,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.given_walls import checked_walls
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 SHAPE = (9, 9)  # square: a transposed wall would fit
 

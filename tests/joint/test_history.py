@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.engineering.empirical import barton_bandis
+from jointclosure.joint.empirical import barton_bandis
 from jointclosure.joint.history import (
     closure_at_stresses,
     first_crossing,

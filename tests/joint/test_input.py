@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 LEVELS = [70.0, 78.0, 85.0]
 

@@ -5,13 +5,13 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.commands import cli
-from jointclosure.engineering.curves import cycle_table
-from jointclosure.engineering.laws import law_curves
+from jointclosure.cli import main as cli
+from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.history import closure_at_stresses
+from jointclosure.joint.laws import law_curves
 from jointclosure.joint.loading import LoadCycle, load_cycles
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 SCENES = {"all": jc.Effects(), "elastic": jc.Effects(breakage=False, gouge=False)}
 TURNS = [3e6, 1e6, 6e6, 2e6, 6e6, 2e6, 4e6]

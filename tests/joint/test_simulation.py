@@ -14,7 +14,7 @@ from jointclosure.parameters import well_posed_scenes
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 TARGET = 4e6
 

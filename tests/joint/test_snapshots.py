@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.commands import cli
+from jointclosure.cli import main as cli
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 5e6}
 ASKED = [5e6, 0.0, 2e6]

@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.protocol import FAILURE
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 SOFT = jc.Rock(20e9, 0.3, 60e6)
 STEPS = (

@@ -19,9 +19,9 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
 from jointclosure.plotting.calibration import fit_figure
-from jointclosure.surface.measured import Scan
-from jointclosure.surface.registration import registered
-from tests.conftest import SPACING
+from jointclosure.walls.measured import Scan
+from jointclosure.walls.registration import registered
+from tests.joints import SPACING
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
 SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6

@@ -4,17 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.config.typed import MeasuredFile
 from jointclosure.inputs import InputError
-from jointclosure.measured.curves import (
-    CurveSettings,
-    MeasuredCurve,
-    best_fits,
-    curve_settings,
-    fit_table,
-    measured_curves,
-    parsed_curve,
-)
+from jointclosure.measured.curves import MeasuredCurve, best_fits, fit_table, parsed_curve
+from studies.frame.config.typed import MeasuredFile
+from studies.frame.measured_files import CurveSettings, curve_settings, measured_curves
 from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"

@@ -9,7 +9,7 @@ import pytest
 
 import jointclosure as jc
 
-PREFIX = "jointclosure.commands."
+PREFIX = "jointclosure.cli."
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
@@ -38,7 +38,7 @@ def test_the_package_itself_loads_nothing():
 
 
 def test_help_loads_no_command():
-    code = "from jointclosure.commands import cli; import contextlib\n"
+    code = "from jointclosure.cli import main as cli; import contextlib\n"
     code += "with contextlib.suppress(SystemExit): cli.main(['--help'])"
     assert loaded(code) == {"numpy"}
 
@@ -47,7 +47,7 @@ def test_a_command_loads_its_own_module_and_no_other_command():
     """One process: modules of the commands are forgotten before each."""
     run(
         "import sys\n"
-        "from jointclosure.commands import COMMANDS, cli\n"
+        "from jointclosure.cli import COMMANDS, main as cli\n"
         f"prefix = {PREFIX!r}\n"
         "for name in COMMANDS:\n"
         "    for other in COMMANDS:\n"
@@ -89,12 +89,12 @@ def test_neither_flow_nor_snapshots_are_loaded_where_none_is_asked_for():
 def test_closing_scanned_walls_reads_no_configuration_of_a_study():
     code = (
         "import jointclosure as jc\n"
-        "from jointclosure.surface.measured import Scan\n"
+        "from jointclosure.walls.measured import Scan\n"
         "upper, lower = jc.wall_pair(8.0, (24, 24), 0.25e-3, seed=3, correlation=0.9)\n"
         "scans = [Scan(wall, (0.25e-3, 0.25e-3), (0.0, 0.0)) for wall in (1e-3 - upper, lower)]\n"
         "elastic = jc.Effects(breakage=False, gouge=False)\n"
         "print(jc.close(*scans, rock='granite', max_normal_stress=1e6, effects=elastic))\n"
-        "print([name for name in sys.modules if name.startswith('jointclosure.config')])"
+        "print([name for name in sys.modules if name.startswith('studies.frame.config')])"
     )
     assert run(f"import sys\n{code}").splitlines()[-1] == "[]"
 

@@ -9,11 +9,11 @@ import yaml
 from packaging.requirements import Requirement
 
 import jointclosure as jc
-from jointclosure.commands import cli
-from jointclosure.commands.joint_options import documented
+from jointclosure.cli import main as cli
+from jointclosure.cli.joint_options import documented
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, needs
-from jointclosure.surface.registration import registered
+from jointclosure.walls.registration import registered
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -17,7 +17,7 @@ import templates
 from content import accuracy, conclusions, results, speed, validation
 
 import jointclosure as jc
-from jointclosure.engineering.curves import cycle_table
+from jointclosure.joint.curves import cycle_table
 from jointclosure.storage.provenance import provenance
 
 ROOT = Path(__file__).parents[2]

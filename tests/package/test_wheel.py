@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
-from jointclosure.commands.doctor import THREADS
+from jointclosure.cli.doctor import THREADS
 from jointclosure.inputs.extras import EXTRAS
 
 ROOT = Path(__file__).parents[2]

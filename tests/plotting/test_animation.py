@@ -7,12 +7,12 @@ import xarray as xr
 from PIL import Image
 
 import jointclosure as jc
-from jointclosure.commands import cli
+from jointclosure.cli import main as cli
 from jointclosure.plotting import animation
 from jointclosure.plotting.animation import STRESSES, animated_stresses, crushing_animation
 from jointclosure.storage.figures import save_animation
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 
 def closed(**more):

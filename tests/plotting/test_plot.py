@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 
 @pytest.fixture(scope="module")

@@ -7,16 +7,20 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.plotting.labels import Label, label_marks
 from jointclosure.plotting.snapshots import snapshot_figure
 from jointclosure.plotting.style import StyledFigure
-from tests.conftest import DOLERITE, SPACING
+from studies.paper.plotting.labels import Label, label_marks
+from tests.joints import DOLERITE, SPACING
 
 PROGRAM = """
 import matplotlib
 matplotlib.use("svg")
 before = dict(matplotlib.rcParams)
-from jointclosure.plotting import accuracy, effects, hard_cases, joint, measured, numerics, study
+from studies.accuracy import figures as accuracy
+from studies.effects import figures as effects
+from studies.verification import figures as hard_cases, numerics_figure as numerics
+from jointclosure.plotting import joint
+from studies.paper.plotting import measured, study
 from jointclosure.plotting import walls
 figure = study.equivalent_stress()
 figure.savefig("figure.png")

@@ -18,8 +18,8 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from jointclosure.verification import oracle
-from tests.conftest import DOLERITE, SPACING
+from studies.verification import oracle
+from tests.joints import DOLERITE, SPACING
 
 CLOSURES = np.arange(1, 25) * 12.5e-6
 

@@ -12,7 +12,7 @@ from jointclosure.solvers.interaction_operator import (
     influence_of,
     influence_table,
 )
-from tests.conftest import SPACING
+from tests.joints import SPACING
 
 MODULUS = 4e10
 SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)

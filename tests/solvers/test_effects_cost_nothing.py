@@ -11,7 +11,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.solvers import elastic, interaction_operator, joint
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 
 def closed(effects, breakage="fixed_step", cells=10):

@@ -7,8 +7,8 @@ import scipy.optimize
 import jointclosure as jc
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers import elastic
-from jointclosure.verification import oracle
-from tests.conftest import DOLERITE, SPACING, bump
+from studies.verification import oracle
+from tests.joints import DOLERITE, SPACING, bump
 
 SCENES = {
     "asperities": jc.Effects(False, False, False, False, True),

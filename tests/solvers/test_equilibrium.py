@@ -17,8 +17,8 @@ from jointclosure.solvers.interaction_operator import (
     mean_displacement,
 )
 from jointclosure.solvers.registry import SOLVERS
-from jointclosure.verification import oracle
-from tests.conftest import DOLERITE, SPACING, bump
+from studies.verification import oracle
+from tests.joints import DOLERITE, SPACING, bump
 
 ELASTIC = jc.Effects(breakage=False, gouge=False)
 

@@ -7,7 +7,7 @@ import jointclosure as jc
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 from tests.solvers.test_equilibrium import contacts_at
 
 pytestmark = pytest.mark.filterwarnings("error")

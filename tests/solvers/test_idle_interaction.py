@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import Conditions
@@ -16,7 +15,8 @@ from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
 from jointclosure.storage.text import read_csv
-from tests.conftest import DOLERITE, SPACING
+from studies.frame.config.configuration import configured, merged, merged_study
+from tests.joints import DOLERITE, SPACING
 
 SHARE = 0.05
 

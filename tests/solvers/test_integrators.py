@@ -14,7 +14,7 @@ from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 MODULUS = 4e10
 NO_MATRIX = np.empty((0, 0))

@@ -9,7 +9,7 @@ from jointclosure.solvers.interaction_operator import (
     Neighbours,
     influence_table,
 )
-from tests.conftest import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING
 
 SHAPE = (17, 23)
 

@@ -10,7 +10,7 @@ from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.roots import real_roots
-from jointclosure.verification.printed import exact_length
+from studies.verification.printed import exact_length
 
 LEVELS = np.array([70.0, 78.0, 85.0])
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.commands.joint_options import check_can_be_made
+from jointclosure.cli.joint_options import check_can_be_made
 from jointclosure.inputs import InputError
 from jointclosure.storage import folders
 from jointclosure.storage.files import atomically

@@ -9,14 +9,14 @@ import pytest
 import xarray as xr
 import yaml
 
-from jointclosure.commands import cli
-from jointclosure.config.configuration import merged, written_out
+from jointclosure.cli import main as cli
+from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.joints import close_surfaces
 from jointclosure.engine.surfaces import surfaces_of
-from jointclosure.ensemble.aggregation import join_cases
-from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.slices import block_settings
 from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.config.configuration import merged, written_out
+from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.slices import block_settings
 from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.jobs.test_forks import processes_in
+from tests.engine.test_forks import processes_in
 from tests.workflow.test_nothing_lost import STAMP, project
 from tests.workflow.test_pipeline import ROOT
 

@@ -5,12 +5,12 @@ import shutil
 
 import pytest
 
-from jointclosure.config.files import read_plain
-from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.engine.points import as_table, joints_of
-from jointclosure.experiments import experiments_in
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
+from studies.frame.config.files import read_plain
+from studies.frame.config.keys.configuration import SECTIONS
+from studies.frame.experiments import experiments_in
 from tests.studied import checked_study
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from jointclosure.jobs.logbook import failed_log
+from studies.frame.jobs.logbook import failed_log
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow

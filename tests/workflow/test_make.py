@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from jointclosure.storage.text import read_csv
-from tests.jobs.test_forks import processes_in, wait_for_processes
+from tests.engine.test_forks import processes_in, wait_for_processes
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 STAMP = ".venv/jointclosure-is-set-up"
@@ -314,7 +314,7 @@ def test_a_snakemake_that_is_refused_leaves_the_seals_of_the_run_at_work(project
     seal.parent.mkdir(parents=True, exist_ok=True)
     seal.write_text("not a seal that is met")
     holds = (
-        "from jointclosure.jobs.folder import enter_folder; enter_folder(); "
+        "from studies.frame.jobs.folder import enter_folder; enter_folder(); "
         "print(flush=True); input()"
     )
     with subprocess.Popen(

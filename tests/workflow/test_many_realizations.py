@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.config.configuration import resolved
-from jointclosure.config.typed import Configuration
 from jointclosure.engine.settings import as_text
-from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from studies.frame.config.configuration import resolved
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import blocks_of, cases_of
 from tests.engine.test_settings import ELASTIC, closed_block, settings_of
 from tests.studied import DEFAULT, checked_study
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.jobs.test_forks import processes_in
+from tests.engine.test_forks import processes_in
 from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
 
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
@@ -72,7 +72,7 @@ def processes_of(run: subprocess.Popen) -> tuple[list, list]:
     """Snakemake itself, and the jobs under it."""
     try:
         below = psutil.Process(run.pid).children(recursive=True)
-        servers = {p.pid: p for p in below if "jointclosure.jobs.server" in p.cmdline()}
+        servers = {p.pid: p for p in below if "studies.frame.jobs.server" in p.cmdline()}
         # jobs are forks of the server, which Snakemake starts
         jobs = [p for p in servers.values() if p.ppid() in servers]
         engines = [p.parent() for p in servers.values() if p.ppid() not in servers]

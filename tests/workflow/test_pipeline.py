@@ -180,7 +180,7 @@ def test_a_second_run_on_one_core_or_two_gives_the_same_bits(study, tmp_path, co
 
 
 def jointclosure_cli(*words):
-    command = [sys.executable, "-m", "jointclosure.commands.cli", *map(str, words)]
+    command = [sys.executable, "-m", "jointclosure.cli.main", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

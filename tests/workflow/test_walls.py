@@ -11,7 +11,7 @@ import yaml
 
 import jointclosure as jc
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import SPACING
+from tests.joints import SPACING
 from tests.workflow.test_pipeline import TINY, checkout, planned, snakemake
 
 pytestmark = pytest.mark.slow

@@ -1,6 +1,6 @@
 # Test of the choice of effects at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
 # Without a section `ablation.validation` no rule here has work.
-from jointclosure.effects.validation import validation_settings
+from studies.effects.validation import validation_settings
 
 VALIDATION = CONFIGURATION.ablation.validation if CONFIGURATION.ablation else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]

@@ -1,7 +1,7 @@
 # Shared by the rules of experiments: the experiments of the configuration, and their jobs. No rules here.
 # Every job reads this file anew: slow checks run in the main process only, and slow values are made on demand.
 from jointclosure.engine import points as engine
-from jointclosure.experiments import experiments_in
+from studies.frame.experiments import experiments_in
 
 EXPERIMENTS = experiments_in(config)
 for experiment in EXPERIMENTS.values():
@@ -15,7 +15,7 @@ DESIGNS = {
 def code_of_experiment(name, script):
     """Digest of a script and of the module of an experiment, which the script imports by its name."""
     return code_digest(
-        str(ROOT / f"workflow/scripts/{script}.py"), f"experiments.{name}"
+        str(ROOT / f"workflow/scripts/{script}.py"), f"studies.{name}"
     )
 
 

@@ -1,6 +1,6 @@
 # Joints that are hard to solve, judged by an oracle, and tests of the paper's formulas and sweep
 # (docs/model.md): `snakemake hard_cases`. No other rule depends on this study.
-from jointclosure.verification.hard_cases import kernels_of_cases, merged_cases
+from studies.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"
 HARD_CASES = merged_cases(read_plain(ROOT / "config/hard_cases.yaml"))

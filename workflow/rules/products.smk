@@ -1,4 +1,4 @@
-# Tables, figures and checks of a study: a rule for each of its products (`jointclosure.products`).
+# Tables, figures and checks of a study: a rule for each of its products (`studies.frame.products`).
 
 for NAME, PRODUCT in PLANNED.items():
 

@@ -1,6 +1,6 @@
 # The study as one page to read: `snakemake report`.
-from jointclosure.config.files import MEASURED as MEASURED_SETTINGS
-from jointclosure.report.page import template_digest
+from studies.frame.config.files import MEASURED as MEASURED_SETTINGS
+from studies.paper.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
 CONCLUSIONS = f"{RESULTS}/tables/conclusions.csv"

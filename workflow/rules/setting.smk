@@ -2,19 +2,19 @@
 import os
 from pathlib import Path
 
-from jointclosure.config import configuration
-from jointclosure.config.files import DEFAULT, PAPER_TABLE_3, read_plain
-from jointclosure.config.plain import to_plain
-from jointclosure.config.walls import check_files, wall_files
-from jointclosure.ensemble import cases
-from jointclosure.ensemble import slices
-from jointclosure.compilation.sources import PACKAGE, code_digest
-from jointclosure.scans import files_of
+from studies.frame.config import configuration
+from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
+from jointclosure.inputs.plain import to_plain
+from studies.frame.config.walls import check_files, wall_files
+from studies.frame.ensemble import cases
+from studies.frame.ensemble import slices
+from jointclosure.compilation.sources import ROOTS, code_digest
+from jointclosure.walls.scans import files_of
 from jointclosure.storage.text import read_csv, read_text
-from jointclosure.measured import curves as measured
+from studies.frame import measured_files as measured
 from jointclosure.joint.warmup import kernels_of
-from jointclosure.products import PRODUCTS
-from jointclosure.products.needs import BESIDE, Plan
+from studies.paper.products import PRODUCTS
+from studies.frame.products.needs import BESIDE, Plan
 
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:
@@ -28,7 +28,7 @@ STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 # relative paths, so that results are still valid where the whole folder was moved
-CAPTIONS = Path(os.path.relpath(PACKAGE / "report/texts"))
+CAPTIONS = Path(os.path.relpath(ROOTS["studies"] / "paper/report/texts"))
 PAPER = os.path.relpath(PAPER_TABLE_3)
 # the cases of the study, and those of its pool of common surfaces
 ENSEMBLES = cases.ensembles_of(CONFIGURATION)

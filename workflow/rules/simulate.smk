@@ -1,6 +1,6 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
 # Those of the study are in the folder cases, those of its pool in pool.
-from jointclosure.effects.choice import possible_scenes
+from jointclosure.engine.choice import possible_scenes
 
 
 rule compile_kernels:

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.configuration import resolved
-from jointclosure.config.typed import Configuration
+from jointclosure.engine.aggregation import join_cases, succeeded
 from jointclosure.engine.settings import check_settings
-from jointclosure.ensemble.aggregation import join_cases, succeeded
-from jointclosure.ensemble.cases import blocks_of, cases_of, ensembles_of
-from jointclosure.ensemble.measured_walls import described
-from jointclosure.ensemble.slices import block_settings
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text
+from studies.frame.config.configuration import resolved
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
+from studies.frame.ensemble.measured_walls import described
+from studies.frame.ensemble.slices import block_settings
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""

@@ -4,15 +4,15 @@ import json
 
 import xarray as xr
 
-from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.effects.choice import RockChoice, choose_for_rock
+from jointclosure.engine.choice import RockChoice, choose_for_rock
 from jointclosure.engine.joints import closed_before
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.surfaces import surfaces_of
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
+from jointclosure.inputs.plain import from_plain, to_plain
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.text import write_text
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Logbook) -> None:

@@ -5,10 +5,10 @@ import sys
 
 import pandas as pd
 
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.verification.hard_cases import (
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
+from studies.verification.hard_cases import (
     curve_of,
     failed_requirements,
     row_of,

@@ -1,9 +1,9 @@
 """Close the joints of one job of an experiment."""
 
 from jointclosure.engine.points import Point, as_dataset, close_points, unpacked
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(points: list[Point], quantities: list[str], output: str, log: Logbook) -> None:

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import xarray as xr
 
-from jointclosure.config.plain import from_plain
 from jointclosure.engine.joints import close_surfaces, rows_by_seed
+from jointclosure.engine.progress import Countdown
 from jointclosure.engine.settings import ClosureSettings, as_text, check_settings
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
-from jointclosure.jobs.progress import Countdown
+from jointclosure.inputs.plain import from_plain
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_blocks
 from jointclosure.storage.text import read_text
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(
@@ -60,7 +60,7 @@ def closed_by_pilot(path: str, label: str) -> xr.Dataset:
 def repeated_by(output: Path, label: str) -> str:
     """Return the command that repeats a realisation of a case, without its number."""
     pool = "--pool " if output.parent.name == "pool" else ""
-    return f"jointclosure repeat {pool}{output.parents[1]} {label}"
+    return f"python -m studies repeat {pool}{output.parents[1]} {label}"
 
 
 if __name__ == "__main__":

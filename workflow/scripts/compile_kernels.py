@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 
 from jointclosure.compilation.kernels import cache_folder
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Choices, scene_of
 from jointclosure.storage.text import read_text, write_text
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(kernels: list[list[str]], output: str, log: Logbook) -> None:

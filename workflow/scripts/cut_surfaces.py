@@ -1,12 +1,12 @@
 """Cut the surface pairs of a case, or of a block of its realisations, out of scanned walls."""
 
-from jointclosure.config.plain import from_plain
 from jointclosure.engine.settings import SurfaceSettings, as_text
 from jointclosure.engine.surfaces import seeds_of
-from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
+from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
+from studies.frame.ensemble.measured_walls import cut_surfaces, cutter_for
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(walls: str, settings: SurfaceSettings, output: str, log: Logbook) -> None:

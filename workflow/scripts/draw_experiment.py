@@ -4,11 +4,11 @@ import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs.job import job, listed
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
+from studies.frame.experiments import Experiment, experiment_named
+from studies.frame.jobs.job import job, listed
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(

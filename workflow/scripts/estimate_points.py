@@ -4,9 +4,9 @@ import math
 import sys
 
 from jointclosure.engine.points import Sample, Samples, estimated_time, unpacked
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(samples: Samples, output: str, log: Logbook) -> None:

@@ -11,9 +11,9 @@ from typing import TextIO
 
 from process_group import EndRequest, ForkedGroup, end_group, kill_group, shell_status
 
-from jointclosure.jobs.forks import run_forked
-from jointclosure.jobs.logbook import failed_log
-from jointclosure.jobs.progress import WorkflowProgress
+from jointclosure.engine.forks import run_forked
+from jointclosure.engine.progress import WorkflowProgress
+from studies.frame.jobs.logbook import failed_log
 
 SHOWN = "jointclosure: "
 """Prefix of the lines of the log that are shown to the user."""

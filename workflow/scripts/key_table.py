@@ -5,11 +5,11 @@ from pathlib import Path
 
 import yaml
 
-from jointclosure.config.contradictions import USUAL
-from jointclosure.config.files import DEFAULT, read_plain
-from jointclosure.config.keys.configuration import ConfigurationKeys
-from jointclosure.config.schema import json_schema
-from jointclosure.config.units import in_unit, name_and_unit
+from jointclosure.parameters.units import in_unit, name_and_unit
+from studies.frame.config.contradictions import USUAL
+from studies.frame.config.files import DEFAULT, read_plain
+from studies.frame.config.keys.configuration import ConfigurationKeys
+from studies.frame.config.schema import json_schema
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,7 +59,7 @@ rocks:
       jrc: [8, 12]
 ```
 
-`python workflow/scripts/key_table.py` writes this table from `src/jointclosure/config/keys/`; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this table from `studies/frame/config/keys/`; `<rock>` and `<name>` stand for any name.
 
 | key | default | allowed | what it is |
 |---|---|---|---|

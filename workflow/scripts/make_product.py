@@ -1,7 +1,7 @@
 """Make the files of a product of the study."""
 
-from jointclosure.jobs.job import job, listed
-from jointclosure.products import PRODUCTS
+from studies.frame.jobs.job import job, listed
+from studies.paper.products import PRODUCTS
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -1,11 +1,11 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
-from jointclosure.config.plain import from_plain
 from jointclosure.engine.settings import SurfaceSettings, as_text
 from jointclosure.engine.surfaces import surfaces_of
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
+from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.netcdf import write_netcdf_blocks
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(settings: SurfaceSettings, output: str, log: Logbook) -> None:

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.verification import printed, sweeps
-from jointclosure.verification.analytic import analytic_table
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
+from studies.verification import printed, sweeps
+from studies.verification.analytic import analytic_table
 
 
 def main(outputs: dict[str, str], log: Logbook) -> None:

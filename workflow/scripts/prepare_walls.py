@@ -1,13 +1,13 @@
 """Read the scanned walls of a rock, bring them to the grid, and check that there is room."""
 
-from jointclosure.config.plain import from_plain
-from jointclosure.config.typed import Grid, Walls
-from jointclosure.config.walls import wall_files
-from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
-from jointclosure.scans import read_scan
+from jointclosure.engine.settings import Grid, Walls
+from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.walls.scans import read_scan
+from studies.frame.config.walls import wall_files
+from studies.frame.ensemble.measured_walls import cutter_of, prepared_walls, room
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:

@@ -2,15 +2,15 @@
 
 import pandas as pd
 
-from jointclosure.jobs.job import job, listed
-from jointclosure.jobs.logbook import Logbook
-from jointclosure.plotting.hard_cases import hard_case_page
-from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.storage.figures import save_figures
 from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.verification.formulas import formula_rows
-from jointclosure.verification.ratchet import error_table
+from studies.frame.jobs.job import job, listed
+from studies.frame.jobs.logbook import Logbook
+from studies.verification.figures import hard_case_page
+from studies.verification.formulas import formula_rows
+from studies.verification.numerics_figure import numerics_figure
+from studies.verification.ratchet import error_table
 
 INPUTS = ("tables", "curves", "formulas", "loads")
 

@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-from jointclosure.config.configuration import configured, merged_study
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import configured, merged_study
 
 
 def main(override: str | None) -> str:

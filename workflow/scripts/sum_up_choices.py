@@ -2,12 +2,12 @@
 
 import pandas as pd
 
-from jointclosure.effects.validation import validation_summary
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
-from jointclosure.plotting.effects import choice_figure, region_figure
 from jointclosure.storage.figures import save_figures
 from jointclosure.storage.text import read_csv, write_csv
+from studies.effects.figures import choice_figure, region_figure
+from studies.effects.validation import validation_summary
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 FIGURES = {"effects_auto": choice_figure, "effects_regions": region_figure}
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.engine.points import as_dataset, as_table
-from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs.job import job, listed
-from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv, write_csv, write_text
+from studies.frame.experiments import Experiment, experiment_named
+from studies.frame.jobs.job import job, listed
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(

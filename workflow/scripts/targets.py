@@ -16,16 +16,16 @@ import yaml
 from following import follow
 from process_group import EndRequest
 
-from jointclosure.config.configuration import Configured, configured, merged_study
-from jointclosure.config.files import read_plain
-from jointclosure.config.wanted import Wanted, wanted_of
-from jointclosure.experiments import SECTIONS, checked_design
 from jointclosure.inputs import InputError
-from jointclosure.jobs.folder import enter_folder
-from jointclosure.measured.curves import curve_settings, measured_curves
-from jointclosure.sensitivity.reached import describe_reached, surfaces_next
-from jointclosure.sensitivity.tables import closure_lines
 from jointclosure.storage.text import read_csv, read_text, write_text
+from studies.frame.config.configuration import Configured, configured, merged_study
+from studies.frame.config.files import read_plain
+from studies.frame.config.wanted import Wanted, wanted_of
+from studies.frame.experiments import SECTIONS, checked_design
+from studies.frame.jobs.folder import enter_folder
+from studies.frame.measured_files import curve_settings, measured_curves
+from studies.paper.reached import describe_reached, surfaces_next
+from studies.paper.sensitivity_tables import closure_lines
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {

@@ -1,10 +1,10 @@
 """Compare the selected effects with all effects at random conditions."""
 
-from jointclosure.config.plain import from_plain
-from jointclosure.effects.validation import ValidationSettings, validate
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
+from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.text import write_csv
+from studies.effects.validation import ValidationSettings, validate
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(settings: ValidationSettings, number: int, output: str, log: Logbook) -> None:

@@ -1,19 +1,19 @@
 """Compute and draw the total error of all methods over their core-minutes."""
 
-from jointclosure.config.plain import from_plain
-from jointclosure.experiments.accuracy.design import Joint
-from jointclosure.experiments.accuracy.total import (
+from jointclosure.inputs.plain import from_plain
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
+from studies.accuracy.design import Joint
+from studies.accuracy.total import (
     Diagram,
     method_table,
     point_table,
     split_table,
     time_cheap,
 )
-from jointclosure.jobs.job import job
-from jointclosure.jobs.logbook import Logbook
-from jointclosure.plotting.total_error import total_error_figure
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import read_csv, write_csv
+from studies.accuracy.total_figures import total_error_figure
+from studies.frame.jobs.job import job
+from studies.frame.jobs.logbook import Logbook
 
 
 def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from jointclosure.commands.report import write_report
-from jointclosure.jobs.job import job
+from studies.commands.report import write_report
+from studies.frame.jobs.job import job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

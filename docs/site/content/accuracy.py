@@ -4,8 +4,8 @@ import pandas as pd
 from stored import origin, stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of, titled
-from jointclosure.config.presets import SCENES, radii_words
 from jointclosure.statistics import total_error
+from studies.frame.config.presets import SCENES, radii_words
 
 BIASES = {
     (response, cycle): f"bias of the {response}, cycle {cycle} (%)"

@@ -4,10 +4,10 @@ import pandas as pd
 from stored import stored
 
 from content.markdown import Table, markdown, value_of
-from jointclosure.claims.table import CLAIMS, OURS, Claim
-from jointclosure.report.findings import conclusion_sheet
-from jointclosure.sensitivity.conclusions import ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
+from studies.paper.claims.table import CLAIMS, OURS, Claim
+from studies.paper.conclusions import ONLY_CONFIGURED
+from studies.paper.report.findings import conclusion_sheet
 
 AVERAGED = "Averaged over readings"
 NOT_ASKED = "not asked"

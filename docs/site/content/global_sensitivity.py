@@ -5,9 +5,9 @@ import pandas as pd
 from stored import origin, stored
 
 from content.markdown import Group, Table, markdown, rows_of, titled, written
-from jointclosure.config.properties import PARAMETERS
-from jointclosure.plotting.global_sensitivity import SHOWN
+from jointclosure.parameters.titles import PARAMETERS
 from jointclosure.statistics.standard_errors import rounded
+from studies.global_sensitivity.figures import SHOWN
 
 RUN = "global_sensitivity"
 LEAST_SHOWN = 0.02

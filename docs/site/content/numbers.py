@@ -6,10 +6,10 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from content.markdown import Form, Group, value_of
-from jointclosure.claims.table import OURS
-from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE, ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
+from studies.paper.claims.table import OURS
+from studies.paper.conclusions import JUDGED_ELSEWHERE, ONLY_CONFIGURED
 
 
 class Number(NamedTuple):

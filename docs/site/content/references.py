@@ -3,8 +3,8 @@
 from stored import ROOT, stored
 
 from content.markdown import Table
-from jointclosure.config.files import read_plain
-from jointclosure.verification.hard_cases import merged_cases
+from studies.frame.config.files import read_plain
+from studies.verification.hard_cases import merged_cases
 
 
 def hard_cases(kind: str) -> str:

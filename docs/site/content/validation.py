@@ -4,10 +4,10 @@ import pandas as pd
 from stored import origin, stored
 
 from content.markdown import markdown, rows_of
-from jointclosure.engineering.measured_joints import ALL, JOINTS, measured_joints, measured_range
-from jointclosure.engineering.measured_joints import measured as measured_value
-from jointclosure.measured.joints import HEADINGS
+from jointclosure.engine.measured_joints import ALL, JOINTS, measured_joints, measured_range
+from jointclosure.engine.measured_joints import measured as measured_value
 from jointclosure.statistics.standard_errors import rounded
+from studies.measured_joints.observables import HEADINGS
 
 OBSERVABLES = {
     "first_closure": "first loading: closure at 10.27 MPa (mm)",

@@ -19,11 +19,20 @@ from pathlib import Path
 from typing import TypeGuard
 
 PACKAGE = Path(__file__).parents[1]
-NAME = PACKAGE.name
-SHOWN_BY = {"entry": "report/settings.py", "Property": "config/properties.py"}
+ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
+"""Folders of the packages whose code counts; that of studies exists in a clone only."""
+SHOWN_BY = {
+    "entry": "studies/paper/report/settings.py",
+    "Property": "jointclosure/parameters/titles.py",
+}
 """Calls whose first argument is a text for readers (description of a key, title of a property), and
 the module through which it reaches results. The text counts only if that module is imported."""
-UNCOUNTED = ("jobs/job.py", "jobs/logbook.py", "jobs/progress.py", "storage/seals.py")
+UNCOUNTED = (
+    "jointclosure/engine/progress.py",
+    "studies/frame/jobs/job.py",
+    "studies/frame/jobs/logbook.py",
+    "studies/frame/jobs/seals.py",
+)
 """Modules that report on jobs and protect their inputs, and that change no result."""
 
 
@@ -34,8 +43,9 @@ def code_digest(*names: str) -> str:
     ----------
     *names : str
         Modules of the package by their dotted names below it (``"solvers.fast"``,
-        ``"solvers"`` for all below it), paths of scripts (ending in ``.py``), or functions of
-        modules (``"products.tables:judge_claims"``): of such a module, only what the function uses
+        ``"solvers"`` for all below it), modules of studies by their full names, paths
+        of scripts (ending in ``.py``), or functions of modules
+        (``"studies.paper.tables:judge_claims"``): of such a module, only what the function uses
         counts, and the modules from which that is imported.
 
     Returns
@@ -86,18 +96,18 @@ def _code_digest(*names: str) -> str:
         else:
             files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
     files = closure(files)
-    unseen = frozenset(call for call, shows in SHOWN_BY.items() if PACKAGE / shows not in files)
+    unseen = frozenset(call for call, shows in SHOWN_BY.items() if _path(shows) not in files)
     digest = hashlib.sha256()
     for part in functions:
         digest.update(_text(part, unseen).encode() + b"\0")
-    for file in sorted(files, key=lambda file: (PACKAGE not in file.parents, file)):
+    for file in sorted(files, key=_last_scripts):
         digest.update(file.name.encode() + b"\0" + _code(file, unseen).encode() + b"\0")
     return digest.hexdigest()[:16]
 
 
 def package_digest() -> str:
     """Return the digest of all code of the package."""
-    return code_digest(*(_name(file) for file in PACKAGE.rglob("*.py")))
+    return code_digest(*(_name(file) for file in ROOTS["jointclosure"].rglob("*.py")))
 
 
 def cache_root() -> Path:
@@ -122,9 +132,10 @@ def raw_digest() -> str:
     It is fast, and changes with comments too.
     """
     digest = hashlib.sha256()
-    for file in sorted(PACKAGE.rglob("*.py")):
-        digest.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
-        digest.update(file.read_bytes() + b"\0")
+    for root in ROOTS.values():
+        for file in sorted(root.rglob("*.py")):
+            digest.update(file.relative_to(root.parent).as_posix().encode() + b"\0")
+            digest.update(file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 
 
@@ -139,17 +150,33 @@ def closure(files: set[Path]) -> set[Path]:
     return files_found
 
 
+def _last_scripts(file: Path) -> tuple[bool, Path]:
+    """Return the place of a file in an order that does not depend on the folder of scripts."""
+    return not any(root in file.parents for root in ROOTS.values()), file
+
+
+def _path(name: str) -> Path:
+    """Return the path of a file of `ROOTS` by its name below their common folder."""
+    top, _, rest = name.partition("/")
+    return ROOTS[top] / rest
+
+
 def _files_of(name: str) -> set[Path]:
-    base = PACKAGE.joinpath(*name.split(".")) if name else PACKAGE
+    top, *parts = name.split(".")
+    base = (
+        ROOTS[top].joinpath(*parts)
+        if top in ROOTS
+        else ROOTS["jointclosure"].joinpath(*name.split("."))
+    )
     if base.with_suffix(".py").is_file():
         return {base.with_suffix(".py")}
     if (base / "__init__.py").is_file():
-        return {base / "__init__.py"} if base == PACKAGE else set(base.rglob("*.py"))
-    raise FileNotFoundError(f"{NAME} has no module {name!r}")
+        return {base / "__init__.py"} if base == ROOTS["jointclosure"] else set(base.rglob("*.py"))
+    raise FileNotFoundError(f"jointclosure has no module {name!r}")
 
 
 def _name(file: Path) -> str:
-    parts = file.relative_to(PACKAGE).with_suffix("").parts
+    parts = file.relative_to(ROOTS["jointclosure"]).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
@@ -169,7 +196,7 @@ def _imported(tree: ast.AST) -> frozenset[Path]:
             for alias in node.names:
                 inner = _module(f"{node.module}.{alias.name}")
                 imported |= inner or _module(node.module)
-    return frozenset(imported - {PACKAGE / name for name in UNCOUNTED})
+    return frozenset(imported - {_path(name) for name in UNCOUNTED})
 
 
 def _used(file: Path, function: str) -> list[ast.AST]:
@@ -207,9 +234,9 @@ def _binds(part: ast.AST) -> TypeGuard[ast.Name]:
 def _module(name: str) -> set[Path]:
     """Return the file of a module of the package by its full dotted name; none for others."""
     top, *parts = name.split(".")
-    if top != NAME:
+    if top not in ROOTS:
         return set()
-    base = PACKAGE.joinpath(*parts)
+    base = ROOTS[top].joinpath(*parts)
     for file in (base.with_suffix(".py") if parts else base / "__init__.py", base / "__init__.py"):
         if file.is_file():
             return {file}

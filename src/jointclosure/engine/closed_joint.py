@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import net_responses
-from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import net_responses
 from jointclosure.joint.history import closure_at_stresses
+from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
 
 

@@ -9,14 +9,14 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.joints import Reading, Row, Walls, close_joint, stacked
+from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
-from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.surface.plausibility import doubts
+from jointclosure.walls.plausibility import doubts
 
 NOT_SIMULATED = np.int16(2 * max(FLAGS))
 """Status bit of a joint that could not be closed; its ``error`` states the reason."""

@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.engine.joints import Reading, Walls, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import MAKERS
+from jointclosure.inputs.plain import from_plain, to_plain
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import scipy
 
 from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.engineering.curves import cycle_table, hysteresis, seat_of
 from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.curves import cycle_table, hysteresis, seat_of
 from jointclosure.joint.history import loop_between
 from jointclosure.joint.protocol import LOADING
-from jointclosure.surface.bearing import bearing_depths
-from jointclosure.surface.roughness import rms_slope
+from jointclosure.walls.bearing import bearing_depths
+from jointclosure.walls.roughness import rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")

@@ -1,7 +1,7 @@
 """Settings that the files of a case depend on; files of other settings are detected.
 
 A file stores its settings as JSON in its attribute ``settings``. A reader states the settings that
-it expects, and `check_settings` names the first one that differs. `jointclosure.ensemble.slices`
+it expects, and `check_settings` names the first one that differs. `studies.frame.ensemble.slices`
 makes settings from a configuration; the closure of walls does not depend on a configuration.
 """
 
@@ -9,9 +9,8 @@ import json
 from pathlib import Path
 from typing import NamedTuple
 
-from jointclosure.config.plain import to_plain
-from jointclosure.config.typed import Grid, Surface, Walls
 from jointclosure.inputs import InputError
+from jointclosure.inputs.plain import to_plain
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import (
     Choices,
@@ -19,6 +18,53 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
 )
+
+SIDES = ("upper", "lower")
+BASE = "base"
+"""Parameter and level of a case in which no parameter is changed."""
+
+
+class Walls(NamedTuple):
+    """Scanned walls of a rock: files or words for partners, and how they are read."""
+
+    upper: str
+    lower: str
+    units: str | None
+    spacing: float | None
+    variable: str | None
+    missing: str
+    largest_filled_share: float
+    inverted: tuple[str, ...]
+    bring_together: bool = False
+    orientation: str | None = None
+    shift: str | None = None
+    spikes: str = "cut"
+
+
+class Grid(NamedTuple):
+    """Cells of both walls, and their spacing [m]."""
+
+    cells_x: int
+    cells_y: int
+    spacing: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells (y, x)."""
+        return self.cells_y, self.cells_x
+
+
+class Surface(NamedTuple):
+    """How walls are made from a JRC; arguments of `jointclosure.wall_pair`."""
+
+    hurst: float
+    jrc_relation: str
+    normalise: str
+    correlation: float
+    shift_in_cells: int
+    mismatch_wavelength: float | None
+    rule: str
+    roll_off: float | None
 
 
 class OtherSettingsError(InputError):

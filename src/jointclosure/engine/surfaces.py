@@ -5,11 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.typed import Grid, Surface
-from jointclosure.engine.settings import SurfaceSettings
+from jointclosure.engine.settings import Grid, Surface, SurfaceSettings
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.surface.synthesis import wall_pair
+from jointclosure.walls.synthesis import wall_pair
 
 
 def make_surfaces(

@@ -4,14 +4,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from jointclosure.config.typed import Grid
 from jointclosure.engine.joints import Walls
-from jointclosure.engine.settings import ClosureSettings, SurfaceSettings
+from jointclosure.engine.settings import ClosureSettings, Grid, SurfaceSettings
 from jointclosure.engine.surfaces import seeds_of, walls_of
 from jointclosure.joint.simulation import close_walls
-from jointclosure.surface.misalignment import rotated_pair, tilted
-from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
-from jointclosure.surface.synthesis import spectrum_of
+from jointclosure.walls.misalignment import rotated_pair, tilted
+from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.synthesis import spectrum_of
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.flow.reynolds import DIRECTIONS, STATUSES, Flow, flow_along
 from jointclosure.joint.attributes import ATTRIBUTES as OF_HISTORY
 from jointclosure.joint.protocol import Step
+from jointclosure.joint.reynolds import DIRECTIONS, STATUSES, Flow, flow_along
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Joint
 

@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
-from jointclosure.surface.plausibility import doubts
+from jointclosure.walls.plausibility import doubts
 
 _SAME_PLACE = 1e-6
 """Largest allowed difference between the coordinates of the two walls, over their spacing."""

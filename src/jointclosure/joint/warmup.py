@@ -21,7 +21,7 @@ from jointclosure.parameters import (
     well_posed_scenes,
 )
 from jointclosure.solvers.interaction_operator import influence_matrix
-from jointclosure.surface.synthesis import wall_pair
+from jointclosure.walls.synthesis import wall_pair
 
 
 def kernels_of(

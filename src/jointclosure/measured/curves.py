@@ -9,8 +9,7 @@ closures does not matter.
 import csv
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +17,11 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.config.typed import Configuration, MeasuredFile
-from jointclosure.config.units import SI_FACTORS
-from jointclosure.ensemble.aggregation import since_seating, succeeded
+from jointclosure.engine.aggregation import since_seating, succeeded
 from jointclosure.inputs import SPELT, InputError
 from jointclosure.joint.history import first_crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.parameters.units import SI_FACTORS
 
 STRESS_UNITS, CLOSURE_UNITS = ("Pa", "kPa", "MPa", "GPa"), ("m", "mm", "um")
 _FACTORS = SI_FACTORS | {"kPa": 1e3}
@@ -78,49 +76,6 @@ class MeasuredCurve(NamedTuple):
         for branch, (stress, closure) in branches.items():
             counts = stress > seating_stress if branch == LOADING else stress >= 0.0
             yield branch, stress[counts], closure[counts] - zero
-
-
-class CurveSettings(NamedTuple):
-    """Settings for the check of the measured curve of a rock [SI], and its file."""
-
-    measured: MeasuredFile
-    max_normal_stress: float
-    cycles: int
-    seating_stress: float
-
-
-def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
-    """Return settings of the measured curves by rock, for rocks of the study that have one."""
-    return {
-        name: CurveSettings(
-            rock.measured,
-            rock.max_normal_stress,
-            configuration.study.cycles,
-            configuration.seating_stress,
-        )
-        for name, rock in configuration.rocks.items()
-        if rock.measured
-    }
-
-
-def measured_curves(
-    settings: dict[str, CurveSettings], read: Callable[[str], str]
-) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock; ``read`` returns the text of a file.
-
-    Raises
-    ------
-    InputError
-        If a curve is not valid; names file, line and value, or the key of a missing file.
-    """
-    curves = {}
-    for name, curve_of_rock in settings.items():
-        file, *units = curve_of_rock.measured
-        if not Path(file).is_file():
-            raise InputError(f"rocks.{name}.measured.file = {file!r}: file not found")
-        curves[name] = parsed_curve(read(file), file, *units)
-        _check_curve(curves[name], name, curve_of_rock)
-    return curves
 
 
 def parsed_curve(
@@ -313,23 +268,6 @@ def _number(cell: str, where: str, quantity: str) -> float:
     if quantity == "cycle" and not (value >= 1.0 and value.is_integer()):
         raise InputError(f"{where}: cycle = {cell.strip()}: must be a whole number of at least 1")
     return value
-
-
-def _check_curve(curve: MeasuredCurve, rock: str, settings: CurveSettings) -> None:
-    """Refuse a curve that cannot be compared with the study."""
-    name, cycles, largest = settings.measured.file, settings.cycles, settings.max_normal_stress
-    for i in range(curve.stress.size):
-        where = f"{name}, line {curve.line[i]}"
-        if curve.cycle[i] > cycles:
-            raise InputError(
-                f"{where}: cycle = {curve.cycle[i]}: the study has study.cycles = {cycles}"
-            )
-        if curve.stress[i] > largest * (1.0 + 1e-12):
-            raise InputError(
-                f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
-                f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
-            )
-    check_loadings(curve, name, settings.seating_stress)
 
 
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.engine.uncertainty import shifted_walls
 from jointclosure.engine.workers import number_of_workers
-from jointclosure.ensemble.scanned_joint import RESOLVED
-from jointclosure.ensemble.uncertainty import shifted_walls
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
@@ -40,8 +40,8 @@ from jointclosure.parameters import (
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.text import read_text
-from jointclosure.surface.registration import RegisteredPair
-from jointclosure.surface.synthesis import wall_pair
+from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.synthesis import wall_pair
 
 WAVELENGTHS, STRENGTHS = 8, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
@@ -236,7 +236,7 @@ def fit(
         Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
         joint has a random one, so that intervals include it. Not needed for scanned walls.
     pair : RegisteredPair, optional
-        The walls of the joint, if they were scanned (`jointclosure.surface.registration`). The
+        The walls of the joint, if they were scanned (`jointclosure.walls.registration`). The
         strength is then fitted, and the simulated joints differ in the position of the walls, which
         is known to one cell along x and y. ``jrc``, ``shape`` and ``spacing`` are not used.
     shape : (ny, nx)

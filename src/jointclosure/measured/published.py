@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.engineering.measured_joints import measured
+from jointclosure.engine.measured_joints import measured
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import parsed_curve
 from jointclosure.storage.text import read_text

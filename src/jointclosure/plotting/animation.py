@@ -6,8 +6,8 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from jointclosure.engineering.curves import spacing_of
 from jointclosure.inputs import InputError
+from jointclosure.joint.curves import spacing_of
 from jointclosure.joint.history import GROSS
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import map_extent

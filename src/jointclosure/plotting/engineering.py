@@ -5,8 +5,8 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import curve_table, has_flow
-from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves, law_words
+from jointclosure.joint.curves import curve_table, has_flow
+from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, law_words
 from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.joint import draw_stiffness
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots

@@ -7,11 +7,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import seat_of
-from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.ensemble.budget import CLOSURE_GROSS, CLOSURE_NET, leading
+from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, leading
+from jointclosure.joint.curves import seat_of
 from jointclosure.joint.history import GROSS, NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.stiffness import stiffness_table
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 
@@ -27,7 +27,7 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
         As from `jointclosure.simulate`.
     title : str
     ranges : DataFrame, optional
-        `jointclosure.ensemble.budget.Budget.ranges`, drawn as bars above the largest stress.
+        `jointclosure.engine.budget.Budget.ranges`, drawn as bars above the largest stress.
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
     columns = {GROSS: CLOSURE_GROSS, NET: CLOSURE_NET}

@@ -22,7 +22,7 @@ with needs("figures", "jointclosure.plotting.plot"):
     from matplotlib.axes import Axes
 
 if TYPE_CHECKING:
-    from jointclosure.ensemble.scanned_joint import ClosedJoint
+    from jointclosure.engine.scanned_joint import ClosedJoint
 
 __all__ = ["aperture", "contacts", "curves", "damage", "stiffness", "wall", "walls"]
 

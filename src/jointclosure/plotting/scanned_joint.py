@@ -4,9 +4,9 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.ensemble.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
+from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.surface.registration import CLEAR, RegisteredPair
+from jointclosure.walls.registration import CLEAR, RegisteredPair
 
 
 @styled

@@ -11,7 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from jointclosure.engineering.curves import spacing_of
+from jointclosure.joint.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import panel_grid, styled
 

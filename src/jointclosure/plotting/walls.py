@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.surface.measures import Increments
+from jointclosure.walls.measures import Increments
 
 
 @styled
@@ -22,7 +22,7 @@ def roughness_figure(
     spacing : float
         Grid spacing [m].
     increments : Increments
-        As from `jointclosure.surface.measures.increments`.
+        As from `jointclosure.walls.measures.increments`.
     title : str
     """
     figure, panels = subplots(1, 3, figsize=(13.0, 4.3), width_ratios=(1.1, 1.0, 1.0))

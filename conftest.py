@@ -1,0 +1,33 @@
+"""What all tests share: a rock, a small joint, and fast property testing."""
+
+import faulthandler
+
+import hypothesis
+import pytest
+
+import jointclosure as jc
+from tests.joints import DOLERITE, SPACING
+
+hypothesis.settings.register_profile("default", deadline=None, max_examples=60)
+hypothesis.settings.load_profile("default")
+
+TEST_SECONDS = 1800
+"""A test that takes longer loops: its worker is ended, and the traceback says where."""
+
+
+@pytest.fixture(autouse=True)
+def _no_test_loops():
+    faulthandler.dump_traceback_later(TEST_SECONDS, exit=True)
+    yield
+    faulthandler.cancel_dump_traceback_later()
+
+
+@pytest.fixture
+def rock():
+    return DOLERITE
+
+
+@pytest.fixture
+def small_joint():
+    """Two walls of 20 x 24 cells, JRC 8."""
+    return jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)

@@ -1,0 +1,11 @@
+"""Commands of the command line, one module each: `add_to` declares it, `run` executes it."""
+
+COMMANDS = {
+    "close": "close the joint whose two walls were scanned",
+    "simulate": "close one joint of random walls",
+    "fit": "find the mismatch wavelength of a joint from its measured closure",
+    "validate": "compare the model with three measured joints whose files are public",
+    "roughness": "compute slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
+    "doctor": "check whether the environment is ready for a study",
+}
+"""Names of the modules and their purposes; modules are imported when they are used."""

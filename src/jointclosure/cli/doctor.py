@@ -1,0 +1,205 @@
+"""`jointclosure doctor`: check whether the environment is ready for a study, with advice."""
+
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import psutil
+
+from jointclosure.cli import COMMANDS
+from jointclosure.compilation.kernels import cache_folder
+from jointclosure.engine.progress import duration
+from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import EXTRAS, installed
+from jointclosure.storage.provenance import versions_of
+from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import DEFAULT, configured, merged_study
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
+_PYTHONS = ((3, 11), (3, 13))
+_MEMORY_OF_A_JOB = 0.5e9
+"""Memory of a job of the paper's study in bytes: 305 MB for closures to 415 MB for tables, rounded
+up."""
+_DISK_OF_A_STUDY = 1e9
+"""Disk space of a study in bytes; the paper's study takes 0.2 GB, most of it for surfaces."""
+
+
+class Finding(NamedTuple):
+    """Item checked, its state, and advice if it is not in order."""
+
+    what: str
+    state: str
+    advice: str = ""
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "doctor",
+        help=COMMANDS["doctor"],
+        description="Checks versions, cores, thread settings, compiled kernels, memory, results "
+        "folder and Snakemake, with advice on problems. Run it where `make study` is run; it "
+        "changes nothing, and fails if there is a problem.",
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print all findings; return 1 if there is any advice."""
+    unwell = 0
+    for finding in findings(Path.cwd()):
+        mark = "!" if finding.advice else " "
+        print(f"{mark} {finding.what + ':':<18}{finding.state}", flush=True)
+        if finding.advice:
+            unwell += 1
+            print(f"{'':20}-> {finding.advice}")
+    print(f"\n{unwell} with advice" if unwell else "\nno problems")
+    return 1 if unwell else 0
+
+
+def findings(folder: Path) -> Iterator[Finding]:
+    """Generate all findings for a study that is run in a folder."""
+    yield _python()
+    yield _versions()
+    yield _extras()
+    yield _configuration()
+    machine = os.cpu_count() or 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
+    yield Finding("cores", f"{cores} for this process, {machine} of the machine")
+    yield _threads(cores)
+    yield _memory(cores)
+    yield _cache()
+    yield _results(folder)
+    yield _snakemake(folder)
+
+
+def _python() -> Finding:
+    state = f"{platform.python_version()} at {sys.executable}"
+    low, high = _PYTHONS
+    if low <= sys.version_info[:2] <= high:
+        return Finding("python", state)
+    return Finding("python", state, "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12")
+
+
+def _versions() -> Finding:
+    package, *others = (
+        f"{name} {v}" for name, v in versions_of("jointclosure", *_PACKAGES).items()
+    )
+    return Finding("packages", f"{package}; {', '.join(others)}")
+
+
+def _extras() -> Finding:
+    there = [extra for extra in EXTRAS if installed(extra)]
+    missing = [extra for extra in EXTRAS if extra not in there]
+    state = f"with {', '.join(there) or 'none'}"
+    if missing:
+        state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
+    return Finding("extras", state)
+
+
+def _configuration() -> Finding:
+    """Check whether `jointclosure simulate` has its default configuration and can run it."""
+    try:
+        rocks = configured(merged_study(), read_csv).typed.rocks
+    except (InputError, OSError) as error:
+        return Finding("configuration", str(error).splitlines()[-1], "install jointclosure again")
+    return Finding("configuration", f"{DEFAULT}, rocks {', '.join(rocks)}")
+
+
+def _threads(cores: int) -> Finding:
+    settings = {name: os.environ.get(name) for name in THREADS}
+    state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
+    if cores == 1 or all(value == "1" for value in settings.values()):
+        return Finding("threads", state)
+    if not any(settings.values()):  # as in any shell
+        return Finding("threads", f"{state}; make sets all to 1, and scripts should do the same")
+    return Finding(
+        "threads",
+        state,
+        "jobs that run side by side slow each other down unless each has one thread: set all to "
+        "1 (make does this; .ci/environment has the line for a shell)",
+    )
+
+
+def _memory(cores: int) -> Finding:
+    memory = psutil.virtual_memory()
+    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
+    jobs = int(memory.available / _MEMORY_OF_A_JOB)
+    if jobs >= cores:
+        return Finding("memory", state)
+    return Finding(
+        "memory",
+        state,
+        f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}",
+    )
+
+
+def _cache() -> Finding:
+    folder = cache_folder()
+    state = f"{folder}: {_kernels(folder)}"
+    older = [path for path in folder.parent.glob("numba-*") if path != folder]
+    if older:
+        size = sum(_size(path) for path in older)
+        state += f"; {len(older)} of other versions, {size / 1e6:.0f} MB, can be deleted"
+    place = next(path for path in (folder, *folder.parents) if path.exists())
+    if not os.access(place, os.W_OK):
+        return Finding(
+            "compiled kernels", state, "not writable: set JOINTCLOSURE_CACHE to a folder that is"
+        )
+    return Finding("compiled kernels", state)
+
+
+def _kernels(folder: Path) -> str:
+    number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
+    if not number:
+        return "cold; the first joint compiles them, which takes about a minute of processor time"
+    return f"warm, {number} kernels, {_size(folder) / 1e6:.0f} MB"
+
+
+def _size(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def _results(folder: Path) -> Finding:
+    results = folder / "results"
+    place = results if results.exists() else folder
+    free = shutil.disk_usage(place).free
+    state = f"{results}, {free / 1e9:.1f} GB free"
+    try:
+        with tempfile.NamedTemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        return Finding("results", f"{state}, {error.strerror}", f"make {place} writable")
+    if free < _DISK_OF_A_STUDY:
+        return Finding("results", state, "a study may take a gigabyte: make room")
+    return Finding("results", state)
+
+
+def _snakemake(folder: Path) -> Finding:
+    """Check whether Snakemake starts, and plans the smoke study if a Snakefile is here."""
+    here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
+    if importlib.util.find_spec("snakemake") is None:
+        advice = "pip install 'jointclosure[workflow]'" if here else ""
+        return Finding("snakemake", "not installed; only studies need it", advice)
+    start = time.perf_counter()
+    command = [sys.executable, "-m", "snakemake", "--version"]
+    if here:
+        profile = ["--workflow-profile", "workflow/profiles/default"]
+        smoke = ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
+        command = [*command[:-1], *profile, *smoke]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    took = duration(time.perf_counter() - start)
+    if answer.returncode == 0:
+        did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
+        return Finding("snakemake", f"{did}, in {took}")
+    output = (answer.stderr.strip() or answer.stdout.strip() or "no output").splitlines()
+    return Finding("snakemake", output[-1], "make clean setup sets up the environment again")

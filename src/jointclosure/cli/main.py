@@ -1,0 +1,62 @@
+"""Command line `jointclosure`; each command is a module of this package."""
+
+import argparse
+import importlib
+import io
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any, NoReturn
+
+from jointclosure import __version__
+from jointclosure.cli import COMMANDS
+from jointclosure.inputs import InputError
+
+
+class Parser(argparse.ArgumentParser):
+    """Parser that reports errors of arguments in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def parser(
+    words: Sequence[str],
+    program_name: str = "jointclosure",
+    described: Mapping[str, str] = COMMANDS,
+    package: str = "jointclosure.cli",
+) -> argparse.ArgumentParser:
+    """Return a parser of all commands, with the arguments of the first one named in words."""
+    named = next((word for word in words if not word.startswith("-")), "")
+    program = Parser(prog=program_name, description="Closure of rock joints.")
+    program.add_argument("--version", action="version", version=__version__)
+    commands = program.add_subparsers(required=True, metavar="command")
+    for name, what_it_does in described.items():
+        if name == named:
+            importlib.import_module(f"{package}.{name}").add_to(commands)
+        else:
+            commands.add_parser(name, help=what_it_does)
+    return program
+
+
+def main(words: Sequence[str] | None = None, **commands: Any) -> int:
+    """Run a command; report errors of its input in one line on standard error.
+
+    ``commands`` are the arguments of `parser` if they are not those of `jointclosure.cli`.
+    """
+    words = sys.argv[1:] if words is None else words
+    arguments = parser(words, **commands).parse_args(words)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # write logs line by line
+    try:
+        return arguments.run(arguments)
+    except (InputError, OSError, ValueError) as error:
+        message = "; ".join(line.strip() for line in str(error).splitlines())
+        print(f"jointclosure: {message.replace(':;', ':')}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("jointclosure: interrupted", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+"""`jointclosure roughness`: roughness of a scanned wall."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from jointclosure.cli import COMMANDS
+from jointclosure.cli.joint_options import add_scans, check_destination
+from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
+from jointclosure.walls.measured import (
+    LARGEST_FILLED_SHARE,
+    MISSING,
+    filled,
+    point_distance,
+    wall_on_grid,
+)
+from jointclosure.walls.measures import increments, measure_wall
+from jointclosure.walls.outliers import without_plateaus, without_spikes
+from jointclosure.walls.plausibility import slope_doubts, unit_doubts
+from jointclosure.walls.scans import read_scan
+from jointclosure.walls.smoothing import smoothing_of
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "roughness",
+        help=COMMANDS["roughness"],
+        description="Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra "
+        "jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean "
+        "plane. Every measure has a 95 % confidence interval.",
+    )
+    command.add_argument("file", type=Path, help="the scanned wall")
+    add_scans(command, read_scan, "spacing")
+    command.add_argument(
+        "--grid-spacing", type=float, metavar="MM", help="interpolate to this spacing first"
+    )
+    command.add_argument(
+        "--missing",
+        choices=MISSING,
+        default="avoid",
+        help="cells without a height: an error (refuse), left out (avoid, the default), or filled",
+    )
+    command.add_argument(
+        "--spikes",
+        choices=("keep", "cut"),
+        default="keep",
+        help="points that differ from all but one of their neighbours: reported (keep, the "
+        "default), or left out (cut)",
+    )
+    command.add_argument(
+        "--picture", type=Path, metavar="PNG", help="draw the wall (png, pdf or svg)"
+    )
+    command.add_argument("--table", type=Path, metavar="CSV", help="write the measures")
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print the measures, and draw the wall if requested."""
+    for name in ("spacing", "grid_spacing"):
+        value = getattr(arguments, name)
+        if value is not None and not 0.0 < value < 1e18:
+            raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
+    check_destination(arguments.picture, (".png", ".pdf", ".svg"))
+    check_destination(arguments.table, (".csv",))
+    if arguments.picture:  # drawing takes a second to load, and needs an extra
+        from jointclosure.plotting.walls import roughness_figure
+    spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
+    scan = read_scan(
+        arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
+    )
+    try:
+        scan = without_plateaus(scan)
+        kept, spikes = without_spikes(scan)
+        if arguments.spikes == "cut":
+            scan = kept
+        step = 1e-3 * arguments.grid_spacing if arguments.grid_spacing else point_distance(scan)
+        wall = wall_on_grid(scan, step)
+        smoothed = smoothing_of(scan, wall, step)
+        wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
+        measures = measure_wall(wall, step)
+    except InputError as error:
+        reasons = [str(error), *cautions(scan.remarks)]
+        raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
+    print(measures_text(measures, str(arguments.file), wall, step))
+    remarks = [*scan.remarks, *smoothed]
+    doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
+    remarks += [caution(doubt) for doubt in doubts]
+    if spikes:
+        done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
+        remarks.append(f"{spikes}; {done}")
+    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
+    if arguments.table:
+        write_csv(measure_table(measures), arguments.table)
+    if arguments.picture:
+        figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
+        save_figure(figure, arguments.picture)
+    return 0
+
+
+def measure_table(measures: list) -> pd.DataFrame:
+    """Return measures of a wall (`jointclosure.walls.measures.Measure`) as a frame."""
+    return pd.DataFrame(measures, columns=["measure", "value", "low", "high", "unit", "remark"])
+
+
+def measures_text(measures: list, title: str, wall, spacing: float) -> str:
+    """Format measures of a wall (y, x) [m] for reading, with its size and missing cells."""
+    ny, nx = wall.shape
+    gaps = int(pd.isna(wall).sum())
+    missing = f", {gaps} of them without a height" if gaps else ""
+    lines = [
+        title,
+        f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed",
+        "",
+        f"{'':32s} {'value':>9s}   {'95 % interval':20s}",
+    ]
+    for m in measures:
+        unit = "" if m.unit == "1" else m.unit
+        interval = f"{m.low:.4g} to {m.high:.4g}"
+        remark = f"  ({m.remark})" if m.remark else ""
+        lines.append(f"{m.name:32s} {m.value:9.4g}   {interval:20s} {unit}{remark}".rstrip())
+    return "\n".join(lines)

@@ -1,1 +1,0 @@
-"""Selection of the effects that a case needs."""

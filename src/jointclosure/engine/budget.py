@@ -1,0 +1,329 @@
+"""Uncertainty budget of a joint: ranges of its results, and the share of each source in them.
+
+The change of a result is expected to be the sum of its changes with each source varied alone.
+Joints depart from it, because sources act together and breakage takes another order. The departures
+are those of joints that were closed with random values of all sources. The range is between the 5
+and 95 % quantiles of the expected changes for further random values, which need no closures, with
+each of these departures: the sum is a control variate, with which few closures suffice. Values are
+propagated as in JCGM 101:2008. Changes of positive results are changes of logarithms, because the
+model's open choices act as factors. The share of the departures is that in the variance; the rest
+is divided among the sources by their squared changes, up and down.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.engine.measured_joints import measured_range
+from jointclosure.engine.quantities import HEADINGS
+from jointclosure.parameters import OF_ROCK, key_of
+from jointclosure.statistics.standard_errors import significant
+
+CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
+QUANTITIES = {
+    column: HEADINGS[column]
+    for column in (
+        CLOSURE_NET,
+        "residual_closure_seated_net_mm",
+        CLOSURE_GROSS,
+        "stiffness_net_MPa_per_mm",
+        "mean_aperture_at_max_mm",
+        "contact_at_max",
+    )
+}
+"""Headings of results with a range, by column: of `cycle_table`, and the net stiffness of
+`jointclosure.joint.curves.net_responses`."""
+
+TOGETHER = "together"
+"""Share of a range that no source has alone."""
+TITLES = {
+    "spacing": "grid spacing",
+    "breakage": "breakage rule",
+    "alignment": "alignment",
+    "peak_modulus_ratio": "peak modulus ratio",
+    "base_radius_in_cells": "base radius",
+    "peaks": "peaks while walls break",
+    TOGETHER: "sources acting together",
+} | {name: about.long_name for name, about in OF_ROCK.items()}
+"""Sources of uncertainty by name."""
+
+MEASURED = (
+    "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
+    "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
+    "closure stayed, where second cycles of the model leave nothing unless the joint is reseated "
+    "(docs/validation.md)"
+).format(
+    *measured_range("first_closure"),
+    *measured_range("stiffness_ratio"),
+    *measured_range("later_residual_share"),
+)
+"""What is known of the model from three measured granodiorite joints."""
+
+ALL = "all together"
+"""Source of the variants in which all sources have random values."""
+OUTLYING = 0.15
+"""Share of joints with random values below or above a best value that lies at their edge."""
+MUCH_TOGETHER = 0.3
+"""Share of sources acting together above which the joint with the largest result is described."""
+OUTSIDE = 0.05
+"""Probability of a result below the range, and of one above it."""
+NUMBERS = ["best", "median", "low", "high"]
+"""Columns of `Budget.ranges` that are no shares."""
+NOT_MODELLED = "not modelled"
+"""Text of a result that is 0 in all variants: the model cannot give it."""
+
+
+class Source(NamedTuple):
+    """A source of uncertainty: its ends, or its alternatives (the value of the joint first)."""
+
+    values: tuple
+    continuous: bool = False
+
+    def at(self, share: float) -> Any:
+        """Return the value at a share, in [0, 1), of its range or of its alternatives."""
+        if not self.continuous:
+            return self.values[int(share * len(self.values))]
+        low, high = self.values
+        return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+
+    def changes_at(self, changes: np.ndarray, shares: np.ndarray) -> np.ndarray:
+        """Return the change of a result at shares (n,), from that at each varied value (k,).
+
+        Linear between the ends of a range. A change that is not known counts as 0.
+        """
+        changes = np.nan_to_num(changes)
+        if self.continuous:
+            return changes[0] + shares * (changes[1] - changes[0])
+        return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
+
+
+class Budget(NamedTuple):
+    """Uncertainty budget of a closed joint.
+
+    Attributes
+    ----------
+    results : DataFrame
+        One row per variant and cycle: ``source``, ``value``, ``status``, ``cycle`` and `QUANTITIES`
+        (NaN if the variant could not be closed). The source of the joint itself is "", that of
+        joints in which all sources have random values is `ALL`.
+    ranges : DataFrame
+        Over (cycle, quantity): ``best``, of the joint itself; ``median``, ``low`` and ``high`` of
+        joints with random values, of which 9 in 10 lie between the latter; and the share of each
+        source, which sum to 1.
+    omitted : tuple of str
+        Sources that were not varied because no range of them is stated.
+    """
+
+    results: pd.DataFrame
+    ranges: pd.DataFrame
+    omitted: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join([self.table().to_string(), *(f"- {line}" for line in self.sentences())])
+
+    def sentences(self) -> list[str]:
+        """Describe what the range is due to, what it leaves out, and what is known of the model."""
+        closure = next(iter(QUANTITIES))
+        cycles = self.ranges.index.unique("cycle")
+        lines = [
+            f"{QUANTITIES[closure]}, cycle {cycle}: the range is due to "
+            f"{self.shares_text(cycle, closure)}"
+            for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
+        ]
+        lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
+        for quantity, rows in self.ranges.groupby("quantity", sort=False):
+            absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
+            if absent:
+                lines.append(
+                    f"{QUANTITIES[quantity]}, cycle {', '.join(absent)}: {NOT_MODELLED}, as it is "
+                    "0 in the model whatever the inputs are"
+                )
+        failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
+        for source, rows in failed.drop_duplicates().groupby("source"):
+            count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
+            lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
+        if self.omitted:
+            names = ", ".join(TITLES[name] for name in self.omitted)
+            lines.append(
+                f"taken as exact: {names} (--range {key_of(self.omitted[-1])} LOW HIGH, or "
+                "ranges= in Python, adds what is known of them)"
+            )
+        return [*lines, MEASURED]
+
+    def _about_draws(self, cycle: int, quantity: str) -> list[str]:
+        """Describe joints with random values: an outlying best value, and what acts together."""
+        of_all = self.results[(self.results.source == ALL) & (self.results.cycle == cycle)]
+        drawn = of_all.dropna(subset=quantity)
+        row, name = self.ranges.loc[cycle, quantity], f"{QUANTITIES[quantity]}, cycle {cycle}"
+        lines = []
+        below = (drawn[quantity] < row.best).mean() if len(drawn) else 0.5
+        if not OUTLYING <= below <= 1.0 - OUTLYING:
+            lines.append(
+                f"{name}: the best value is {'smaller' if below < 0.5 else 'larger'} than "
+                f"{100.0 * max(below, 1.0 - below):.0f} % of the results of random inputs, whose "
+                f"median is {_two_digits(drawn[quantity].median())}"
+            )
+        if leading(row) != row.best:
+            lines.append(
+                f"{name}: the best value, {_two_digits(row.best)}, lies outside the range, whose "
+                "median is given instead"
+            )
+        if row[TOGETHER] > MUCH_TOGETHER:
+            most = drawn.loc[drawn[quantity].idxmax()]
+            lines.append(
+                f"{name}: the largest of these results, {_two_digits(most[quantity])}, has "
+                f"{most.value.replace('; ', ', ')}"
+            )
+        return lines
+
+    def record(self) -> list[dict]:
+        """Return `ranges` for JSON, one entry per cycle and quantity."""
+        rows = self.ranges.astype(object).where(self.ranges.notna(), None)
+        return [
+            {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
+            | row[NUMBERS].to_dict()
+            | {"shares": row.drop(NUMBERS).to_dict()}
+            for (cycle, quantity), row in rows.iterrows()
+        ]
+
+    def table(self) -> pd.DataFrame:
+        """Return the results as text, quantities over cycles."""
+        cycles = self.ranges.index.unique("cycle")
+        return pd.DataFrame(
+            {f"cycle {cycle}": [self.text(cycle, name) for name in QUANTITIES] for cycle in cycles},
+            index=list(QUANTITIES.values()),
+        )
+
+    def text(self, cycle: int, quantity: str) -> str:
+        """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
+
+        The first number is that of `leading`. Numbers are 0 if they are next to nothing of the
+        width of the range.
+        """
+        if not self.modelled(cycle, quantity):
+            return NOT_MODELLED
+        row = self.ranges.loc[cycle, quantity]
+        least = 0.005 * (row.high - row.low)
+        values = (leading(row), row.low, row.high)
+        first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
+        return f"{first} ({low} to {high})"
+
+    def modelled(self, cycle: int, quantity: str) -> bool:
+        """Return whether any variant has a result other than 0."""
+        values = self.results.loc[self.results.cycle == cycle, quantity].dropna()
+        return values.empty or bool((values.abs() > _ROUNDING).any())
+
+    def shares_text(self, cycle: int, quantity: str) -> str:
+        """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
+        shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
+        known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
+        return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
+
+
+def leading(row: Any) -> float:
+    """Return the number of a row of `Budget.ranges` to be given first.
+
+    It is the best value, or the median where the best value lies outside the range.
+    """
+    outside = row.best < row.low or row.best > row.high
+    return float(row["median"] if outside else row.best)
+
+
+_ROUNDING = 1e-12
+"""Largest closure [mm] that is the rounding of 0."""
+
+
+def _two_digits(value: float) -> str:
+    """Format a number with two significant digits and no exponent."""
+    if not abs(value) > _ROUNDING:
+        return "nan" if np.isnan(value) else "0"
+    return significant(value, 2)
+
+
+def ranges_of(
+    results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
+) -> pd.DataFrame:
+    """Compute `Budget.ranges`.
+
+    Parameters
+    ----------
+    results : DataFrame
+        `Budget.results`.
+    sources : mapping
+        Sources of uncertainty by name.
+    shares : array (draws, sources)
+        Random values of the joints that were closed with `ALL`, as for `Source.at`.
+    further : array (any, sources)
+        Further random values.
+    """
+    rows = {}
+    for cycle, of_cycle in results.groupby("cycle"):
+        for quantity in QUANTITIES:
+            values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
+            best = float(values.pop("")[0])
+            known = np.concatenate([[best], *values.values()])
+            factors = bool(np.all(known[np.isfinite(known)] > 0.0))
+            changes = {
+                name: np.log(of_source / best) if factors else of_source - best
+                for name, of_source in values.items()
+            }
+            drawn = changes.pop(ALL)
+            sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
+            middle, apart = _quantiles(drawn, *sums)
+            numbers = best * np.exp(middle) if factors else best + middle
+            numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
+            rows[cycle, quantity] = dict(zip(NUMBERS, (best, *numbers), strict=True))
+            alone = shares_of(changes)
+            rows[cycle, quantity] |= {n: (1.0 - apart) * share for n, share in alone.items()}
+            rows[cycle, quantity][TOGETHER] = apart
+        net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
+        for end in NUMBERS[1:]:  # of every joint the net closure is the smaller one
+            net[end], gross[end] = sorted((net[end], gross[end]))
+    index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
+    return pd.DataFrame(list(rows.values()), index=index)
+
+
+def _sums(
+    sources: Mapping[str, Source], changes: Mapping[str, np.ndarray], shares: np.ndarray
+) -> np.ndarray:
+    """Return the sums (n,) of the changes with each source alone at shares (n, sources)."""
+    columns = zip(sources.items(), shares.T, strict=True)
+    return np.sum([source.changes_at(changes[name], at) for (name, source), at in columns], axis=0)
+
+
+def _quantiles(
+    drawn: np.ndarray, sums: np.ndarray, further: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return median and ends of the range (3,), and the share of departures in its variance.
+
+    ``drawn`` (draws,) are the changes of closed joints, ``sums`` those expected of them, and
+    ``further`` (any,) those expected of further joints. Expected changes are reduced if joints
+    change less (a slope below 1, as sources with the same effect do not add up). Departures from
+    them are scaled from a sample to a further joint.
+    """
+    known = np.isfinite(drawn)
+    drawn, sums, slope, departures = drawn[known], sums[known], 1.0, np.zeros(1)
+    if drawn.size > 1:
+        centred = sums - sums.mean()
+        square = float(centred @ centred)
+        slope = float(np.clip(centred @ drawn / square, 0.0, 1.0)) if square > 0.0 else 1.0
+        departures = drawn - slope * sums
+        centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
+        departures = centre + scale * (departures - centre)
+    all_joints = slope * further[:, None] + departures
+    variances = departures.var(), slope**2 * further.var()
+    apart = variances[0] / sum(variances) if any(variances) else math.nan
+    return np.quantile(all_joints, [0.5, OUTSIDE, 1.0 - OUTSIDE]), float(apart)
+
+
+def shares_of(changes: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """Return the share of each source in the sum of squared changes, up and down."""
+    squares = {}
+    for name, values in changes.items():
+        finite = values[np.isfinite(values)]
+        squares[name] = finite.max(initial=0.0) ** 2 + finite.min(initial=0.0) ** 2
+    total = sum(squares.values()) or np.nan
+    return {name: square / total for name, square in squares.items()}

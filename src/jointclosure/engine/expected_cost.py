@@ -1,0 +1,118 @@
+"""Time and memory that a joint of scanned walls will take, before it is closed."""
+
+import time
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.engine.uncertainty import sources_of, variants_of
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.simulation import close_walls
+
+WINDOW = 128
+"""Cells a side of the window of the walls that is closed to estimate the time."""
+EXPONENTS = (1.15, 1.75)
+"""Smallest and largest power of the number of cells with which the time of a closure grows. From
+128 x 128 to 300 x 300 cells of eight pairs of walls (granite, JRC 8, 10 MPa, resolved breakage) it
+was 1.7 and 1.8 for independent walls with waves of all lengths, and 1.2 to 1.5 for walls that mate
+beyond 3 or 10 mm or have a roll-off of 3 mm."""
+SCATTER = 1.4
+"""Factor by which a single time is shorter or longer than by these powers: with it, all times of
+these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
+BYTES = 1000
+"""Memory for each cell; 1.0 kB was measured between 100 x 100 and 400 x 400 cells."""
+BASE_BYTES = 300e6
+"""Memory of the program with a small joint."""
+SMALL = 150 * 150
+"""Number of cells up to which a joint with its range takes about 20 s or less."""
+LARGEST = 1000 * 1000
+"""Largest number of cells that is closed without a stated grid spacing."""
+SUGGESTED = 200
+"""Cells along the longer side for which a coarser spacing is suggested."""
+
+
+class Cost(NamedTuple):
+    """Estimated cost: smallest and largest processor time [s], and memory [bytes]."""
+
+    seconds: tuple[float, float]
+    memory: float
+
+    def sentence(self, shape: tuple[int, int], spacing: float) -> str:
+        """Describe the cost, and a coarser spacing that takes less."""
+        ny, nx = shape
+        low, high = (_rounded(seconds) for seconds in self.seconds)
+        return (
+            f"{nx} x {ny} cells will take about {low} to {high} of processor time and "
+            f"{1e-9 * self.memory:.1f} GB; {coarser(shape, spacing)}"
+        )
+
+
+def coarser(shape: tuple[int, int], spacing: float) -> str:
+    """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
+    step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
+    return (
+        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--grid-spacing, or spacing= in m) takes "
+        "less, but a cell is an asperity: its effect is in the range as grid spacing"
+    )
+
+
+def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
+    """Raise `InputError` for more than `LARGEST` cells, unless the grid spacing was stated."""
+    cells = shape[0] * shape[1]
+    if cells > LARGEST and not stated:
+        raise InputError(
+            f"{shape[1]} x {shape[0]} cells of {1e3 * spacing:.4g} mm: must be at most {LARGEST:,} "
+            f"cells unless the grid spacing is stated; {coarser(shape, spacing)}"
+        )
+
+
+def expected_cost(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    single: bool,
+    ranges: Mapping[str, tuple[float, float]] = {},
+) -> Cost | None:
+    """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
+
+    A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
+    powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``.
+
+    Raises
+    ------
+    InputError
+        If ``ranges``, as for `sources_of`, are not allowed.
+    """
+    sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
+    if upper.size <= SMALL:
+        return None
+    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
+    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
+    share = upper.size / cells
+    variants = [] if single else list(variants_of(conditions, sources))
+    least, most = (
+        factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
+        for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
+    )
+    return Cost((least, most), BASE_BYTES + BYTES * upper.size)
+
+
+def _time_of_window(
+    upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
+) -> tuple[float, int]:
+    """Return the processor time [s] of closing the middle of two walls, and its cells."""
+    corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
+    window = tuple(slice(corner, corner + size) for corner in corners)
+    start = time.process_time()
+    close_walls(upper[window], lower[window], conditions)
+    return time.process_time() - start, upper[window].size
+
+
+def _rounded(seconds: float) -> str:
+    """Format a rough time with one digit, in one unit."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= size:
+            return f"{float(f'{seconds / size:.1g}'):g} {unit}"
+    return f"{float(f'{seconds:.1g}'):g} s"

@@ -1,0 +1,265 @@
+"""Closure of a joint whose two walls were scanned: registration and simulation."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
+from jointclosure.engine.expected_cost import check_cells, expected_cost
+from jointclosure.engine.progress import bar, closing_bar
+from jointclosure.engine.uncertainty import uncertainty_budget
+from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.loading import describe_load
+from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.rocks import rock_text
+from jointclosure.joint.simulation import close_walls
+from jointclosure.parameters import Numerics
+from jointclosure.walls.measured import FLAT, Cloud, Scan
+from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.scans import read_scan
+
+Wall = str | Path | Sequence[str | Path] | Scan | Cloud
+"""A wall: file or three files of x, y and heights, scan, or "flat"."""
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.01,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
+
+
+class ClosedJoint(NamedTuple):
+    """Two scanned walls after registration and closure.
+
+    Attributes
+    ----------
+    pair : RegisteredPair
+        The walls that were closed; its ``report`` describes the registration.
+    history : Dataset
+        As from `jointclosure.simulate`.
+    conditions : Conditions
+        Rock, load and model.
+    rock_name : str
+        Name for `rock_text`; "rock" if the rock is given only by its properties.
+    budget : Budget or None
+        Range of the results over what the model leaves open; None for a single run.
+    """
+
+    pair: RegisteredPair
+    history: xr.Dataset
+    conditions: Conditions
+    rock_name: str = "rock"
+    budget: Budget | None = None
+
+    def __repr__(self) -> str:
+        ny, nx = self.pair.upper.shape
+        step = 1e3 * self.pair.spacing
+        seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
+        table = cycle_table(self.history)
+        net, gross = (
+            ", ".join(self._closure(column, table)) for column in (CLOSURE_NET, CLOSURE_GROSS)
+        )
+        load = describe_load(self.conditions.max_normal_stress, self.conditions.cycle_count)
+        failed = ", failed" if int(self.history.status) >= FAILURE else ""
+        return (
+            f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
+            f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
+            f"({gross} mm gross) since {seating:g} MPa "
+            f"({load}){failed}>"
+        )
+
+    def __str__(self) -> str:
+        """Return the line of `repr`, and below it the range of all results and its reasons."""
+        return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
+
+    def _closure(self, column: str, table: pd.DataFrame) -> list[str]:
+        """Format a closure of each cycle, with its range if that is known."""
+        if self.budget is None:
+            return [f"{value:.4g}" for value in table[column]]
+        return [self.budget.text(cycle, column) for cycle in table.cycle]
+
+
+@takes_conditions
+def close(
+    upper: Wall,
+    lower: Wall,
+    *,
+    conditions: Conditions | None = None,
+    units: str | None = None,
+    scan_spacing: float | None = None,
+    variable: str | None = None,
+    orientation: str | None = None,
+    shift: str | None = None,
+    cut_spikes: bool = True,
+    single: bool = False,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
+    rock_name: str | None = None,
+    progress: bool = False,
+    **changes: Any,
+) -> ClosedJoint:
+    """Register two scanned walls of a joint, press them together and release them.
+
+    Parameters
+    ----------
+    upper, lower : path, three paths, Scan, Cloud or "flat"
+        Files for `jointclosure.read_scan`, or what it returned. One of both may be flat, such as a
+        saw cut; see `jointclosure.walls.registration.registered`.
+    units : {"m", "mm", "um", "nm"}, optional
+        Units of both files, if the files do not state them.
+    scan_spacing : float, optional
+        Spacing of both scans [m], if the files do not state it.
+    variable : str, optional
+        Name of the array or channel, or columns of a text file, in both files, as for
+        `jointclosure.read_scan`.
+    orientation, shift, cut_spikes
+        As for `jointclosure.walls.registration.registered`.
+    single : bool
+        Whether to close the joint once, without the range of its results.
+    ranges : mapping
+        Lowest and highest value [SI] of what is known to a range only: a property of the rock,
+        ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
+        (`jointclosure.engine.uncertainty`).
+    report, snapshots
+        As for `jointclosure.simulate`.
+    rock_name : str, optional
+        Name of the rock in reports, by default the one that ``rock`` gives.
+    progress : bool
+        Whether to print the registration, the joint and its expected cost before it is closed, and
+        to show progress bars on a terminal, in place of ``report``. Without it, doubts and the
+        cost are warnings.
+    conditions, **changes
+        As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
+        for `jointclosure.walls.registration.registered`, which also receives
+        ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
+
+    Returns
+    -------
+    ClosedJoint
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, units are not stated, no orientation of the walls fits clearly
+        best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
+        range.
+    """
+    if conditions is None:
+        changes = {"numerics": RESOLVED} | changes
+    stated = conditions_from(conditions, changes, "close")
+    checked = stated.checked(snapshots)
+    scans = {"units": units, "spacing": scan_spacing, "variable": variable}
+    pair = registered_walls(
+        upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
+        cut_spikes=cut_spikes, unusual_values=stated.unusual_values,
+    )  # fmt: skip
+    of_pair = checked._replace(spacing=pair.spacing)
+    name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+    if progress:
+        print("\n".join(f"- {line}" for line in pair.report))
+        print(_described(pair, of_pair, name))
+    for doubt in () if progress or stated.unusual_values else pair.warnings:
+        warnings.warn(doubt, stacklevel=2)
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, single, ranges)
+    if cost is not None and progress:
+        print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
+    elif cost is not None:
+        warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
+    kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
+    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as told:
+        history = close_walls(pair.upper, pair.lower, of_pair, told, kept)
+    if pair.holes.any():
+        history, about = _force_in_holes(pair, history, snapshots)
+        pair = pair._replace(report=[*pair.report, *about])
+        if progress:
+            print("".join(f"- {line}\n" for line in about), end="")
+        for doubt in () if progress or stated.unusual_values else cautions(about):
+            warnings.warn(doubt, stacklevel=2)
+    joint = ClosedJoint(pair, history, of_pair, name)
+    if single or int(history.status) >= FAILURE:  # a failed joint has no range
+        return joint
+    with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
+        budget = uncertainty_budget(pair.upper, pair.lower, of_pair, ranges, history, show)
+    return joint._replace(budget=budget)
+
+
+def _force_in_holes(
+    pair: RegisteredPair, history: xr.Dataset, snapshots: Sequence[float]
+) -> tuple[xr.Dataset, list[str]]:
+    """State the force on holes at the highest stress, and leave out what was kept only for it."""
+    about = []
+    if history.sizes["snapshot"]:  # a joint that failed may have reached none
+        highest = history.snapshot_stress.values.argmax()
+        force = history.snapshot_force.values[highest]
+        share = 100.0 * force[pair.holes].sum() / force.sum()
+        stress = 1e-6 * float(history.snapshot_stress[highest])
+        words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
+        about = [caution(words) if share > 0.0 else words]
+    history = history.isel(snapshot=history.snapshot_stress.isin(snapshots))
+    if not len(snapshots):
+        states = [name for name in history.variables if str(name).startswith("snapshot_")]
+        history = history.drop_vars([*states, "upper_first", "lower_first"])
+    return history, about
+
+
+def registered_walls(
+    upper: Wall,
+    lower: Wall,
+    scans: Mapping[str, Any],
+    spacing: float | None = None,
+    **options: Any,
+) -> RegisteredPair:
+    """Read and register two walls; the message of an error names their files.
+
+    ``scans`` are keywords of `jointclosure.read_scan`, ``options`` those of `registered`.
+    """
+    above, below = (read_wall(wall, **scans) for wall in (upper, lower))
+    if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
+        return registered(above, below, spacing, **options)
+    names = (
+        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+        for wall in (upper, lower)
+    )
+    with naming(" and ".join(names)):
+        return registered(above, below, spacing, **options)
+
+
+def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
+    """Describe rock, cells and load of a joint in a line."""
+    ny, nx = pair.upper.shape
+    load = describe_load(conditions.max_normal_stress, conditions.cycle_count)
+    rock = rock_text(conditions.rock, rock_name)
+    return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {load}"
+
+
+def read_wall(
+    wall: Wall,
+    units: str | None = None,
+    spacing: float | None = None,
+    variable: str | None = None,
+) -> Scan | Cloud | str:
+    """Return a scan or "flat", read from its file; arguments as for `jointclosure.read_scan`."""
+    if isinstance(wall, Scan | Cloud):
+        return wall
+    if isinstance(wall, str | Path) and str(wall) == FLAT:
+        return FLAT
+    if not isinstance(wall, str | Path | tuple | list):
+        raise InputError(
+            f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
+            "walls that are arrays, with heights towards each other, are closed by simulate"
+        )
+    return read_scan(wall, units=units, spacing=spacing, variable=variable)

@@ -1,0 +1,290 @@
+"""Closures of a joint in which what the model leaves open has other values.
+
+Each source of uncertainty is varied alone, to each end of its range. Then 19 joints are closed in
+which every source has a random value, drawn as a Latin hypercube (McKay, Beckman & Conover 1979).
+Random numbers of a source do not depend on the other sources. `jointclosure.engine.budget` makes
+a range of the results; ``benchmarks/range.py`` counts how many other such joints lie in it.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.budget import ALL, QUANTITIES, TITLES, Budget, Source, ranges_of
+from jointclosure.inputs import InputError, check_number
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import cycle_table, net_responses
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
+from jointclosure.statistics.randomness import generator, seed_of
+
+Walls = tuple[np.ndarray, np.ndarray]
+
+COARSER = 2
+"""Spacing of the coarser grid, over that of the joint."""
+VARIED = {name: key_of(name) for name in OF_ROCK} | {
+    "peak_modulus_ratio": "peak_modulus_ratio",
+    "base_radius_in_cells": "base_radius_in_cells",
+    "spacing": "spacing_mm",
+}
+"""Sources whose range can be stated, and their keys with units."""
+DRAWS = 19
+"""Number of joints that are closed with random values of all sources."""
+SEED = 227
+"""Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
+sources that are always there, 0.34 with those of the rock; medians of all seeds 0.48, 0.54), so
+that sources are not confounded."""
+FURTHER = 10_000
+"""Number of further joints with random values whose results are estimated for the range."""
+_UNMOVED = (0, 0)
+_SHIFTS = (_UNMOVED, (0, 1), (0, -1), (1, 0), (-1, 0))
+
+
+class Variant(NamedTuple):
+    """A joint in which sources of uncertainty have other values.
+
+    ``shift`` is that of the upper wall in cells (y, x); of the grid every ``step``-th cell is kept.
+    """
+
+    source: str
+    value: str
+    conditions: Conditions
+    shift: tuple[int, int] = _UNMOVED
+    step: int = 1
+
+    def walls(self, upper: np.ndarray, lower: np.ndarray) -> Walls:
+        """Return the walls (y, x) [m] of the variant."""
+        upper, lower = shifted_walls(upper, lower, self.shift)
+        return upper[:: self.step, :: self.step], lower[:: self.step, :: self.step]
+
+    def changed(self, name: str, value: Any) -> "Variant":
+        """Return the variant with another value of a source."""
+        conditions, choices = self.conditions, self.conditions.choices
+        if name == "alignment":
+            return self._replace(shift=value)
+        if name == "spacing":
+            coarse = conditions._replace(spacing=value * conditions.grid_spacing)
+            return self._replace(step=value, conditions=coarse)
+        if name == "breakage":
+            return self._replace(conditions=conditions._replace(numerics=value))
+        if name in PLAUSIBLE:
+            choices = choices._replace(**{name: value})
+            return self._replace(conditions=conditions._replace(choices=choices))
+        rock = tuple(wall._replace(**{name: value}) for wall in both_walls(conditions.rock))
+        return self._replace(conditions=conditions._replace(rock=rock))
+
+
+def shifted_walls(upper: np.ndarray, lower: np.ndarray, shift: tuple[int, int]) -> Walls:
+    """Return walls (y, x) with the upper one shifted by cells, where they still overlap."""
+    for axis, cells in enumerate(shift):
+        kept = np.arange(upper.shape[axis] - abs(cells))
+        upper = upper.take(kept + max(cells, 0), axis)
+        lower = lower.take(kept + max(-cells, 0), axis)
+    return upper, lower
+
+
+def sources_of(
+    conditions: Conditions, shape: tuple[int, int], ranges: Mapping[str, tuple[float, float]] = {}
+) -> dict[str, Source]:
+    """Return the sources of uncertainty of a joint by name.
+
+    Parameters
+    ----------
+    conditions : Conditions
+        Checked conditions of the joint.
+    shape : (ny, nx)
+        Cells of its walls.
+    ranges : mapping
+        Lowest and highest value [SI] by name of `VARIED`; they replace `PLAUSIBLE`.
+
+    Raises
+    ------
+    InputError
+        If a name or a range is not allowed.
+    """
+    _check_ranges(conditions, ranges)
+    effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
+    sources = {}
+    step = _coarser(conditions.grid_spacing, ranges)
+    if min(shape) >= 8 * step:
+        sources["spacing"] = Source((1, step))
+    if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
+        resolved = numerics.breakage == "resolved"
+        other = Numerics() if resolved else numerics._replace(breakage="resolved")
+        sources["breakage"] = Source((numerics, other))
+    if min(shape) >= 8:
+        sources["alignment"] = Source(_SHIFTS)
+    acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
+    acting["peaks"] = effects.soft_peaks and effects.breakage
+    for name, ends in PLAUSIBLE.items():
+        values = tuple(ranges.get(name, ends))
+        if acting[name] and isinstance(values[0], str):
+            joint = getattr(choices, name)
+            sources[name] = Source((joint, *(value for value in values if value != joint)))
+        elif acting[name]:
+            sources[name] = Source(values, continuous=True)
+    return sources | {name: Source(ranges[name], True) for name in OF_ROCK if name in ranges}
+
+
+def variants_of(
+    conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
+) -> Iterator[Variant]:
+    """Generate the variants of a joint: each source changed alone, then all of them at random.
+
+    Parameters
+    ----------
+    conditions : Conditions
+        Conditions of the joint.
+    sources : mapping
+        As from `sources_of`.
+    draws : int
+        Number of variants in which all sources have random values.
+    seed : int
+    """
+    joint = Variant("", "", conditions)
+    for name, source in sources.items():
+        for value in source.values[0 if source.continuous else 1 :]:
+            yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
+    for row in random_shares(sources, draws, seed):
+        drawn = joint._replace(source=ALL)
+        texts = []
+        for share, (name, source) in zip(row, sources.items(), strict=True):
+            value = source.at(float(share))
+            drawn = drawn.changed(name, value)
+            texts.append(f"{TITLES[name]} {_text(name, value)}")
+        yield drawn._replace(value="; ".join(texts))
+
+
+def random_shares(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
+    """Draw a share of the range of each source (draws, sources) in [0, 1), as a Latin hypercube.
+
+    Random numbers of a source follow from its name, whatever the other sources are.
+    """
+    columns = []
+    for name in names:
+        random = generator(seed_of(seed, "range", name))
+        columns.append((random.permutation(draws) + random.random(draws)) / draws)
+    return np.stack(columns, axis=1)
+
+
+def _text(name: str, value: Any) -> str:
+    """Describe a value of a source."""
+    if name == "spacing":
+        return f"every {value}. cell" if value > 1 else "every cell"
+    if name == "alignment":
+        return f"{value} cells (y, x)"
+    if name == "breakage":
+        return value.breakage
+    if name in OF_ROCK:
+        return f"{value / OF_ROCK[name].size:.4g}{OF_ROCK[name].in_brackets}"
+    return value if isinstance(value, str) else f"{value:.3g}"
+
+
+def uncertainty_budget(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    closed: xr.Dataset | None = None,
+    report: Callable[[float, str], None] = lambda share, variant: None,
+) -> Budget:
+    """Close a joint with each source of uncertainty changed in turn, and with all at random.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        Heights towards the other wall [m].
+    conditions : Conditions
+    ranges : mapping
+        As for `sources_of`.
+    closed : Dataset, optional
+        Result of `jointclosure.simulate` at the conditions, by default computed here.
+    report : callable
+        Receives the finished share and the name of the next variant.
+
+    Returns
+    -------
+    Budget
+    """
+    conditions = conditions._replace(flow=False).checked()
+    sources = sources_of(conditions, upper.shape, ranges)
+    variants = list(variants_of(conditions, sources))
+    closed = close_walls(upper, lower, conditions) if closed is None else closed
+    parts = [result_rows(Variant("", "", conditions), closed)]
+    for number, variant in enumerate(variants):
+        report(number / len(variants), TITLES.get(variant.source, variant.source))
+        try:
+            joint = close_walls(*variant.walls(upper, lower), variant.conditions)
+        except InputError:  # such as more steps than the numerics allow
+            joint = None
+        parts.append(result_rows(variant, joint, parts[0].cycle))
+    results = pd.concat(parts, ignore_index=True)
+    omitted = tuple(name for name in OF_ROCK if name not in ranges)
+    shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
+    return Budget(results, ranges_of(results, sources, shares, further), omitted)
+
+
+def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+    for name, ends in ranges.items():
+        if name not in VARIED:
+            raise InputError(f"ranges: {name!r}: must be one of {', '.join(VARIED)}")
+        if np.shape(ends) != (2,):
+            raise InputError(f"ranges: {name} = {ends!r}: must be (lowest, highest)")
+        for end in ends:
+            check_number(f"ranges: {name}", end)
+        if not ends[0] < ends[1]:
+            raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
+        if name in OF_ROCK:
+            first, second = both_walls(conditions.rock)
+            if first != second:
+                raise InputError(f"ranges: {name}: both walls must be of one rock")
+            for end in ends:
+                OF_ROCK[name].check(f"ranges: {name}", end)
+            _check_contains(name, ends, getattr(first, name))
+        elif name in PLAUSIBLE:
+            for end in ends:
+                changed: dict[str, Any] = {name: end}
+                Choices(**changed)  # raises the error that names its range
+            _check_contains(name, ends, getattr(conditions.choices, name))
+
+
+def _check_contains(name: str, ends: tuple[float, float], value: float) -> None:
+    """Refuse a range that does not contain the value of the joint."""
+    if not ends[0] <= value <= ends[1]:
+        raise InputError(
+            f"ranges: {name} = {ends[0]:g} to {ends[1]:g}: must contain that of the joint, "
+            f"{value:g} (all in SI units)"
+        )
+
+
+def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:
+    """Return the spacing of the coarser grid over that of the joint."""
+    if "spacing" not in ranges:
+        return COARSER
+    low, high = ranges["spacing"]
+    step = round(high / spacing)
+    if step < 2 or not np.isclose(low, spacing, rtol=1e-3):
+        raise InputError(
+            f"ranges: spacing = {(low, high)!r}: must begin at the spacing of the joint's grid, "
+            f"{spacing:.4g} m, which is the finest, and end at least at twice of it"
+        )
+    return step
+
+
+def result_rows(
+    variant: Variant, joint: xr.Dataset | None, cycles: pd.Series | None = None
+) -> pd.DataFrame:
+    """Return the rows of a variant in `Budget.results`."""
+    about = {"source": variant.source, "value": variant.value}
+    if joint is None or int(joint.status) >= FAILURE:
+        status = -1 if joint is None else int(joint.status)
+        failed = pd.DataFrame({"cycle": [1] if cycles is None else cycles})
+        return failed.assign(**about, status=status, **dict.fromkeys(QUANTITIES, np.nan))
+    table = cycle_table(joint)
+    stiffness = net_responses(joint, variant.conditions.largest_stress)["stiffness_net"]
+    table["stiffness_net_MPa_per_mm"] = 1e-9 * stiffness[table.cycle - 1]
+    return table[["cycle", *QUANTITIES]].assign(**about, status=int(joint.status))

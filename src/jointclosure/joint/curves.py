@@ -1,0 +1,258 @@
+"""Curves of a closed joint as tables, with one row per step or one row per cycle."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.joint.history import GROSS, NET, at_seating, branch_of, cycle_closures, read_along
+from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.stiffness import landing_stress, secant_stiffness
+
+
+def spacing_of(history: xr.Dataset) -> float:
+    """Return the spacing of a joint's cells [m], from their coordinates."""
+    axes = (history[name].values for name in ("y", "x"))
+    return next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
+
+
+def area_of(history: xr.Dataset) -> float:
+    """Return the nominal area of a joint [m2], from the coordinates of its cells."""
+    return spacing_of(history) ** 2 * history.sizes["y"] * history.sizes["x"]
+
+
+KINDS = {"net": NET, "gross": GROSS}
+"""Kinds of closure in names of columns, and their names for
+`jointclosure.joint.history.read_along`."""
+
+
+def curve_table(history: xr.Dataset) -> pd.DataFrame:
+    """Tabulate closure over stress by cycle and branch, one row per step.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+
+    Returns
+    -------
+    DataFrame
+        ``cycle``, ``branch``, ``normal_stress_MPa``; for the net and the gross closure (`KINDS`)
+        ``closure_<kind>_since_seating_mm`` from the point of the cycle's loading at the seating
+        stress (negative before it, NaN if it was not reached), ``closure_<kind>_mm`` from first
+        touch, and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord
+        between the neighbours of a step, NaN where closure does not change); ``landing``: whether
+        this chord extends beyond `landing_stress`, so that it is stiffer than the joint;
+        ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
+        ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
+        ``contact_fraction``. For a history with flow also ``hydraulic_aperture_x_mm``,
+        ``hydraulic_aperture_y_mm`` and their ratios to the mean aperture. A branch begins with
+        the last step of the branch before.
+    """
+    rows = []
+    for number in np.unique(history.cycle.values):
+        for name in (LOADING, UNLOADING):
+            here = branch_of(history.cycle.values, history.branch.values, number, name)
+            if here.size > 1:
+                rows.append(_branch_table(history, int(number), name, here))
+    return pd.concat(rows, ignore_index=True)
+
+
+def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray) -> pd.DataFrame:
+    """Return the rows of `curve_table` for one branch, whose steps are given."""
+    area = area_of(history)
+    stress, aperture, contact = (
+        history[name].values[here]
+        for name in ("normal_stress", "mean_aperture", "contact_fraction")
+    )
+    closures = {kind: read_along(history, of)[here] for kind, of in KINDS.items()}
+    seats = {kind: seat_of(history, cycle, LOADING, of) for kind, of in KINDS.items()}
+    columns = {"cycle": cycle, "branch": branch, "normal_stress_MPa": 1e-6 * stress}
+    columns |= {
+        f"closure_{kind}_since_seating_mm": 1e3 * (closure - seats[kind])
+        for kind, closure in closures.items()
+    }
+    columns |= {f"closure_{kind}_mm": 1e3 * closure for kind, closure in closures.items()}
+    columns |= {
+        f"normal_stiffness_{kind}_MPa_per_mm": 1e-9 * _chords(closure, stress)
+        for kind, closure in closures.items()
+    }
+    beyond = np.append(stress[1:], stress[-1]) > landing_stress(history, cycle)
+    columns |= {
+        "landing": (branch == LOADING) & beyond,
+        "mean_aperture_mm": 1e3 * aperture,
+        "void_volume_mm3": 1e9 * area * aperture,
+        "contact_area_mm2": 1e6 * area * contact,
+        "contact_fraction": contact,
+    }
+    return pd.DataFrame(columns | _flow_columns(history, here))
+
+
+def has_flow(history: xr.Dataset) -> bool:
+    """Return whether a history has hydraulic apertures."""
+    return "hydraulic_aperture" in history
+
+
+def mean_hydraulic(history: xr.Dataset) -> np.ndarray:
+    """Return the geometric mean (n,) of the hydraulic apertures along x and y [m].
+
+    It is for programs that take only one aperture.
+    """
+    return np.sqrt(history.hydraulic_aperture.prod("direction", skipna=False).values)
+
+
+def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray]:
+    """Return hydraulic apertures at steps and ratios to the mean aperture; {} without flow."""
+    columns: dict[str, np.ndarray] = {}
+    mean = history.mean_aperture.values[here]
+    for name in history.direction.values if has_flow(history) else ():
+        hydraulic = history.hydraulic_aperture.sel(direction=name).values[here]
+        columns[f"hydraulic_aperture_{name}_mm"] = 1e3 * hydraulic
+        columns[f"hydraulic_ratio_{name}"] = hydraulic / mean
+    return columns
+
+
+def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
+    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch.
+
+    See `jointclosure.joint.history.at_seating` and `jointclosure.joint.history.read_along`.
+    """
+    here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
+    seating = float(history.attrs["seating_stress_Pa"])
+    return at_seating(
+        read_along(history, of)[here], history.normal_stress.values[here], branch, seating
+    )
+
+
+def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
+    """Return closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`.
+
+    ``of`` selects net or gross closure. NaN for cycles that were not loaded and unloaded.
+    """
+    stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
+    anywhere = np.full(int(cycle.max()), np.inf)  # any extent of unloading is accepted
+    seating = float(history.attrs["seating_stress_Pa"])
+    return cycle_closures(read_along(history, of), stress, cycle, branch, anywhere, seating)
+
+
+def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
+    """Return the net closures and stiffness of each cycle, as a laboratory reports them.
+
+    Net closures exclude the indentation of the half-spaces.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    largest : float
+        The requested maximum stress [Pa].
+
+    Returns
+    -------
+    dict of array (cycles,)
+        ``max_closure_net`` from the start of the cycle and ``max_closure_seated_net``, both at
+        its maximum, and ``residual_closure_seated_net`` at seating, as in
+        `jointclosure.joint.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
+        `secant_stiffness` of loading from half of the maximum stress to the `landing_stress` (NaN
+        if that is below half of the maximum); and the `landing_stress` [Pa]. NaN for incomplete
+        cycles.
+    """
+    completed = np.isfinite(history.max_closure.values)
+    begun = int(history.cycle.max())
+    net = closures_of_cycles(history)
+    responses = {
+        f"{name}_net": net[name]
+        for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
+    }
+    responses |= {
+        "stiffness_net": np.array(
+            [secant_stiffness(history, i + 1, 0.5 * largest, largest) for i in range(begun)]
+        ),
+        "landing_stress": np.array([landing_stress(history, i + 1) for i in range(begun)]),
+    }
+    return {
+        name: np.where(
+            completed, np.pad(values, (0, completed.size - begun), constant_values=np.nan), np.nan
+        )
+        for name, values in responses.items()
+    }
+
+
+def cycle_table(history: xr.Dataset) -> pd.DataFrame:
+    """Tabulate the closures of each cycle, since seating as in laboratory reports.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+
+    Returns
+    -------
+    DataFrame
+        One row per cycle, closures by the names of `jointclosure.simulate`, with ``_net`` those
+        without the indentation of the half-spaces: ``max_closure_seated_net_mm`` since seating, at
+        the maximum; ``residual_closure_seated_net_mm``, closure at the seating stress on unloading
+        less that on loading; ``residual_share_net``, the ratio of these; and
+        ``max_closure_net_mm`` from the start of the cycle; the same gross, without ``_net``. Then
+        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``; for a
+        history with flow also ``hydraulic_aperture_x_at_max_mm`` and the same along y. All except
+        the aperture at seating are NaN if loading failed.
+    """
+    numbers = np.unique(history.cycle.values)
+    columns = {"cycle": numbers}
+    for net, of in (("_net", NET), ("", GROSS)):
+        closures = {
+            name: 1e3 * values[numbers - 1]
+            for name, values in closures_of_cycles(history, of).items()
+        }
+        since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
+        columns[f"max_closure_seated{net}_mm"] = since
+        columns[f"residual_closure_seated{net}_mm"] = residual
+        columns[f"residual_share{net}"] = residual / since
+        columns[f"max_closure{net}_mm"] = closures["max_closure"]
+    return pd.DataFrame(columns).join(
+        pd.DataFrame([_state_of(history, number) for number in numbers])
+    )
+
+
+def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
+    """Return apertures and contact of a row of `cycle_table`, by names of columns."""
+    cycles, branches = history.cycle.values, history.branch.values
+    at_max = branch_of(cycles, branches, cycle, UNLOADING)[:1]
+
+    def read(values: np.ndarray) -> float:
+        return float(values[0]) if at_max.size else float("nan")
+
+    return {
+        "mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture"),
+        "mean_aperture_at_max_mm": 1e3 * read(history.mean_aperture.values[at_max]),
+        **{
+            f"{name.removesuffix('_mm')}_at_max_mm": read(values)
+            for name, values in _flow_columns(history, at_max).items()
+            if name.endswith("_mm")
+        },
+        "contact_at_max": read(history.contact_fraction.values[at_max]),
+    }
+
+
+def hysteresis(closed: xr.Dataset) -> np.ndarray:
+    """Compute the share (cycles,) of each cycle's work of loading lost on unloading."""
+    closure, stress = closed.closure.values, closed.normal_stress.values
+    cycle, branch = closed.cycle.values, closed.branch.values
+    shares = np.full(closed.max_closure.size, np.nan)
+    for index in range(shares.size):
+        loading = branch_of(cycle, branch, index + 1, LOADING)
+        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        if loading.size > 1 and unloading.size > 1:
+            given = np.trapezoid(stress[loading], closure[loading])
+            back = -np.trapezoid(stress[unloading], closure[unloading])
+            shares[index] = 1.0 - back / given
+    return shares
+
+
+def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """Return the slope [Pa/m] at each step (n,) by the chord of its neighbours, or NaN."""
+    before = np.concatenate([[0], np.arange(closure.size - 1)])
+    after = np.concatenate([np.arange(1, closure.size), [closure.size - 1]])
+    run = closure[after] - closure[before]
+    rise = stress[after] - stress[before]
+    return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run != 0.0)

@@ -1,0 +1,216 @@
+"""Empirical laws of closure fitted to a joint's curves, with their errors and ranges.
+
+Closure D is net and counts from the seating stress s, as in laboratories:
+
+- hyperbolic (Bandis, Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm);
+- semi-logarithmic (Bandis et al. 1983, mismatched joints): log10(sigma) = p + q D;
+- power (Swan 1983): D = c (sigma - s)^m.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.joint.history import NET, read_along
+from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.stiffness import closures_at, stress_levels
+
+POINTS = 60
+"""Number of evenly spaced stresses at which a law is fitted, with equal weights."""
+FAILS = 0.05
+"""Largest error of a law within its range, over the largest closure."""
+
+
+_COLUMNS = [
+    *("cycle", "branch", "law", "parameter", "value", "standard_error"),
+    *("r_squared", "rms_mm", "holds_from_MPa", "holds_to_MPa"),
+]
+
+
+class Law(NamedTuple):
+    """Law of closure: parameters, closure as a function of stress, and a first guess.
+
+    ``parameters`` have their names and units by the column that they have in files.
+    ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
+    """
+
+    parameters: dict[str, tuple[str, str]]
+    closure: Callable[..., np.ndarray]
+    guess: Callable[[np.ndarray, np.ndarray, float], tuple[float, ...]]
+
+
+def _hyperbola(stress: np.ndarray, seating: float, kni: float, vm: float) -> np.ndarray:
+    above = stress - seating
+    return above * vm / (kni * vm + above)
+
+
+def _semi_logarithmic(stress: np.ndarray, seating: float, p: float, q: float) -> np.ndarray:
+    return (np.log10(stress) - p) / q
+
+
+def _power(stress: np.ndarray, seating: float, c: float, m: float) -> np.ndarray:
+    return c * (stress - seating) ** m
+
+
+def _guess_hyperbola(stress, closure, seating) -> tuple[float, ...]:
+    # (sigma - s)/D = kni + (sigma - s)/Vm is a straight line
+    known = (stress > seating) & (closure > 0.0)
+    above = stress[known] - seating
+    slope, kni = np.polyfit(above, above / closure[known], 1)
+    return max(kni, 1e-9), 1.0 / max(slope, 1e-9)
+
+
+def _guess_semi_logarithmic(stress, closure, seating) -> tuple[float, ...]:
+    q, p = np.polyfit(closure, np.log10(stress), 1)
+    return p, q
+
+
+def _guess_power(stress, closure, seating) -> tuple[float, ...]:
+    known = (stress > seating) & (closure > 0.0)
+    m, c = np.polyfit(np.log(stress[known] - seating), np.log(closure[known]), 1)
+    return float(np.exp(c)), m
+
+
+LAWS = {
+    "hyperbolic": Law(
+        {
+            "kni_MPa_per_mm": ("initial stiffness kni", "MPa/mm"),
+            "vm_mm": ("largest closure Vm", "mm"),
+        },
+        _hyperbola,
+        _guess_hyperbola,
+    ),
+    "semi_logarithmic": Law(
+        {"p": ("p", "log10 MPa"), "q_per_mm": ("q", "1/mm")},
+        _semi_logarithmic,
+        _guess_semi_logarithmic,
+    ),
+    "power": Law({"c_mm": ("c", "mm/MPa^m"), "m": ("m", "")}, _power, _guess_power),
+}
+
+
+def law_words(name: str) -> str:
+    """Return the name of a law in words."""
+    return name.replace("_", "-")
+
+
+def law_curves(
+    history: xr.Dataset, of: str = NET
+) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
+    """Read stress [MPa] and closure since seating [mm] by cycle and branch.
+
+    Closure counts from seating on the same branch. Branches that do not extend from seating to the
+    maximum of their cycle are left out. ``of`` as in
+    `jointclosure.joint.stiffness.closures_at`.
+    """
+    seating = float(history.attrs["seating_stress_Pa"])
+    curves = {}
+    for index in range(int(history.cycle.max())):
+        levels = stress_levels(history, POINTS, index + 1)
+        branches = closures_at(history, levels, of)[index]
+        for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
+            if not np.isfinite(closure).all():
+                continue
+            start = closure[0] if seating > 0.0 else _start(history, index + 1, name, of)
+            curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
+    return curves
+
+
+def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
+    """Return the closure [m] at which a branch without seating begins or ends."""
+    here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
+    first = here[0] - 1 if here[0] > 0 else here[0]
+    return float(read_along(history, of)[first if branch == LOADING else here[-1]])
+
+
+def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
+    """Fit the laws by least squares of closure, for each cycle and branch.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    of : str
+        Closure to be fitted: `jointclosure.joint.history.NET`, or `GROSS`.
+
+    Returns
+    -------
+    DataFrame
+        One row per parameter: ``cycle``, ``branch``, ``law``, ``parameter``, ``value``,
+        ``standard_error`` (from the scatter about the fit, as if points were independent), and for
+        the fit ``r_squared``, ``rms_mm``, ``holds_from_MPa`` and ``holds_to_MPa``: the longest
+        range of stresses in which the error of the law is at most `FAILS` times the largest
+        closure. NaN for a law that cannot be fitted.
+    """
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    rows = []
+    for (cycle, branch), (stress, closure) in law_curves(history, of).items():
+        for name, law in LAWS.items():
+            values, errors, fit = _fit(law, stress, closure, seating)
+            about = {"cycle": cycle, "branch": branch, "law": name}
+            rows += [
+                about | {"parameter": parameter, "value": value, "standard_error": error} | fit
+                for parameter, value, error in zip(law.parameters, values, errors, strict=True)
+            ]
+    return pd.DataFrame(rows, columns=_COLUMNS)
+
+
+def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
+    """Return parameters, their errors, and the quality of the fit of a law."""
+    nothing = np.full(len(law.parameters), np.nan)
+    names = _COLUMNS[-4:]
+    try:
+        start = law.guess(stress, closure, seating)
+        values, covariance = scipy.optimize.curve_fit(
+            lambda x, *parameters: law.closure(x, seating, *parameters),
+            stress, closure, start, maxfev=20_000,
+        )  # fmt: skip
+    except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
+        return nothing, nothing, dict.fromkeys(names, np.nan)
+    miss = law.closure(stress, seating, *values) - closure
+    square = float(np.sum(miss**2))
+    held = _longest(np.abs(miss) <= FAILS * closure.max())
+    fit = (
+        1.0 - square / float(np.sum((closure - closure.mean()) ** 2)),
+        float(np.sqrt(square / closure.size)),
+        *((float(stress[held[0]]), float(stress[held[1]])) if held else (np.nan, np.nan)),
+    )
+    return values, np.sqrt(np.diag(covariance)), dict(zip(names, fit, strict=True))
+
+
+def _longest(held: np.ndarray) -> tuple[int, int] | None:
+    """Return the first and last index of the longest run of true values, None without any."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return None
+    first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
+    return int(first), int(end - 1)
+
+
+def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
+    """Return a parameter of `fitted_laws` by its name, NaN if it was not fitted."""
+    rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
+    return float(rows.value.iloc[0]) if len(rows) else float("nan")
+
+
+def describe_law(fits: pd.DataFrame, cycle: int, branch: str) -> str:
+    """Describe the best law of a branch in a line."""
+    rows = fits[(fits.cycle == cycle) & (fits.branch == branch)]
+    if not rows.rms_mm.notna().any():
+        return f"cycle {cycle}, {branch}: no law could be fitted"
+    best = rows[rows.rms_mm == rows.rms_mm.min()]
+    first = best.iloc[0]
+    parts = []
+    for row in best.itertuples(index=False):
+        title, unit = LAWS[first.law].parameters[row.parameter]
+        parts.append(f"{title} = {row.value:.4g} {unit}".strip())
+    return (
+        f"cycle {cycle}, {branch}: {law_words(first.law)} ({', '.join(parts)}), rms error "
+        f"{first.rms_mm:.2g} mm, valid from {first.holds_from_MPa:.3g} to "
+        f"{first.holds_to_MPa:.3g} MPa"
+    )

@@ -1,1 +1,0 @@
-"""Sensitivity to rock properties: responses, indifference intervals, claims."""

@@ -1,0 +1,380 @@
+"""Conversion of scans to heights on the square grid of a joint.
+
+Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from threadpoolctl import threadpool_limits
+
+from jointclosure.inputs import InputError
+from jointclosure.walls.roughness import plane_through
+
+FLAT = "flat"
+"""Word for a flat wall, such as a saw cut, in place of a scan."""
+LARGEST_TILT = 20.0
+"""Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
+REACH = 2.0
+"""Distance, in mean point distances, within which a cell needs a point to have a height."""
+AT_PLACE = 1e-6
+"""Distance, as a share of the reach, within which a node is at a scanned point."""
+NEAREST = 12
+"""Number of points around a node of the grid that are triangulated. A Delaunay triangle of all
+points whose corners are among them is one of theirs too; points in between are not needed."""
+MOST_CELLS_PER_POINT = 100
+"""Largest number of cells of a grid for each point; with more, nearly all cells are far from
+points."""
+PAPER_SPACING = 0.25e-3
+"""Grid spacing of the paper's walls [m]: a cell is an asperity, and the relations of JRC are stated
+at this spacing."""
+MISSING = ("refuse", "avoid", "nearest", "linear")
+LARGEST_FILLED_SHARE = 0.05
+"""Largest share of a wall's cells that is filled unless the user allows more."""
+
+
+class Scan(NamedTuple):
+    """Heights (y, x) [m] on a regular grid, NaN where missing, and spacing (dy, dx) [m].
+
+    ``origin`` is the (y, x) of the first cell [m], or None if it is unknown. ``remarks`` are
+    sentences on what reading left out.
+    """
+
+    heights: np.ndarray
+    spacing: tuple[float, float]
+    origin: tuple[float, float] | None = None
+    remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        (ny, nx), (dy, dx) = self.heights.shape, self.spacing
+        missing = 100.0 * float(np.isnan(self.heights).mean())
+        low, high = 1e3 * np.nanmin(self.heights), 1e3 * np.nanmax(self.heights)
+        return (
+            f"<Scan: {nx} x {ny} points, {1e3 * dx:.4g} x {1e3 * dy:.4g} mm apart, heights "
+            f"{low:.4g} to {high:.4g} mm, {missing:.3g} % missing>"
+        )
+
+
+class Cloud(NamedTuple):
+    """Points (n, 3) [m]: x, y and height, in any order; ``remarks`` as for `Scan`."""
+
+    points: np.ndarray
+    remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        if not len(self.points):
+            return "<Cloud: no points>"
+        size_x, size_y, size_z = 1e3 * np.ptp(self.points, axis=0)
+        return (
+            f"<Cloud: {len(self.points)} points on {size_x:.4g} x {size_y:.4g} mm, heights within "
+            f"{size_z:.4g} mm>"
+        )
+
+
+def point_distance(scan: Scan | Cloud) -> float:
+    """Return the distance of neighbouring points [m].
+
+    It is the larger of the two spacings of a grid, and the mean distance of a cloud.
+
+    Raises
+    ------
+    InputError
+        If a cloud has fewer than four points, or all points lie on one line.
+    """
+    if isinstance(scan, Scan):
+        return max(scan.spacing)
+    try:
+        area = scipy.spatial.ConvexHull(scan.points[:, :2]).volume
+    except (scipy.spatial.QhullError, ValueError):
+        raise InputError(
+            f"{len(scan.points)} points: they lie on one line or are too few for a wall"
+        ) from None
+    return float(np.sqrt(area / len(scan.points)))
+
+
+def paper_spacing(distance: float) -> float:
+    """Return the multiple of a point distance [m] that is nearest to `PAPER_SPACING`."""
+    return distance * max(round(PAPER_SPACING / distance), 1)
+
+
+def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
+    """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
+    if isinstance(scan, Cloud):
+        x, y, heights = scan.points.T
+        plane = heights - _levelled(x, y, heights)
+        return Cloud(np.stack([x, y, sign * plane], axis=1))
+    ny, nx = scan.heights.shape
+    y, x = np.indices((ny, nx)) * np.reshape(scan.spacing, (2, 1, 1))
+    level = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
+    return Scan(sign * (scan.heights - level), scan.spacing, scan.origin)
+
+
+def wall_on_grid(
+    scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
+) -> np.ndarray:
+    """Put a scan on a square grid and remove its mean plane.
+
+    Parameters
+    ----------
+    scan : Scan or Cloud
+        A grid of the same spacing is used unchanged. A grid whose spacing divides that of the
+        joint is thinned. Other grids are interpolated by cubic splines, and points linearly in
+        the triangles between them.
+    spacing : float
+        Grid spacing of the joint [m].
+    bounds : array (2, 2)
+        For points: smallest and largest (x, y) of the grid [m], by default those of the points.
+
+    Returns
+    -------
+    array (y, x)
+        Heights [m], NaN where none was measured.
+
+    Raises
+    ------
+    InputError
+        If the grid is finer than the scan, or the scan is inclined by more than `LARGEST_TILT`.
+    """
+    distance = point_distance(scan)
+    if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
+        raise InputError(
+            f"grid spacing {1e3 * spacing:g} mm: finer than the scan, whose points are "
+            f"{1e3 * distance:.4g} mm apart; what lies between them was not measured"
+        )
+    if isinstance(scan, Cloud):
+        return _gridded(scan.points, spacing, REACH * distance, bounds)
+    ny, nx = scan.heights.shape
+    y, x = np.meshgrid(
+        np.arange(ny) * scan.spacing[0], np.arange(nx) * scan.spacing[1], indexing="ij"
+    )
+    flat = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
+    return _resampled(Scan(flat, scan.spacing), spacing, (0.0, 0.0))
+
+
+def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
+    """Return the heights of a grid at the nodes of a coarser one, without averaging.
+
+    Sampling keeps the slopes at the coarser spacing, of which JRC is a function; means over cells
+    do not.
+
+    Parameters
+    ----------
+    scan : Scan
+    spacing : float
+        Grid spacing [m] of the result, not below that of the scan.
+    anchor : (y, x)
+        Place of a node [m], in or outside of the scan.
+    """
+    origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
+    first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
+    start = np.maximum((first - origin) / steps, 0.0)
+    heights = _resampled(scan, spacing, (float(start[0]), float(start[1])))
+    y, x = (origin + start * steps).tolist()
+    return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
+
+
+def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Subtract the least-squares plane from heights; NaN remain."""
+    known = np.isfinite(heights)
+    if known.sum() < 4:
+        raise InputError(f"{int(known.sum())} heights: too few for a wall")
+    plane = plane_through(x[known], y[known], heights[known])
+    tilt = np.degrees(np.arctan(np.hypot(plane.slope_x, plane.slope_y)))
+    if tilt > LARGEST_TILT:
+        raise InputError(
+            f"the mean plane is inclined by {tilt:.1f} degrees: at most {LARGEST_TILT:g}; "
+            "turn the scan so that its mean plane is about horizontal"
+        )
+    return heights - plane.at(x, y)
+
+
+def _gridded(
+    points: np.ndarray, spacing: float, reach: float, bounds: np.ndarray | None
+) -> np.ndarray:
+    x, y, heights = points.T
+    heights = _levelled(x, y, heights)
+    low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
+    nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
+    if nx * ny > MOST_CELLS_PER_POINT * len(points):
+        raise InputError(
+            f"{len(points)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
+            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
+            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
+        )
+    nodes = np.stack(
+        np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
+    )
+    return heights_between(points[:, :2], heights, nodes, reach)
+
+
+def heights_between(
+    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
+) -> np.ndarray:
+    """Interpolate heights at nodes (..., 2) linearly in the triangles between places (n, 2).
+
+    Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
+    farther than ``reach`` from every place. All in metres.
+
+    A node at a place (`AT_PLACE`) has its height, so that a regular grid is not triangulated.
+    """
+    count = min(NEAREST, len(places))
+    distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
+    nearest = distances[..., 0]
+    interpolated = heights[near[..., 0]]
+    between = nearest >= AT_PLACE * reach
+    if between.any():
+        used = np.zeros(len(places), bool)
+        used[near[between]] = True
+        interpolated[between] = _in_triangles(places[used], heights[used], nodes[between])
+    return np.where(nearest <= reach, interpolated, np.nan)
+
+
+def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
+
+    The weights of the corners are ratios of areas, so that results have the same bits on any
+    processor. The library of linear algebra has one thread here: scipy calls it for each triangle,
+    and on a machine where all processors are busy every call would wait for the other threads.
+    """
+    # the triangulation is most robust for coordinates of order one about zero
+    centre, scale = places.mean(axis=0), np.ptp(places)
+    corners, at = (places - centre) / scale, (nodes - centre) / scale
+    triangles = scipy.spatial.Delaunay(corners)
+    with threadpool_limits(limits=1, user_api="blas"):
+        triangle = triangles.find_simplex(at)
+    corner = triangles.simplices[triangle]
+    sides = corners[corner] - at[..., None, :]
+    areas = np.stack(
+        [_cross(sides[..., i - 2, :], sides[..., i - 1, :]) for i in range(3)], axis=-1
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):  # triangles without area hold no node
+        between = np.sum(areas * heights[corner], axis=-1) / np.sum(areas, axis=-1)
+    return np.where(triangle >= 0, between, np.nan)
+
+
+def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return twice the signed area of the triangles of vectors (..., 2) from the origin."""
+    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+
+
+def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
+    """Return heights at another spacing, from a node ``start`` (y, x) in points of the scan on."""
+    heights = scan.heights
+    ratios = [spacing / scanned for scanned in scan.spacing]
+    whole = [(round(first), round(ratio)) for first, ratio in zip(start, ratios, strict=True)]
+    exact = np.column_stack([start, ratios])
+    if np.all(np.abs(exact - whole) < 1e-6 * exact[:, 1:]):
+        rows, columns = (slice(first, None, step) for first, step in whole)
+        return heights[rows, columns].copy()
+    if min(heights.shape) < 4:
+        raise InputError(f"{heights.shape} heights: too few to be brought to another spacing")
+    missing = ~np.isfinite(heights)
+    axes = [np.arange(n, dtype=float) for n in heights.shape]
+    wanted = [
+        first + np.arange(int(np.floor((n - 1 - first) / ratio + 1e-9)) + 1) * ratio
+        for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
+    ]
+    wall = scipy.interpolate.RectBivariateSpline(*axes, _nearest(heights))(*wanted)
+    nodes = np.meshgrid(*wanted, indexing="ij")
+    touched = scipy.ndimage.map_coordinates(missing.astype(float), nodes, order=1, mode="nearest")
+    return np.where(touched > 1e-9, np.nan, wall)
+
+
+def filled(
+    wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
+) -> np.ndarray:
+    """Treat the missing cells of a wall (y, x).
+
+    Parameters
+    ----------
+    wall : array (y, x)
+        NaN where no height is known.
+    missing : {"refuse", "avoid", "nearest", "linear"}
+        "refuse": raise an error. "avoid": leave them, so that joints are cut where no cell is
+        missing. "nearest": use the height of the nearest cell. "linear": interpolate linearly
+        between the surrounding cells, and use the nearest cell outside of them.
+    largest_share : float
+        Largest share of cells that may be filled.
+
+    Raises
+    ------
+    InputError
+        If missing cells are refused, or more cells are missing than may be filled.
+    """
+    holes = ~np.isfinite(wall)
+    if missing not in MISSING:
+        raise InputError(f"missing = {missing!r}: must be one of {', '.join(MISSING)}")
+    if not holes.any() or missing == "avoid":
+        return wall
+    message = f"{int(holes.sum())} of {holes.size} cells have no height"
+    if missing == "refuse":
+        first = ", ".join(str(index) for index in np.argwhere(holes)[0])
+        raise InputError(
+            f"{message}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
+            "where no cell is missing), nearest or linear (missing cells are filled)"
+        )
+    if holes.mean() > largest_share:
+        raise InputError(
+            f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
+            "(largest_filled_share); choose missing: avoid, or crop the scan"
+        )
+    near = _nearest(wall)
+    if missing == "nearest":
+        return near
+    rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
+    inside = _in_triangles(np.argwhere(rim), wall[rim], np.argwhere(holes))
+    result = wall.copy()
+    result[holes] = np.where(np.isfinite(inside), inside, near[holes])
+    return result
+
+
+def _nearest(heights: np.ndarray) -> np.ndarray:
+    """Replace missing heights by the nearest known height."""
+    holes = ~np.isfinite(heights)
+    if not holes.any():
+        return heights
+    where = scipy.ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
+    return heights[tuple(where)]
+
+
+def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is none; the message states the largest size that fits.
+    """
+    offsets = _full_windows(wall, *shape)
+    if not len(offsets):
+        size = min(wall.shape)
+        while size > 0 and not len(_full_windows(wall, size, size)):
+            size -= 1
+        raise InputError(
+            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
+            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
+        )
+    return offsets
+
+
+def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
+    if wall.shape[0] < ny or wall.shape[1] < nx:
+        return np.empty((0, 2), int)
+    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
+    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
+    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
+    return np.argwhere(inside == 0)
+
+
+def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
+    """Count windows that fit side by side, taken in their order.
+
+    It is a lower bound of the largest number of disjoint windows.
+    """
+    count = 0
+    while len(offsets):
+        apart = np.abs(offsets - offsets[0])
+        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
+        count += 1
+    return count

@@ -1,0 +1,240 @@
+"""Named arrays of a file (npz, MATLAB, netCDF): heights, and what states their places.
+
+Arrays are (y, x), row by row. A name may end with its unit, as everywhere in this project:
+``Z_mm``, ``spacing_mm``. An array is read when it is needed, and its size in bytes was checked.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import InputError, size_of
+from jointclosure.walls.scans.contents import SAME_SPACING, VARIABLE, Contents, check_size
+from jointclosure.walls.scans.points import contents_of
+from jointclosure.walls.scans.units import split_name
+
+_NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx": (math.nan, 1.0)}
+"""Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
+_EVEN = 1e-4
+"""Largest difference of the steps along an axis, over their mean, at which they are even."""
+
+
+class Array(NamedTuple):
+    """Array of a file: shape, type, units (None: not stated), and the function that reads it."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    units: str | None
+    load: Callable[[], np.ndarray]
+
+
+class _Statement(NamedTuple):
+    """Spacing (dy, dx) in units that arrays state; NaN along an axis of which they state none."""
+
+    names: str
+    spacing: np.ndarray
+    units: str | None
+
+
+def grid_of(
+    arrays: Mapping[str, Array], variable: str | None, axes: Mapping[str, str] | None = None
+) -> Contents:
+    """Return the heights of a file, placed by the arrays and numbers beside them.
+
+    Places are vectors or matrices named x and y, or by ``axes`` from their names. Numbers are named
+    spacing or h, dx and dy. Heights (x, y) are turned if the places show it. Fields of structs have
+    names such as S.Z, and those of the same struct place them.
+
+    Raises
+    ------
+    InputError
+        If it is not clear which array has the heights, an array is too large or not of real
+        numbers, or two state different spacings; the message has their names and values.
+    """
+    kinds = {name: (axes or {}).get(name, _quantity(name)) for name in arrays}
+    name = chosen(variable, arrays)
+    heights, units = _loaded(name, arrays[name]), arrays[name].units
+    if heights.ndim != 2:
+        raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
+    beside = {
+        key: array
+        for key, array in arrays.items()
+        if key.rpartition(".")[0] == name.rpartition(".")[0] and key != name
+    }
+    places = [
+        {key: array for key, array in beside.items() if kinds[key] == axis and _size(array) > 1}
+        for axis in "yx"
+    ]
+    contents, statements = _placed(name, heights, places)
+    numbers = [key for key in beside if kinds[key] in _NUMBERS and _size(beside[key]) <= 2]
+    remarks = contents.remarks
+    if contents.points is not None:
+        remarks += tuple(f"{key} was not used: the points are on no grid" for key in numbers)
+        return contents._replace(height_units=units, remarks=remarks)
+    for key in numbers:
+        step = _number(key, beside[key]) * np.array(_NUMBERS[kinds[key]])
+        statements.append(_Statement(key, step, beside[key].units))
+    spacing, length_units = _agreed(statements)
+    if spacing is not None and not any(places):
+        spacing = np.where(np.isnan(spacing), spacing[::-1], spacing)  # only dx, or only dy
+    steps = None if spacing is None else (float(spacing[0]), float(spacing[1]))
+    return contents._replace(spacing=steps, height_units=units, length_units=length_units)
+
+
+def _placed(
+    name: str, heights: np.ndarray, places: list[dict[str, Array]]
+) -> tuple[Contents, list[_Statement]]:
+    """Return heights as a grid or as points, and the statement of places along y and x, if any."""
+    keys = [*places[0], *places[1]]
+    if not keys:
+        return Contents(heights), []
+    turned = not _fit(places, heights.shape)
+    if turned and not _fit(places, heights.T.shape):
+        shapes = [
+            f"{key} ({_words(each.shape)})" for along in places for key, each in along.items()
+        ]
+        raise InputError(f"{', '.join(shapes)}: must be places of {name} ({_words(heights.shape)})")
+    heights = heights.T if turned else heights
+    units = next((each.units for along in places for each in along.values() if each.units), None)
+    values = [_axis(number, along, units) for number, along in enumerate(places)]
+    steps = [_step(number, along) for number, along in enumerate(values)]
+    named = " and ".join(keys)
+    if None in steps:
+        y, x = values
+        if y is None or x is None:
+            raise InputError(f"{named}: must be evenly spaced, or places along both axes")
+        columns = np.broadcast_arrays(x, y, np.ma.filled(heights.astype(float), np.nan))
+        contents = contents_of(np.stack([column.ravel() for column in columns], axis=1))
+        if contents.spacing is None:
+            return contents._replace(length_units=units), []
+        return contents, [_Statement(named, np.array(contents.spacing), units)]
+    spacing = np.array(steps, dtype=float)
+    heights = heights[tuple(slice(None, None, -1 if step < 0.0 else 1) for step in spacing)]
+    first_y, first_x = (math.nan if along is None else float(along.min()) for along in values)
+    origin = None if math.isnan(first_y + first_x) else (first_y, first_x)
+    return Contents(heights, origin=origin), [_Statement(named, np.abs(spacing), units)]
+
+
+def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
+    """Return whether places along y and x are vectors or matrices for heights of a shape."""
+    return all(
+        tuple(n for n in array.shape if n > 1) in (shape, (shape[number],))
+        for number, along in enumerate(places)
+        for array in along.values()
+    )
+
+
+def _axis(number: int, arrays: dict[str, Array], units: str | None) -> np.ndarray | None:
+    """Return places along an axis (0: y, 1: x) for all heights, as one line if they are the same.
+
+    None without an array.
+    """
+    values: np.ndarray | None = None
+    ranges = []
+    for key, array in arrays.items():
+        read = np.ma.filled(_loaded(key, array).astype(float), np.nan).squeeze()
+        ranges.append(f"{key} {np.nanmin(read):g} to {np.nanmax(read):g}")
+        read = read * _factor(array.units, units)
+        if read.ndim == 1:
+            line = np.expand_dims(read, 1 - number)
+        else:
+            first = read.take([0], 1 - number)
+            line = first if (read == first).all() else read
+        if values is not None and not np.allclose(
+            line, values, rtol=0.0, atol=0.01 * np.ptp(values) / max(line.shape), equal_nan=True
+        ):
+            raise InputError(f"{', '.join(ranges)}: must be the same places")
+        values = line
+    return values
+
+
+def _step(number: int, values: np.ndarray | None) -> float | None:
+    """Return the step of even places along an axis, NaN without places; None if they are uneven."""
+    if values is None:
+        return math.nan
+    if values.shape[1 - number] > 1:
+        return None
+    steps = np.diff(values.ravel())
+    mean = float(steps.mean())
+    return mean if np.ptp(steps) <= _EVEN * abs(mean) and mean != 0.0 else None
+
+
+def _number(key: str, array: Array) -> float:
+    """Return a spacing; `InputError` unless it is one positive number."""
+    values = np.unique(_loaded(key, array))
+    if len(values) > 1 or not 0.0 < values[0] < math.inf:
+        raise InputError(f"{key} = {_words(values)}: must be one number, positive and finite")
+    return float(values[0])
+
+
+def _agreed(statements: list[_Statement]) -> tuple[np.ndarray | None, str | None]:
+    """Return the spacing (dy, dx) that all statements share, and its units.
+
+    A statement without units is in those of the others.
+
+    Raises
+    ------
+    InputError
+        If they differ by more than `SAME_SPACING`.
+    """
+    if not statements:
+        return None, None
+    units = next((each.units for each in statements if each.units), None)
+    stated = np.array([each.spacing * _factor(each.units, units) for each in statements])
+    known = [column[np.isfinite(column)] for column in stated.T]
+    if any(len(column) and np.ptp(column) > SAME_SPACING * column[0] for column in known):
+        words = [
+            f"{each.names} {_words(each.spacing[np.isfinite(each.spacing)], each.units)}"
+            for each in statements
+        ]
+        raise InputError(f"states different spacings (y, x): {'; '.join(words)}; must be the same")
+    return np.array([column[0] if len(column) else math.nan for column in known]), units
+
+
+def _factor(units: str | None, target: str | None) -> float:
+    """Return a unit over another one, 1 if one is not stated."""
+    return size_of(units) / size_of(target) if units and target and units != target else 1.0
+
+
+def _words(values, units: str | None = None) -> str:
+    return f"{' x '.join(f'{value:.6g}' for value in values)}{f' {units}' if units else ''}"
+
+
+def _size(array: Array) -> int:
+    return math.prod(array.shape)
+
+
+def _quantity(name: str) -> str:
+    """Return the name of an array in lower case, without its struct and its unit."""
+    return split_name(name.rpartition(".")[2])[0].lower()
+
+
+def _loaded(name: str, array: Array) -> np.ndarray:
+    """Read an array of real numbers."""
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{name}: values of type {array.dtype}: must be real numbers")
+    check_size(array.shape, array.dtype.itemsize, name)
+    return array.load()
+
+
+def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
+    """Return the stated array of a file, otherwise the only one over (y, x) that is no place."""
+    if variable is not None:
+        if variable not in arrays:
+            raise InputError(f"variable = {variable!r}: must be one of {', '.join(arrays)}")
+        return variable
+    fields = [
+        name
+        for name, array in arrays.items()
+        if len(array.shape) == 2 and min(array.shape) > 2 and _quantity(name) not in ("x", "y")
+    ]
+    if not fields:
+        names = ", ".join(arrays) or "nothing"
+        raise InputError(f"has no array over (y, x); it contains {names}")
+    if len(fields) > 1:
+        raise InputError(
+            f"has arrays over (y, x): {', '.join(fields)}; {VARIABLE} must name one of them"
+        )
+    return fields[0]

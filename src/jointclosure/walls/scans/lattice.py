@@ -1,0 +1,220 @@
+"""Points on a regular grid in any order, with gaps and repetitions; one height for each node."""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.walls.outliers import unique_places
+from jointclosure.walls.scans.contents import Contents
+
+LARGEST_OFFSET = 0.05
+"""Largest distance of a point from its node, over the step of the grid, due to rounding in
+files."""
+MOST_MOVED = 0.25
+"""Largest such distance of points that scatter about their nodes. Of walls with H = 0.8 scanned so,
+the rms slope is up to 2 % too large; linear interpolation at the nodes loses 9 %."""
+_OUTLYING = 3.0
+"""Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
+MAJORITY = 0.9
+"""Smallest share of points at nodes of a grid; with less, points are scattered."""
+LEAST_NEIGHBOURS = 0.5
+"""Smallest share of points whose next node has a point too, along both axes; points with less are
+scattered or staggered."""
+MOST_CELLS_PER_POINT = 20
+"""Largest number of nodes of a grid for each point; sparser points are scattered."""
+SAME_HEIGHT = 1e-6
+"""Largest difference of repeated heights, over the range of all heights."""
+MOST_AMBIGUOUS = 0.01
+"""Largest share of places with several heights; these are left out, and more are an error. More
+nodes without a point inside the wall are warned of."""
+_DIGITS = 7
+"""Significant digits of a step: those of single precision, so that files in single precision give
+the same grid."""
+
+
+class _Axis(NamedTuple):
+    """Nodes along an axis: step, number of each point's node, and distance from it in steps.
+
+    Node 0 is at ``first``.
+    """
+
+    step: float
+    first: float
+    node: np.ndarray
+    offset: np.ndarray
+
+    def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
+        low, high = int(self.node[on].min()), int(self.node[on].max())
+        digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
+        first = round(self.first + low * self.step, digits)
+        return self.node[on].astype(int) - low, high - low + 1, first
+
+
+def lattice_of(points: np.ndarray) -> Contents | None:
+    """Find the regular grid along x and y at whose nodes most points (n, 3) are; None without one.
+
+    Heights may be NaN. Nodes may have no point, and points may be repeated. Points off their nodes
+    are left out: farther than `LARGEST_OFFSET`, or where points scatter, than `_OUTLYING` times
+    the upper quartile of distances, at most `MOST_MOVED`.
+
+    Raises
+    ------
+    InputError
+        If more than `MOST_AMBIGUOUS` of the nodes have several heights.
+    """
+    if len(points) < 9:
+        return None
+    # coordinates closer than a twentieth of the mean distance of points count as equal
+    apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
+    x, y = (_axis_of(values, apart) for values in points[:, :2].T)
+    if x is None or y is None:
+        return None
+    offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
+    allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
+    on = offset <= allowed
+    if on.mean() < MAJORITY:
+        return None
+    (column, nx, x_first), (row, ny, y_first) = (axis.numbered(on) for axis in (x, y))
+    if nx * ny > MOST_CELLS_PER_POINT * len(points):
+        return None
+    numbers = row * nx + column
+    occupied = np.zeros((ny, nx), bool)
+    occupied.flat[numbers] = True
+    followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
+    if min(followed) < LEAST_NEIGHBOURS * occupied.sum():
+        return None
+    places, heights, remarks = _merged(numbers, points[on])
+    grid = np.full(nx * ny, np.nan)
+    grid[places] = heights
+    return Contents(
+        grid.reshape(ny, nx), (y.step, x.step), None, None, None, (y_first, x_first),
+        remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
+    )  # fmt: skip
+
+
+def _irregular(
+    points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
+) -> tuple[Caution, ...]:
+    """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
+    remarks, off = [], int((~on & np.isfinite(points[:, 2])).sum())
+    if off:
+        remarks.append(
+            f"{off} of {len(points)} points lie off the nodes of the points' grid, by more than "
+            f"{100 * allowed:.2g} % of its step, and were left out"
+        )
+    offsets = np.abs([x.offset[on], y.offset[on]])
+    if offsets.max() > LARGEST_OFFSET:
+        moved = float(np.sqrt(np.mean(np.sum(offsets**2, axis=0))))
+        remarks.append(
+            f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of its "
+            f"step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the rms "
+            "difference of neighbours"
+        )
+    return tuple(map(caution, remarks))
+
+
+def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
+    """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
+    empty, of_all = int((~occupied).sum()), f"of {occupied.size} nodes of the points' grid"
+    if not empty:
+        return ()
+    inside = int((scipy.ndimage.binary_fill_holes(occupied) & ~occupied).sum())
+    if inside <= MOST_AMBIGUOUS * occupied.size:
+        return (f"{empty} {of_all} have no point",)
+    share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
+    return (caution(f"{empty} {of_all} have no point, {share}: is the file incomplete?"),)
+
+
+def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return points (n, 3) with one height for each place, and remarks on what was left out.
+
+    Raises
+    ------
+    InputError
+        If more than `MOST_AMBIGUOUS` of the places have several heights.
+    """
+    numbers = unique_places(points[:, :2])[1]
+    if not len(points) or numbers.max() + 1 == len(points):
+        return points, ()
+    first = np.unique(numbers, return_index=True)[1]
+    places, heights, remarks = _merged(numbers, points)
+    kept = np.column_stack([points[first[places], :2], heights])
+    return kept[np.isfinite(heights)], remarks
+
+
+def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
+    """Find the evenly spaced nodes that most values have; None if fewer than three occur.
+
+    Values closer than ``apart`` are one level. Levels of fewer than half as many values as usual,
+    such as a damaged coordinate, do not count.
+    """
+    levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
+    group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
+    size = np.bincount(group, count)
+    middles = np.bincount(group, levels * count) / size
+    middles = middles[size >= 0.5 * np.median(size[group[of_value]])]
+    if len(middles) < 3:
+        return None
+    step, first = _step_of(middles), float(middles[0])
+    first += (
+        float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean())) / 2 / np.pi * step
+    )
+    for _ in range(3):
+        offset = (values - first) / step - (node := np.round((values - first) / step))
+        on = np.abs(offset) <= max(_OUTLYING * np.median(np.abs(offset)), 1e-6)
+        centred, mean = node[on] - node[on].mean(), values[on].mean()
+        if not centred.any():
+            return None
+        step = float(np.sum(centred * (values[on] - mean)) / np.sum(centred**2))
+        first = float(mean - step * node[on].mean())
+    offset = (values - first) / step - (node := np.round((values - first) / step))
+    return _Axis(float(f"{step:.{_DIGITS - 1}e}"), first, node, offset)
+
+
+def _step_of(levels: np.ndarray) -> float:
+    """Estimate the step of mostly evenly spaced levels, at distances that double."""
+    gaps = np.diff(levels)
+    ratio = gaps / np.median(gaps)
+    step = float(gaps[(ratio > 0.4) & (ratio < 1.6)].mean())
+    reach = 1
+    while reach <= len(levels) // 2:
+        distance = levels[reach:] - levels[:-reach]
+        step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
+        reach *= 2
+    return step
+
+
+def _merged(
+    numbers: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """Return numbers of the places with a height, these heights, and remarks on what was left out.
+
+    A place with several heights has NaN.
+    """
+    known = np.flatnonzero(np.isfinite(points[:, 2]))
+    known = known[np.argsort(numbers[known], kind="stable")]
+    heights = points[known, 2]
+    places, start = np.unique(numbers[known], return_index=True)
+    if len(places) == len(known):
+        return places, heights, ()
+    low, high = np.minimum.reduceat(heights, start), np.maximum.reduceat(heights, start)
+    several = high - low > SAME_HEIGHT * np.ptp(heights)
+    if several.sum() > MOST_AMBIGUOUS * len(places):
+        at = int(np.argmax(high - low))
+        x, y = points[known[start[at]], :2]
+        raise InputError(
+            f"{int(several.sum())} of {len(places)} places have several heights, such as (x, y) = "
+            f"({x:g}, {y:g}) with {low[at]:g} and {high[at]:g}: a wall has one height at each "
+            "place; a solid or both walls in one file must be cut to one wall"
+        )
+    remarks = []
+    repeated = len(known) - len(places) - int((np.diff([*start, len(known)])[several] - 1).sum())
+    if repeated:
+        remarks.append(f"{repeated} repeated points were skipped")
+    if several.any():
+        remarks.append(f"{int(several.sum())} places with several heights were treated as missing")
+    return places, np.where(several, np.nan, heights[start]), tuple(remarks)

@@ -1,0 +1,212 @@
+"""Points x, y, z, or a matrix of heights, in text files: csv, xyz, txt."""
+
+from pathlib import Path
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
+from jointclosure.walls.outliers import strays
+from jointclosure.walls.scans.contents import VARIABLE, Contents, reading_as
+from jointclosure.walls.scans.frames import are_places, framed_points, points_on
+from jointclosure.walls.scans.lattice import lattice_of, merged_points
+from jointclosure.walls.scans.sentinels import missing_heights, missing_sentence, missing_values
+from jointclosure.walls.scans.text import Table, read_table
+from jointclosure.walls.scans.units import axis_name, size_of, split_name
+
+LEAST_COLUMNS = 12
+"""Number of columns without names from which on a file is a matrix of heights. Points with colours,
+normals and an intensity have ten."""
+NAMED = 3
+"""Largest number of stray points whose places are listed."""
+SCATTERED = (
+    "the points lie on no regular grid along x and y: heights between them are interpolated, which "
+    "makes walls smoother"
+)
+
+
+def read_text(path: Path, variable: str | None) -> Contents:
+    """Read points from lines of x, y and z, separated by commas, semicolons, tabs or blanks.
+
+    Lines of names may state the units of columns ("x_mm", "z (um)"). ``variable`` names three
+    columns, or numbers them from 1 ("x,y,height", "1,2,4"), if they are not named x, y and z. The
+    remarks describe missing, stray and skipped values. `LEAST_COLUMNS` or more columns without
+    names are heights (y, x), whose spacing has to be stated unless the first row is x and the first
+    column y. Points that are all nodes of a regular grid are returned as that grid.
+    """
+    with reading_as("points", ValueError):
+        table = read_table(path)
+    if variable is None and (matrix := _matrix(table)) is not None:
+        return matrix
+    columns = _columns(table, variable)
+    values = table.values[:, columns]
+    x, y, z = (_unit_of(table, column) for column in columns)
+    if x != y:
+        raise InputError(f"x is in {x} and y in {y}: must be in the same units")
+    contents = contents_of(values)
+    return contents._replace(
+        height_units=z, length_units=x, remarks=table.remarks + contents.remarks
+    )
+
+
+def _matrix(table: Table) -> Contents | None:
+    """Return a matrix of heights, on the grid of its frame if it has one; None for points.
+
+    The first row of a frame counts as names if there is a word in its corner.
+    """
+    if table.names:
+        points = _below_names(table)
+    elif table.values.shape[1] >= LEAST_COLUMNS:
+        points = framed_points(table.values)
+        if points is None:
+            return Contents(table.values, remarks=table.remarks)
+    else:
+        points = None
+    if points is None:
+        return None
+    contents = contents_of(points)
+    read = "the first row and the first column, evenly spaced, were read as x and y"
+    return contents._replace(remarks=(*table.remarks, read, *contents.remarks))
+
+
+def _below_names(table: Table) -> np.ndarray | None:
+    """Return the points (n, 3) of a matrix whose x are names of columns; None for other names."""
+    try:
+        x = np.array([float(name.replace(",", ".")) for name in table.names[1:]])
+    except ValueError:
+        return None
+    y, heights = table.values[:, 0], table.values[:, 1:]
+    return points_on(x, y, heights) if are_places(x) and are_places(y) else None
+
+
+def read_matrix(path: Path) -> Contents:
+    """Read a text file as one matrix (y, x), of heights or of places."""
+    with reading_as("a matrix", ValueError):
+        table = read_table(path)
+    return Contents(table.values, remarks=table.remarks)
+
+
+def joined(x: Contents, y: Contents, z: Contents) -> Contents:
+    """Return heights of one file at the places x and y of two others, as `contents_of`.
+
+    Raises
+    ------
+    InputError
+        If the three matrices differ in shape, or x and y in units.
+    """
+    shapes = [np.asarray(part.heights).shape for part in (x, y, z)]
+    if len(set(shapes)) > 1:
+        listed = ", ".join(" x ".join(map(str, shape)) for shape in shapes)
+        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
+    if x.height_units != y.height_units:
+        raise InputError(f"x is in {x.height_units} and y in {y.height_units}: must be the same")
+    columns = [np.asarray(part.heights, dtype=float).ravel() for part in (x, y, z)]
+    contents = contents_of(np.stack(columns, axis=1))
+    return contents._replace(
+        height_units=z.height_units,
+        length_units=x.height_units,
+        remarks=x.remarks + y.remarks + z.remarks + contents.remarks,
+    )
+
+
+def contents_of(points: np.ndarray) -> Contents:
+    """Return points (n, 3) as the regular grid on which they lie, otherwise as points.
+
+    Raises
+    ------
+    InputError
+        If a point has a height but no place, or places have several heights.
+    """
+    points, remarks = cleaned(points)
+    if (grid := lattice_of(points)) is not None:
+        return grid._replace(remarks=remarks + grid.remarks)
+    points, repeats = merged_points(points)
+    return Contents(points=points, remarks=(*remarks, *repeats, caution(SCATTERED)))
+
+
+def _unit_of(table: Table, column: int) -> str | None:
+    """Return the unit of a column from its name or from the line of units below the names."""
+    name = table.names[column] if table.names else ""
+    by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
+    if by_name and by_line and size_of(by_name) != size_of(by_line):
+        raise InputError(
+            f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
+        )
+    return by_name or by_line
+
+
+def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return points (n, 3) of a wall, NaN where a height is missing, and remarks.
+
+    Raises
+    ------
+    InputError
+        If a point has a height but no place.
+    """
+    points = points.astype(float)
+    places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
+    without_height, remarks = missing_heights(points[:, 2])
+    missing = np.column_stack([*places, without_height])
+    if missing[:, :2].any():
+        count, values = int(missing[:, :2].any(axis=1).sum()), np.unique(np.concatenate(sentinels))
+        remarks += (missing_sentence(count, values, "places"),)
+    points[missing] = np.nan
+    points[~np.isfinite(points)] = np.nan
+    placed = np.isfinite(points[:, :2]).all(axis=1)
+    nowhere = np.flatnonzero(~placed & np.isfinite(points[:, 2]) & ~missing.any(axis=1))
+    if nowhere.size:
+        raise InputError(f"{nowhere.size} points lack x or y, the first is number {nowhere[0] + 1}")
+    if not placed.all():
+        remarks += (f"{int((~placed).sum())} lines without a place were skipped",)
+        points = points[placed]
+    stray = strays(points)
+    if stray.any():
+        named = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:NAMED]]
+        more = ", ..." if stray.sum() > NAMED else ""
+        verb = "points were" if stray.sum() > 1 else "point was"
+        remarks += (
+            f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(named)}{more} "
+            "(x, y, z in the file's units)",
+        )
+        points = points[~stray]
+    return points, remarks
+
+
+def _columns(table: Table, variable: str | None) -> list[int]:
+    """Return the numbers of the columns of x, y and z."""
+    width = table.values.shape[1]
+    bare = [axis_name(name) for name in table.names]
+    if variable is not None:
+        return _stated_columns(table.names, bare, width, variable)
+    if table.names:
+        if not {"x", "y", "z"} <= set(bare):
+            raise InputError(
+                f"columns {', '.join(table.names)}: must be named x, y and z, or {VARIABLE} "
+                "must state them, such as 1,2,3"
+            )
+        return [bare.index(axis) for axis in "xyz"]
+    if width != 3:
+        raise InputError(
+            f"{width} columns that are not named x, y and z: must be three in this order, or "
+            f"{VARIABLE} must state them, such as 1,2,3; a matrix of heights has at least "
+            f"{LEAST_COLUMNS}"
+        )
+    return [0, 1, 2]
+
+
+def _stated_columns(names: list[str], bare: list[str], width: int, variable: str) -> list[int]:
+    columns = []
+    for word in (word.strip() for word in variable.split(",")):
+        if word.isdecimal() and 1 <= int(word) <= width:
+            columns.append(int(word) - 1)
+        elif word in names:
+            columns.append(names.index(word))
+        elif word.lower() in bare:
+            columns.append(bare.index(word.lower()))
+    if len(columns) != 3 or len(set(columns)) != 3 or len(variable.split(",")) != 3:
+        allowed = ", ".join(names) if names else f"numbers from 1 to {width}"
+        raise InputError(
+            f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
+            f"there are {allowed}"
+        )
+    return columns

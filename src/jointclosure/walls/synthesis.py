@@ -1,0 +1,372 @@
+"""Synthesis of random walls of given JRC.
+
+The compound algorithm of Rezaei Niya & Selvadurai (2019) is not described in the paper. Here a wall
+is a self-affine Gaussian field, scaled to the RMS slope that a published relation gives for the
+JRC, see docs/decisions/0007-surfaces.md.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy.fft
+
+from jointclosure.inputs import (
+    InputError,
+    check_length,
+    check_number,
+    check_one_of,
+    check_positive,
+    check_seed,
+)
+from jointclosure.parameters import check_usual
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
+
+RULES = ("self_affine", "walk")
+"""Relations between the long and the short waves of a wall."""
+NORMALISATIONS = ("wall", "expectation")
+"""Ways to reach the given slope: by every wall, or by walls on average."""
+ROLL_OFF = 3e-3
+"""Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
+(docs/decisions/0013-readings.md)."""
+
+
+class Spectrum(NamedTuple):
+    """Power spectrum of a wall's heights, of arbitrary scale.
+
+    ``rule`` "self_affine": power ~ k^(-2 (H + 1)), so that profiles have the Hurst exponent
+    ``hurst``. "walk": independent Gaussian slopes along x and y between all neighbours, projected
+    on the nearest field of heights; ``hurst`` is not used. ``roll_off`` is the wavelength [cells]
+    beyond which the power is flat, or None.
+    """
+
+    hurst: float
+    rule: str = "self_affine"
+    roll_off: float | None = None
+
+
+def gaussian_field(
+    shape: tuple[int, int],
+    spectrum: Spectrum,
+    random: np.random.Generator,
+    oversize: int = 2,
+) -> np.ndarray:
+    """Generate Gaussian heights (y, x) of a spectrum and arbitrary scale.
+
+    They are synthesised from waves on a periodic grid ``oversize`` times as long, and a corner of
+    it is cropped, so that opposite edges are not neighbours. All spectra filter the same noise.
+    """
+    size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
+    waves = _random_waves(size, spectrum, random)
+    return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
+
+
+def _random_waves(
+    size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
+) -> np.ndarray:
+    """Return Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
+    noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
+    return noise * _amplitudes(*size, spectrum)
+
+
+def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
+    """Return wave numbers in cycles per cell."""
+    ny, nx = size
+    return np.hypot(scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :])
+
+
+@lru_cache(maxsize=8)
+def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
+    """Return amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    amplitudes = power(_squares(ny, scipy.fft.rfftfreq(nx), spectrum), 0.5 * _exponent(spectrum))
+    amplitudes[0, 0] = 0.0
+    amplitudes.flags.writeable = False
+    return amplitudes
+
+
+def _exponent(spectrum: Spectrum) -> float:
+    """Return the exponent of the squared wave number in the power."""
+    return -1.0 if spectrum.rule == "walk" else -(spectrum.hurst + 1.0)
+
+
+def _squares(ny: int, wave_x: np.ndarray, spectrum: Spectrum) -> np.ndarray:
+    """Return squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
+
+    Notes
+    -----
+    The value of the mean is 1. For a walk, the squares are those of the differences d between
+    neighbours, |d|^2 = 4 sin^2(pi f) along each axis, over (2 pi)^2. Independent slopes g of
+    variance 1 have white spectra; the heights z that minimise
+    sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
+    (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power 1/(|d_x|^2 + |d_y|^2).
+    """
+    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
+    if spectrum.rule == "walk":
+        wave_y, wave_x = (_sines(wave) / np.pi for wave in (wave_y, wave_x))
+    square = wave_y * wave_y + wave_x * wave_x
+    square[0, 0] = 1.0
+    if spectrum.roll_off is not None:
+        square = np.maximum(square, 1.0 / (spectrum.roll_off * spectrum.roll_off))
+    return square
+
+
+def _sines(wave: np.ndarray) -> np.ndarray:
+    """Compute sin(pi f) with the same bits on any processor, as `power`."""
+    return np.vectorize(math.sin)(np.pi * wave)
+
+
+def power(base: np.ndarray, exponent: float) -> np.ndarray:
+    """Raise a positive array to a power, with the same bits on any processor.
+
+    `numpy.power` uses other code on processors with other vector units, whose results differ in the
+    last digit, and breakage turns this difference into another history. This function only adds,
+    multiplies and divides: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
+    Its relative error is about 5e-15.
+    """
+    mantissa, two = np.frexp(base)
+    small = mantissa < np.sqrt(0.5)
+    mantissa = np.where(small, 2.0 * mantissa, mantissa)
+    two = two - small
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    logarithm = np.zeros_like(s)
+    for odd in range(25, 0, -2):
+        logarithm = logarithm * (s * s) + 2.0 / odd
+    # base^exponent = 2^whole * e^rest
+    twos = exponent * (two + logarithm * s / _LN2)
+    whole = np.rint(twos)
+    rest = (twos - whole) * _LN2
+    answer = np.ones_like(rest)
+    for order in range(18, 0, -1):
+        answer = 1.0 + answer * rest / order
+    return np.ldexp(answer, whole.astype(int))
+
+
+_LN2 = 0.6931471805599453
+
+
+def synthetic_wall(
+    z2: float,
+    shape: tuple[int, int],
+    spacing: float,
+    hurst: float,
+    random: np.random.Generator,
+    normalise: str = "wall",
+    rule: str = "self_affine",
+    roll_off: float | None = None,
+) -> np.ndarray:
+    """Generate one wall (y, x) [m] of given RMS slope, plane-detrended.
+
+    Parameters
+    ----------
+    z2 : float
+        RMS slope at the grid spacing.
+    shape : (ny, nx)
+        Cells.
+    spacing : float
+        Grid spacing [m].
+    hurst : float
+        Hurst exponent in (0, 1].
+    random : Generator
+        Generator, used once.
+    normalise : {"wall", "expectation"}
+        Whether every wall has exactly this Z2, or walls have it on average. With
+        "expectation" all walls are scaled by the RMS slope of the spectrum.
+    rule : {"self_affine", "walk"}
+    roll_off : float, optional
+        Wavelength [m] beyond which the power is flat; see `wall_pair`.
+    """
+    check_one_of("normalise", normalise, NORMALISATIONS)
+    spectrum = spectrum_of(hurst, rule, roll_off, spacing)
+    field = detrended(gaussian_field(shape, spectrum, random))
+    if normalise == "wall":
+        return field * (z2 / rms_slope(field, spacing))
+    return field * (z2 / _expected_rms_slope(shape, spectrum, spacing))
+
+
+def wall_pair(
+    jrc: float,
+    shape: tuple[int, int],
+    spacing: float,
+    seed: int,
+    hurst: float = 0.8,
+    *,
+    jrc_relation: str = DEFAULT_RELATION,
+    normalise: str = "wall",
+    correlation: float = 0.0,
+    shift_in_cells: int = 0,
+    mismatch_wavelength: float | None = None,
+    rule: str = "self_affine",
+    roll_off: float | None = ROLL_OFF,
+    unusual_values: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Generate the upper and lower wall of a joint, heights towards the other wall.
+
+    Parameters
+    ----------
+    jrc : float
+        Joint roughness coefficient of both walls.
+    shape : (ny, nx)
+        Cells.
+    spacing : float
+        Grid spacing h [m].
+    seed : int
+        Seed of the random walls, not negative; the same seed gives the same walls.
+    hurst : float
+        Hurst exponent H in (0, 1].
+    jrc_relation : str
+        Key of `jointclosure.walls.roughness.RELATIONS`.
+    normalise : {"wall", "expectation"}
+        See `synthetic_wall`.
+    correlation : float
+        Correlation of the lower wall with the negative of the upper one, in [0, 1]: 0 for
+        independent walls (as in the paper), 1 for mated walls.
+    shift_in_cells : int
+        Shift of the common part along x, at least 0.
+    mismatch_wavelength : float, optional
+        Longer waves [m] are common to both walls, shorter ones independent (Brown 1995; the
+        sharp limit of Glover et al. 1998); 0 for mated walls. It replaces ``correlation``, which
+        must be 0. The spectrum of each wall is that of independent walls, for any wavelength.
+        With ``normalise`` "wall" both walls are scaled by one factor, so that the long waves
+        fit: their pooled slopes have the Z2 of the JRC.
+    rule : {"self_affine", "walk"}
+        "self_affine": profiles have the Hurst exponent. "walk": independent slopes along x and
+        along y, projected on the nearest heights (`Spectrum`); ``hurst`` is then used only to
+        convert Z2 from the interval of the relation to the spacing.
+    roll_off : float, optional
+        Wavelength [m] beyond which the power spectrum is flat; None for no limit. The default of
+        3 mm is for walls as in the paper's study, whose Table 3 asks for it (docs/decisions/
+        0013-readings.md). Natural walls have waves of all lengths: take None for them, as
+        `jointclosure.fit` and docs/first_hour.md do.
+
+    unusual_values : bool
+        Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
+
+    Returns
+    -------
+    upper, lower : array (ny, nx)
+        Heights [m], each plane-detrended.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of its range.
+    """
+    check_number("jrc", jrc)
+    check_positive("spacing", spacing, "m")
+    check_seed("seed", seed)
+    check_one_of("normalise", normalise, NORMALISATIONS)
+    _check(shape, hurst, correlation, shift_in_cells)
+    check_mismatch(mismatch_wavelength, correlation)
+    if not unusual_values:
+        check_usual((), roll_off=roll_off, mismatch_wavelength=mismatch_wavelength)
+    jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
+    z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
+    ny, nx = shape
+    wide = (ny, nx + shift_in_cells)
+    if mismatch_wavelength is not None:
+        longest = float(mismatch_wavelength) / spacing
+        spectrum = spectrum_of(hurst, rule, roll_off, spacing)
+        pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
+        if normalise == "wall":
+            slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
+        else:
+            slope = _expected_rms_slope(wide, spectrum, spacing)
+        return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
+    upper, lower = (
+        synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
+        for random in (generator(seed_of(seed, side)) for side in ("upper", "lower"))
+    )
+    mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
+    lower = mated + np.sqrt(1.0 - correlation**2) * lower
+    walls = []
+    for wall in (upper, lower):
+        cropped = detrended(wall[:, shift_in_cells:]) if shift_in_cells else wall
+        if normalise == "wall" and (shift_in_cells or correlation):
+            cropped = cropped * (z2 / rms_slope(cropped, spacing))
+        walls.append(np.ascontiguousarray(cropped))
+    return walls[0], walls[1]
+
+
+def _partly_mated(
+    wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Generate walls (y, x) of arbitrary scale with common waves beyond a wavelength [cells].
+
+    They are narrower than requested by the shift, by which the waves of the upper wall are
+    displaced.
+    """
+    size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
+    upper, other = (
+        _random_waves(size, spectrum, generator(seed_of(seed, side))) for side in ("upper", "lower")
+    )
+    lower = np.where(_wave_numbers(size) * wavelength < 1.0, -upper, other)
+    fields = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
+    cells = wide[1] - shift
+    (upper, lower), rows = fields, slice(wide[0])
+    return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
+
+
+def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> None:
+    """Raise `InputError` for an invalid mismatch wavelength [m], or one with a correlation."""
+    if mismatch_wavelength is None:
+        return
+    check_number("mismatch_wavelength", mismatch_wavelength)
+    if not 0.0 <= mismatch_wavelength < np.inf:
+        raise InputError(
+            f"mismatch_wavelength = {mismatch_wavelength!r} m: must be finite, 0 or above"
+        )
+    if correlation != 0.0:
+        raise InputError(
+            f"correlation = {correlation!r}: must be 0 if mismatch_wavelength is given"
+        )
+
+
+def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
+    check_number("hurst", hurst)
+    check_number("correlation", correlation)
+    check_number("shift_in_cells", shift_in_cells, whole=True)
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
+    for size in shape:
+        check_number("shape", size, whole=True)
+    if min(shape) < 1 or max(shape) < 3:
+        raise InputError(f"shape = {tuple(shape)!r}: needs two sizes, the longer at least 3 cells")
+    if not 0.0 < hurst <= 1.0:
+        raise InputError(f"hurst = {hurst!r}: must lie in (0, 1]")
+    if not 0.0 <= correlation <= 1.0:
+        raise InputError(f"correlation = {correlation!r}: must lie in [0, 1]")
+    if shift_in_cells < 0:
+        raise InputError(f"shift_in_cells = {shift_in_cells!r}: must be a whole number from 0 on")
+
+
+def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float) -> Spectrum:
+    """Return the spectrum of a wall's settings; raise `InputError` if one is not allowed."""
+    check_one_of("rule", rule, RULES)
+    if roll_off is None:
+        return Spectrum(hurst, rule)
+    check_length("roll_off", roll_off)
+    if roll_off < 2.0 * spacing:
+        raise InputError(
+            f"roll_off = {roll_off!r} m: must be at least two spacings, {2.0 * spacing!r} m, the "
+            "shortest wavelength of the grid (or None: no roll-off)"
+        )
+    return Spectrum(hurst, rule, float(roll_off) / spacing)
+
+
+def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: float) -> float:
+    """Return the expected RMS slope of `gaussian_field`, from its spectrum."""
+    ny, nx = (2 * max(n, 2) for n in shape)
+    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
+    squares = _squares(ny, wave_x[0], spectrum)
+    powers = power(squares, _exponent(spectrum)) / (ny * nx)
+    powers[0, 0] = 0.0
+    directions = [
+        4.0 * _sines(frequency) ** 2
+        for frequency, cells in ((wave_y, shape[0]), (wave_x, shape[1]))
+        if cells > 1
+    ]
+    weights = [(n0 - 1) * n1 for n0, n1 in (shape, shape[::-1]) if n0 > 1]
+    mean_squares = [float(np.sum(powers * factor)) for factor in directions]
+    return float(np.sqrt(np.average(mean_squares, weights=weights))) / spacing

@@ -1,0 +1,260 @@
+"""Settings of an accuracy study, and the runs that close the same surfaces at all of them.
+
+A setting is a variant of the model (scene) of one rock with one changed knob: a step, a tolerance,
+a solver, a surface rule. Its configuration is merged from the keys of the study, the scene and the
+knob, see ``accuracy`` in `studies.frame.config.keys`. A run closes the surfaces at all levels of
+one rock property, which gives its indifference interval.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from jointclosure.engine.settings import BASE, ClosureSettings, Grid, Surface
+from jointclosure.inputs import InputError
+from jointclosure.parameters import Rock
+from studies.frame.config.configuration import configured, merged, problem_lines, refuse
+from studies.frame.config.files import ConfigurationError
+from studies.frame.config.presets import numerics_in_full
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.slices import closure_settings, surface_settings
+
+_OF_RUN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
+"""Sections of a configuration that a run depends on."""
+
+
+_POINTS = ("finest", "cross")
+"""Keys of a variant that name a knob and its value, and are not keys of a configuration."""
+
+
+class Setting(NamedTuple):
+    """Value of a knob in a variant of the model (``scene``) of a rock.
+
+    Knob `BASE` is the setting without any changed knob. ``run`` is the name of the run with its
+    results: settings with equal configurations share one. ``other_joints``: whether the knob
+    changes the joints themselves, so that a difference is no numerical error. ``numerics`` are
+    the keys in which it differs from the variant's base, None if other keys differ too.
+    """
+
+    scene: str
+    rock: str
+    knob: str
+    value: float | str
+    run: str
+    other_joints: bool
+    numerics: dict | None
+
+
+class Run(NamedTuple):
+    """Closures of the same surfaces at all levels of a rock property.
+
+    ``levels`` are their settings, by ascending ``values`` of the property [SI]; ``base`` is its
+    value at the base level [SI].
+    """
+
+    levels: tuple[ClosureSettings, ...]
+    values: tuple[float, ...]
+    base: float
+
+
+class Joint(NamedTuple):
+    """Joint that a variant of the model closes, of its first rock at the base level.
+
+    ``stress`` [Pa] is the maximum; ``levels`` is the number of levels of a run.
+    """
+
+    grid: Grid
+    surface: Surface
+    rock: Rock
+    jrc: float
+    stress: float
+    levels: int
+
+
+def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint:
+    """Return the joint of a variant."""
+    run = runs[next(setting.run for setting in settings if setting.scene == scene)]
+    closed = run.levels[run.values.index(run.base)]
+    case, made = closed.case, closed.surfaces
+    stress, levels = case.max_normal_stress, len(run.levels)
+    return Joint(made.grid, made.surface, case.intact, case.jrc, stress, levels)
+
+
+def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
+    """Return all settings of a configuration's ``accuracy`` section, and the runs by name.
+
+    Parameters
+    ----------
+    keys : dict
+        Keys of a checked configuration, see `studies.frame.config.configuration.Configured`.
+
+    Returns
+    -------
+    settings : list of Setting
+        The base of each variant first.
+    runs : dict
+
+    Raises
+    ------
+    ConfigurationError
+        If a variant, knob or key does not exist, or the model refuses a setting; names all.
+    """
+    problems = list(_unknown(keys))
+    settings: list[Setting] = []
+    runs: dict[str, Run] = {}
+    if not problems:
+        for setting, whole in _settings(keys):
+            try:
+                typed = configured(whole, _no_table).typed
+                runs.setdefault(setting.run, _run(typed, setting.rock, keys["accuracy"]))
+            except InputError as error:
+                where = f"variant {setting.scene}, {setting.knob} {setting.value}"
+                problems += [f"accuracy: {where}: {line}" for line in problem_lines(error)]
+            settings.append(setting)
+    refuse(problems)
+    return settings, runs
+
+
+def _no_table(path):
+    raise InputError("numerics.preset, numerics.accuracy: not in a variant or knob")
+
+
+def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
+    """Generate all settings of a design, with the keys of their configurations."""
+    design = keys["accuracy"]
+    plain = keys | {"numerics": numerics_in_full(keys)}  # includes the keys of a preset
+    runs: dict[str, str] = {}
+    for scene, scene_keys in design["scenes"].items():
+        overrides = {key: value for key, value in scene_keys.items() if key not in _POINTS}
+        for rock in keys["study"]["rocks"]:
+            base = merged(plain, overrides, {"study": {"rocks": [rock]}})
+            turned: list[tuple[str, float | str, dict]] = [(BASE, "", base)]
+            for knob, way in design["knobs"].items():
+                if scene in way["scenes"]:
+                    turned += [(knob, value, whole) for value, whole in _turned(base, way)]
+            for knob, value, whole in turned:
+                what = json.dumps([scene, rock, *(whole[key] for key in _OF_RUN)], sort_keys=True)
+                run = runs.setdefault(what, label_of(scene, rock, knob, value))
+                other = design["knobs"].get(knob, {}).get("other_joints", False)
+                changed = _changed_numerics(whole, base)
+                yield Setting(scene, rock, knob, value, run, other, changed), whole
+
+
+def _changed_numerics(keys: dict, base: dict) -> dict | None:
+    """Return numerics that differ from the base, None if any other key differs."""
+    if any(keys[name] != base[name] for name in base if name != "numerics"):
+        return None
+    numerics, usual = keys["numerics"], base["numerics"]
+    return {key: numerics[key] for key in usual if numerics[key] != usual[key]}
+
+
+def _run(configuration: Configuration, rock: str, design: dict) -> Run:
+    """Return the run of a configuration of one rock."""
+    parameter = design["parameter"]
+    cases = [case for case in cases_of(configuration) if case.parameter in (BASE, parameter)]
+    cases = sorted(cases, key=lambda case: case.property(parameter))
+    block = range(configuration.study.realizations)
+    surfaces = surface_settings(configuration, cases[0], block)
+    settings = (closure_settings(configuration, case, surfaces) for case in cases)
+    return Run(
+        # no quantity counts from seating, and an elastic curve needs no point there
+        tuple(level._replace(seating_stress=0.0) for level in settings),
+        tuple(case.property(parameter) for case in cases),
+        configuration.rocks[rock].intact._asdict()[parameter],
+    )
+
+
+def _unknown(keys: dict) -> Iterator[str]:
+    """Generate problems of variants, knobs and keys that do not exist."""
+    design = keys["accuracy"]
+    for scene, settings in design["scenes"].items():
+        overrides = {key: value for key, value in settings.items() if key not in _POINTS}
+        yield from _strange(keys, overrides, f"accuracy.scenes.{scene}")
+        for name in _POINTS:
+            knob = (settings.get(name) or {"knob": BASE})["knob"]
+            if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
+                where = f"accuracy.scenes.{scene}.{name}.knob"
+                yield f"{where} = {knob!r}: is no knob of this variant"
+    for name, point in design["presets"].items():
+        if point["knob"] != BASE and point["knob"] not in design["knobs"]:
+            yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"
+    yield from _unknown_of_total(design)
+    for knob, way in design["knobs"].items():
+        where = f"accuracy.knobs.{knob}"
+        for scene in way["scenes"]:
+            if scene not in design["scenes"]:
+                yield f"{where}.scenes = {scene!r}: must be one of {', '.join(design['scenes'])}"
+        yield from _strange(keys, way.get("set", {}), f"{where}.set")
+        for key in _keys_of(way):
+            section, name = key.split(".")
+            if not isinstance(keys.get(section), dict) or name not in keys[section]:
+                yield f"{where}: {key}: there is no such key"
+        for entry in way["values"]:
+            if isinstance(entry, dict):
+                yield from _strange(keys, entry["set"], f"{where}.values")
+            elif not _keys_of(way):
+                yield f"{where}.values = {entry!r}: without key or scale it needs value and set"
+
+
+def _unknown_of_total(design: dict) -> Iterator[str]:
+    """Generate problems of settings in the diagram of total error that do not exist."""
+    total = design.get("total")
+    if not total:
+        return
+    scene = total["scene"]
+    if scene not in design["scenes"]:
+        yield f"accuracy.total.scene = {scene!r}: must be one of {', '.join(design['scenes'])}"
+    for name, point in total["methods"].items():
+        way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
+        values = [entry["value"] if isinstance(entry, dict) else entry for entry in way["values"]]
+        turned = scene in way["scenes"] and point["value"] in values
+        if point["knob"] != BASE and not turned:
+            where = f"accuracy.total.methods.{name}"
+            yield f"{where} = {point['knob']} {point['value']}: is no setting of {scene}"
+
+
+def _keys_of(way: dict) -> list[str]:
+    """Return the keys (section.key) that a knob sets or scales."""
+    return [way["key"]] if way.get("key") else way.get("scale") or []
+
+
+def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
+    """Generate problems of nested keys that do not exist, or replace a whole section."""
+    for key, value in settings.items():
+        if key not in known:
+            yield f"{where}.{key} = {value!r}: unknown key (allowed: {', '.join(known)})"
+        elif isinstance(known[key], dict) and not isinstance(value, dict):
+            yield f"{where}.{key} = {value!r}: must hold keys and values"
+        elif isinstance(value, dict) and isinstance(known[key], dict):
+            yield from _strange(known[key], value, f"{where}.{key}")
+
+
+def label_of(scene: str, rock: str, knob: str, value: float | str) -> str:
+    """Return the name of a run's files, which is never parsed."""
+    shown = value if isinstance(value, str) else f"{value:g}"
+    text = "-".join(part for part in (scene, rock, knob, shown) if part)
+    return re.sub("[^a-z0-9_-]+", "_", text.lower().replace(".", "p").replace("+", ""))
+
+
+def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
+    """Generate the values of a knob with their configurations."""
+    base = merged(base, way.get("set", {}))
+    for entry in way["values"]:
+        if isinstance(entry, dict):
+            yield entry["value"], merged(base, entry["set"])
+            continue
+        change: dict = {}
+        for key in _keys_of(way):
+            section, name = key.split(".")
+            value = base[section][name]
+            if way.get("scale"):
+                for number, where in ((value, key), (entry, "values")):
+                    if not isinstance(number, int | float):
+                        raise ConfigurationError(
+                            f"accuracy.knobs: {where} = {number!r}: must be a number to be scaled"
+                        )
+            value = value * entry if way.get("scale") else entry
+            change = merged(change, {section: {name: value}})
+        yield entry, merged(base, change)

@@ -1,0 +1,77 @@
+"""`python -m studies compare`: differences between two studies."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv
+from studies.commands import COMMANDS
+from studies.commands.finished import existing
+from studies.frame.ensemble import comparison
+from studies.frame.jobs.seals import check_folder
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "compare",
+        help=COMMANDS["compare"],
+        description="Mean closures, indifference intervals and verdicts of two studies. "
+        "Surfaces with the same seeds are compared in pairs.",
+    )
+    command.add_argument("first", type=Path, help="results folder, such as results/paper")
+    command.add_argument("second", type=Path, help="results folder of the other study")
+    command.add_argument(
+        "--exact",
+        action="store_true",
+        help="list all differences except in provenance and timing; fails if there is one",
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print the differences between two studies."""
+    first, second = (_study(_sealed(folder)) for folder in (arguments.first, arguments.second))
+    if arguments.exact:
+        messages = comparison.differences(first, second)
+        print("\n".join(messages) or "identical except for provenance and timing")
+        return 1 if messages else 0
+    changes = comparison.closure_changes(first, second)
+    print(comparison.surfaces_sentence(changes))
+    print("\nMean closures, over the cases of each rock")
+    print(comparison.by_rock(changes).round(4).to_string(index=False))
+    intervals = comparison.interval_changes(_table(arguments.first), _table(arguments.second))
+    if len(intervals):
+        print("\nLength of the indifference intervals, with bootstrap confidence intervals")
+        shown = comparison.shown_intervals(intervals).round(3)
+        print(shown.to_string(index=False, na_rep="–"))
+    else:
+        print("\nNo indifference interval in common")
+    claims = [_claims(folder) for folder in (arguments.first, arguments.second)]
+    both = {name: claim.verdict for name, claim in zip(("first", "second"), claims, strict=True)}
+    verdicts = pd.DataFrame(both).fillna("not judged")
+    moved = verdicts[verdicts["first"] != verdicts["second"]]
+    print("\nVerdicts that differ" if len(moved) else "\nNo verdict differs")
+    if len(moved):
+        print(moved.to_string())
+    return 0
+
+
+def _sealed(folder: Path) -> Path:
+    """Return a folder of results after checking that every file is as it was written."""
+    check_folder(folder)
+    return folder
+
+
+def _study(folder: Path):
+    return read_netcdf(existing(folder / "study.nc"))
+
+
+def _table(folder: Path):
+    return read_csv(existing(folder / "tables/table_3_indifference.csv"))
+
+
+def _claims(folder: Path):
+    claims = read_csv(existing(folder / "tables/claims.csv"))
+    return claims.set_index("number")[["verdict"]]

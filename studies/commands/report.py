@@ -1,0 +1,183 @@
+"""`python -m studies report`: page on a finished study or a joint, without any computation."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.compilation.sources import ROOTS
+from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
+from jointclosure.storage.folders import add_file
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
+from studies.commands import COMMANDS
+from studies.frame.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
+from studies.frame.config.keys.configuration import ConfigurationKeys
+from studies.frame.config.schema import json_schema
+from studies.frame.jobs.seals import check_folder
+
+if TYPE_CHECKING:  # not loaded by other commands
+    from studies.paper.report.content import Material
+    from studies.paper.report.page import Picture
+
+CAPTIONS = ROOTS["studies"] / "paper/report/texts"
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "report",
+        help=COMMANDS["report"],
+        description="Writes report.html from the results of a study, or from the folder of a "
+        "joint that `jointclosure close` wrote. They may be from another machine; nothing is "
+        "computed again. Every file must be as it was written.",
+    )
+    command.add_argument("results", type=Path, help="results folder, such as results/paper")
+    command.add_argument(
+        "--output", type=Path, help="file of the page (default: report.html in the folder)"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Write the page."""
+    output = arguments.output or arguments.results / "report.html"
+    size = write_report(arguments.results, output)
+    print(f"wrote {output}: {size / 1e6:.1f} MB")
+    return 0
+
+
+def write_report(folder: Path, output: Path) -> int:
+    """Write a page with the results, figures and job times of a study, or with those of a joint.
+
+    Parameters
+    ----------
+    folder : path
+        Folder of a study's results, or one that `jointclosure close` wrote.
+    output : path
+        File of the page.
+
+    Returns
+    -------
+    int
+        Size of the page in bytes.
+
+    Raises
+    ------
+    InputError
+        If the study is not finished, or a file does not match its seal.
+    """
+    with needs("report", "a report"):
+        from studies.paper.report.content import content
+        from studies.paper.report.page import render
+    if (folder / "joint.json").is_file():
+        page = _joint_page(folder)
+        write_text(page, output)
+        if output.parent == folder:  # the page belongs to the folder of the joint
+            add_file(folder, "close", output.name)
+        return len(page.encode())
+    sealed = check_folder(folder)
+    if folder / "study.nc" not in sealed:
+        raise InputError(f"{folder / 'study.nc'}: must exist with a seal; is the study finished?")
+    with reading_netcdf(folder / "study.nc") as study:
+        page = render(content(_material(study, folder, sealed)))
+    write_text(page, output)
+    return len(page.encode())
+
+
+_OF_A_JOINT = {
+    "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
+                    "fitted laws, net normal stiffness and mean aperture against normal stress."),
+    "range": ("Range of the net closure, and what it is due to", "Net closure of the first and the "
+              "last cycle for each value of each source of uncertainty, and all together."),
+    "closure": ("Gross and net closure since seating", "Normal stress "
+                "against closure: loading in full lines, unloading dashed, a colour for each "
+                "cycle."),
+    "walls": ("Walls before closure", "Maps of both walls and of the aperture at first "
+              "touch, a section there, correlation by wavelength and by orientation."),
+    "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
+                  "the walls' height at the requested stresses."),
+}  # fmt: skip
+"""Figures in a joint's folder: their titles, and text alternatives for screen readers."""
+
+
+def _joint_page(folder: Path) -> str:
+    """Return the page of a single joint, from its folder."""
+    from studies.paper.report.captions import Caption
+    from studies.paper.report.joint import joint_content
+    from studies.paper.report.page import Picture, render
+
+    record = json.loads((folder / "joint.json").read_text(encoding="utf-8"))
+    pictures = [
+        Picture(name, (folder / f"{name}.png").read_bytes(), Caption(title, alternative, []))
+        for name, (title, alternative) in _OF_A_JOINT.items()
+        if (folder / f"{name}.png").is_file()
+    ]
+    with reading_netcdf(folder / "joint.nc") as history:
+        return render(joint_content(history.load(), record, pictures), "joint.html.j2")
+
+
+def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
+    """Collect the material of the page."""
+    from studies.paper.report.content import Material
+
+    stated = read_text(_sealed(folder / "tables/configuration.json", sealed))
+    study, configuration = study.assign_attrs(configuration=stated), json.loads(stated)
+    return Material(
+        study=study,
+        closures=_needed(folder / "tables/max_closure.csv", sealed),
+        intervals=_table(folder / "tables/table_3_indifference.csv", sealed),
+        claims=_table(folder / "tables/claims.csv", sealed),
+        margins=_table(folder / "tables/claim_margins.csv", sealed),
+        predictive=_table(folder / "tables/table_3_predictive.csv", sealed),
+        joint=_table(folder / "tables/table_3_joint_tests.csv", sealed),
+        elasticities=_table(folder / "tables/elasticities.csv", sealed),
+        checks=_needed(folder / "tables/checks.csv", sealed),
+        paper=read_csv(PAPER_TABLE_3),
+        default=read_plain(DEFAULT),
+        schema=json_schema(ConfigurationKeys),
+        pictures=_pictures(folder, sealed, configuration),
+        benchmarks=read_benchmarks(folder / "benchmarks"),
+        measured=_table(folder / "tables/measured_fit.csv", sealed),
+        accuracy=_accuracy(folder.parent / "accuracy"),
+        presets=read_csv(MEASURED),
+        flow=_table(folder / "tables/hydraulic_aperture.csv", sealed),
+        conclusions=_table(folder / "tables/conclusions.csv", sealed),
+    )
+
+
+def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
+    """Return sealed figures that have a caption, in the order in which they were drawn."""
+    from studies.paper.report.captions import read_caption
+    from studies.paper.report.page import Picture
+
+    figures = [path for path in sealed if path.parent == folder / "figures"]
+    return [
+        Picture(figure.stem, figure.read_bytes(), read_caption(text, configuration))
+        for figure in figures
+        if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
+        for text in [caption.read_text(encoding="utf-8")]
+    ]
+
+
+def _accuracy(folder: Path) -> pd.DataFrame | None:
+    """Return the measurements of `make accuracy`, if it was run beside this study."""
+    return _table(folder / "tables/accuracy_cost.csv", check_folder(folder))
+
+
+def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
+    """Read a table that not every study has."""
+    return read_csv(path) if path in sealed else None
+
+
+def _needed(path: Path, sealed: list[Path]) -> pd.DataFrame:
+    return read_csv(_sealed(path, sealed))
+
+
+def _sealed(path: Path, sealed: list[Path]) -> Path:
+    if path not in sealed:
+        raise InputError(f"{path}: must exist with a seal; is the study finished?")
+    return path

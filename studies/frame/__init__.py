@@ -1,0 +1,1 @@
+"""What studies share: configuration, cases, products, tables, figures, jobs of the workflow."""

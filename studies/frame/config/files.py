@@ -1,0 +1,140 @@
+"""Configuration files: plain YAML, read strictly, and the files of the package."""
+
+import re
+import reprlib
+from collections import Counter
+from pathlib import Path
+
+import yaml
+
+from jointclosure.inputs import InputError
+
+DEFAULT = Path(__file__).parents[3] / "config/default.yaml"
+"""The paper's study; every other configuration is merged over it."""
+MEASURED = Path(__file__).with_name("accuracy_settings.csv")
+"""Errors of settings of the numerics, from which presets are selected."""
+METHODS = Path(__file__).with_name("accuracy_methods.csv")
+"""Errors, scatter and cost of presets, from which a required accuracy is planned."""
+PAPER_TABLE_3 = Path(__file__).parents[2] / "paper/paper_table_3.csv"
+"""The paper's Table 3."""
+
+_MOST_VALUES, _DEEPEST = 100_000, 40
+_DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
+
+
+class ConfigurationError(InputError):
+    """Error of a configuration; the message lists all problems."""
+
+
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """Loader of plain YAML that refuses what YAML reads differently from its appearance."""
+
+    def construct_mapping(self, node, deep=False):
+        keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+        twice = [key for key, count in keys.items() if count > 1]
+        if twice:
+            line = [key for key, _ in node.value if key.value == twice[0]][1].start_mark.line
+            raise yaml.constructor.ConstructorError(
+                problem=f"line {line + 1}: the key {twice[0]} must be given once"
+            )
+        return super().construct_mapping(node, deep)
+
+    def decimal(self, node):
+        """Read a decimal number; YAML reads 1:30 as 90, and 010 as 8."""
+        if not _DECIMAL.match(node.value.lower()):
+            raise yaml.constructor.ConstructorError(
+                problem=f"line {node.start_mark.line + 1}: {node.value} must be a decimal number, "
+                "or in quotes if it is a text"
+            )
+        integer = node.tag.endswith(":int")
+        return self.construct_yaml_int(node) if integer else self.construct_yaml_float(node)
+
+
+for _kind in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_kind}", _Loader.decimal)
+
+
+def read_plain(path: str | Path) -> dict:
+    """Read a configuration file as plain data.
+
+    Snakemake runs Python expressions in a file that has ``__use_yte__``. Therefore a file from
+    another person should first be read by this function, as `make` does.
+
+    Raises
+    ------
+    ConfigurationError
+        With a message in one line, if the file does not exist, is not UTF-8, is empty or not a
+        mapping; has a YAML tag, a key twice, a number that is not decimal, or an alias that
+        refers to itself or expands to a very large file; or is a template.
+    """
+    try:
+        text = Path(path).read_bytes().decode("utf-8")
+    except FileNotFoundError:
+        raise ConfigurationError(f"{path}: file not found") from None
+    except OSError as error:
+        raise ConfigurationError(f"{path}: {(error.strerror or str(error)).lower()}") from None
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(
+            f"{path}: is not UTF-8 text (byte {error.object[error.start]:#04x} at "
+            f"{error.start}): save it as UTF-8"
+        ) from None
+    settings = _parsed(text, path)
+    if settings is None:
+        raise ConfigurationError(f"{path}: is empty, must contain keys and values")
+    if not isinstance(settings, dict):
+        raise ConfigurationError(f"{path}: must contain keys and values, not {_short(settings)}")
+    if "__use_yte__" in settings:
+        raise ConfigurationError(
+            f"{path}: __use_yte__ = {_short(settings['__use_yte__'])}: must be left out; Snakemake "
+            "would run the Python in templates"
+        )
+    _check_plain(settings, path)
+    return settings
+
+
+def value_of(text: str) -> object:
+    """Return a value as in a configuration: a number, a word, a list."""
+    return _parsed(text, repr(text))
+
+
+def _parsed(text: str, path: str | Path) -> object:
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except (yaml.YAMLError, ValueError) as error:
+        where = getattr(error, "problem_mark", None)
+        problem = getattr(error, "problem", None) or " ".join(str(error).split())
+        line = f"line {where.line + 1}: " if where else ""
+        raise ConfigurationError(f"{path}: not plain YAML: {line}{problem}") from None
+    except RecursionError:
+        raise ConfigurationError(f"{path}: not plain YAML: nested too deeply") from None
+
+
+def _check_plain(settings: dict, path: str | Path) -> None:
+    """Refuse data that are nested too deeply, too large with expanded aliases, or not plain."""
+    waiting, count = [(settings, 0)], 0
+    while waiting:
+        value, depth = waiting.pop()
+        count += 1
+        if depth > _DEEPEST:
+            raise ConfigurationError(
+                f"{path}: an alias refers to itself, or values are nested more than {_DEEPEST} "
+                "levels deep"
+            )
+        if count > _MOST_VALUES:
+            raise ConfigurationError(
+                f"{path}: its aliases expand to more than {_MOST_VALUES} values; write them out"
+            )
+        if isinstance(value, dict):
+            odd = [key for key in value if not isinstance(key, str)]
+            if odd:
+                raise ConfigurationError(f"{path}: the key {odd[0]!r} must be a text")
+        parts = value.values() if isinstance(value, dict) else value
+        if isinstance(value, dict | list):
+            waiting += [(part, depth + 1) for part in parts]
+        elif not isinstance(value, str | int | float | None):  # YAML reads dates
+            raise ConfigurationError(f"{path}: {value}: is a {type(value).__name__}; quote a text")
+
+
+def _short(value: object) -> str:
+    text = reprlib.repr(value) if isinstance(value, dict | list) else repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

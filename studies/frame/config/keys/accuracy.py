@@ -1,0 +1,108 @@
+"""Keys of the experiment on accuracy and its cost."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Tag
+
+from jointclosure.parameters import Rock
+from studies.frame.config.keys.entries import Keys, Name, Positive, SectionKey, entry
+
+
+class PointKeys(Keys):
+    """A knob and its value."""
+
+    knob: str = entry("Its name.")
+    value: float | str = entry("Its value.")
+
+
+class SceneKeys(Keys):
+    """A variant of the model in an accuracy study: sections that are merged over the study's."""
+
+    study: dict[str, Any] = entry("Merged over study.", {})
+    effects: dict[str, Any] = entry("Merged over effects.", {})
+    choices: dict[str, Any] = entry("Merged over choices.", {})
+    numerics: dict[str, Any] = entry("Merged over numerics.", {})
+    grid: dict[str, Any] = entry("Merged over grid.", {})
+    surface: dict[str, Any] = entry("Merged over surface.", {})
+    rocks: dict[str, Any] = entry("Merged over rocks.", {})
+    finest: PointKeys = entry(
+        "Knob and value of the reference of all settings of the variant; knob `base` for "
+        "none turned."
+    )
+    cross: PointKeys | None = entry(
+        "The finest setting of another integrator, a check of the reference.", None
+    )
+
+
+class NamedValueKeys(Keys):
+    """A value of a knob that stands for settings."""
+
+    value: str = entry("Its name.")
+    set: dict[str, Any] = entry("Settings that it stands for.")
+
+
+KnobValue = Annotated[
+    Annotated[NamedValueKeys, Tag("named")] | Annotated[float | str, Tag("plain")],
+    Discriminator(lambda value: "named" if isinstance(value, dict) else "plain"),
+]
+
+
+class KnobKeys(Keys):
+    """A knob: ``key`` is set to each value, or ``scale`` multiplied, or a value brings its own."""
+
+    scenes: list[str] = entry("Variants of the model in which it is turned.", min_length=1)
+    other_joints: bool = entry(
+        "Whether it changes the joints themselves: a difference there is no numerical error.",
+        False,
+    )
+    set: dict[str, Any] = entry("Settings that hold at all values.", {})
+    key: SectionKey | None = entry("What is set, as section.key.", None)
+    scale: list[SectionKey] | None = entry(
+        "What is multiplied, as section.key.", None, min_length=1
+    )
+    values: list[KnobValue] = entry(
+        "Numbers or words; or, without key and scale, a name (`value`) and settings (`set`) each.",
+        min_length=1,
+    )
+
+
+class TotalErrorKeys(Keys):
+    """The diagram of total error (`snakemake total_error`): every way to a result, with the
+    scatter and the worth of control variates of the default study (docs/results)."""
+
+    scene: str = entry("Variant of the model whose errors and times count.")
+    methods: dict[Name, PointKeys] = entry(
+        "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
+    )
+    interval_cycles: list[int] | None = entry(
+        "Cycles of whose intervals it is; null: all of which errors are known.", None
+    )
+    budgets_min: list[Positive] = entry(
+        "Core-minutes for which the best split is tabulated.", min_length=1
+    )
+
+
+class AccuracyKeys(Keys):
+    """Design of a study of what accuracy costs (config/accuracy.yaml): variants of the model, and
+    the knobs that are turned in each."""
+
+    parameter: Literal[Rock._fields] = entry(
+        "Rock property at whose levels every run closes the surfaces, and whose indifference "
+        "interval is followed."
+    )
+    resamples: int = entry("Resamples of the surfaces for confidence intervals.", ge=10, le=100_000)
+    confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
+    presets: dict[Name, PointKeys] = entry(
+        "Words for settings of the numerics (numerics.preset), each a knob and its value."
+    )
+    scenes: dict[Name, SceneKeys] = entry(
+        "Variants of the model by name: sections of a configuration that are merged over the "
+        "study's, and `finest`, the knob and value of the reference.",
+        min_length=1,
+    )
+    knobs: dict[Name, KnobKeys] = entry(
+        "Knobs by name: either `key` (section.key) is set to each value, or each key of `scale` is "
+        "multiplied by it, or each value brings the settings that it stands for.",
+        min_length=1,
+    )
+    total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)

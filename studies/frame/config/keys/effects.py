@@ -1,0 +1,45 @@
+"""Keys of the experiment on what each effect adds."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from studies.frame.config.keys.entries import Jrc, Keys, Poisson, Positive, Share, entry
+
+
+class ValidationKeys(Keys):
+    """Random conditions at which the effects that a pilot selects (effects.auto) are compared with
+    the full model."""
+
+    scenes: int = entry(
+        "Number of random conditions: rock, roughness, stress and size.", ge=1, le=100_000
+    )
+    realizations: int = entry("Surfaces of each.", ge=2, le=100_000)
+    tolerances: list[Share] = entry("Tolerances of the selection.", min_length=1)
+    cells: list[Annotated[float, Field(ge=3, le=512)]] = entry(
+        "Range of the cells along a square joint.", min_length=2, max_length=2
+    )
+    youngs_modulus_GPa: list[Positive] = entry(
+        "Range of Young's modulus [GPa], uniform in its logarithm.", min_length=2, max_length=2
+    )
+    poisson_ratio: list[Poisson] = entry("Range of Poisson's ratio.", min_length=2, max_length=2)
+    compressive_strength_MPa: list[Positive] = entry(
+        "Range of the compressive strength [MPa], uniform in its logarithm.",
+        min_length=2,
+        max_length=2,
+    )
+    jrc: list[Jrc] = entry("Range of the joint roughness coefficient.", min_length=2, max_length=2)
+    stress_MPa: list[Positive] = entry(
+        "Range of the maximum normal stress [MPa], uniform in its logarithm; at most the strength.",
+        min_length=2,
+        max_length=2,
+    )
+
+
+class AblationKeys(Keys):
+    """Conditions of a study of what each effect adds (config/effects.yaml); every well-posed
+    scene is closed at each."""
+
+    jrc: list[Jrc] = entry("Joint roughness coefficients.", min_length=1)
+    stress_MPa: list[Positive] = entry("Maximum normal stresses [MPa].", min_length=1)
+    validation: ValidationKeys | None = entry(ValidationKeys.__doc__, None)

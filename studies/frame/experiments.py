@@ -1,0 +1,120 @@
+"""Experiments: points at which joints are closed, and the tables and figures made of them.
+
+An experiment is a package of `studies` with a constant ``EXPERIMENT``. The engine
+(`jointclosure.engine.points`) closes its points. A new one is named in `SECTIONS`.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import pandas as pd
+
+from jointclosure.engine.points import Jobs, Samples, samples_of
+from jointclosure.engine.settings import Case, ClosureSettings
+from jointclosure.joint.warmup import kernels_of
+from studies.frame.config.configuration import Configured
+from studies.frame.config.keys.configuration import SECTIONS
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.slices import block_settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Tables = Mapping[str, Any]
+"""DataFrames by name of the table; texts by name of a file that ends in .md."""
+
+
+class Design(NamedTuple):
+    """Jobs, tables and figures of an experiment for one configuration.
+
+    Every process of the workflow makes it anew, so slow parts are callables.
+
+    Attributes
+    ----------
+    jobs : mapping
+        Points of each job.
+    tables, figures : tuple of str
+        Names of the files that are written.
+    parameters : dict
+        Plain data that tables and figures need besides the joints.
+    files : mapping
+        Further tables (CSV) that are read into the parameters, by name of the parameter.
+    compiled : callable, optional
+        Settings of all necessary kernels, by default those of all points.
+    samples : callable, optional
+        Points whose closure estimates the time, by default `samples_of` all jobs.
+    """
+
+    jobs: Jobs
+    tables: tuple[str, ...]
+    figures: tuple[str, ...]
+    parameters: dict[str, Any]
+    files: Mapping[str, str] = MappingProxyType({})
+    compiled: Callable[[], Iterable[ClosureSettings]] | None = None
+    samples: Callable[[], Samples] | None = None
+
+    def kernels(self) -> list[list[str]]:
+        """Return the kernels that are compiled before the jobs start."""
+        points = (point.settings for job in self.jobs for point in self.jobs[job])
+        return kernels_of(
+            (settings.case.effects, settings.choices, settings.numerics)
+            for settings in (points if self.compiled is None else self.compiled())
+        )
+
+    def timed(self) -> Samples:
+        """Return the points whose closure estimates the time."""
+        return samples_of(self.jobs) if self.samples is None else self.samples()
+
+
+class Experiment(NamedTuple):
+    """Description of an experiment, the same for all configurations.
+
+    Attributes
+    ----------
+    title : str
+    quantities : tuple of str
+        Quantities evaluated of each joint (`jointclosure.engine.quantities.QUANTITIES`).
+    design : callable
+        Makes the `Design` from a checked configuration. Raises `ConfigurationError` if that
+        contradicts itself.
+    tabulate : callable
+        Makes tables by name, from the table of all joints and the parameters of the design.
+    draw : callable
+        Draws the figure of a name, from the tables by name and the parameters of the design.
+    check : callable
+        Raises `ConfigurationError` if points cannot be closed. It is called once before any job,
+        for checks that are too slow for ``design``.
+    """
+
+    title: str
+    quantities: tuple[str, ...]
+    design: Callable[[Configured], Design]
+    tabulate: Callable[[pd.DataFrame, Mapping[str, Any]], Tables]
+    draw: Callable[[str, Tables, Mapping[str, Any]], "Figure"]
+    check: Callable[[Configured], None] = lambda configured: None
+
+
+def experiment_named(name: str) -> Experiment:
+    """Return the experiment with a name of `SECTIONS`."""
+    return import_module(f"studies.{name}").EXPERIMENT
+
+
+def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
+    """Return the experiments whose section a configuration has, by name."""
+    return {name: experiment_named(name) for name, key in SECTIONS.items() if keys.get(key)}
+
+
+def checked_design(name: str, configured: Configured) -> Design:
+    """Make the design of an experiment after all checks that precede its jobs."""
+    experiment = experiment_named(name)
+    experiment.check(configured)
+    return experiment.design(configured)
+
+
+def settings_of(configuration: Configuration, case: Case, **surface: Any) -> ClosureSettings:
+    """Return the settings that close a case on all realisations, with changed keys of surfaces."""
+    changed = configuration._replace(surface=configuration.surface._replace(**surface))
+    block = range(configuration.study.realizations)
+    return block_settings(changed, {case.label: case}, case.label, block)

@@ -1,0 +1,1 @@
+"""Products of a study: what they need, the function that makes them, their files."""

@@ -1,0 +1,160 @@
+"""Files and settings that products read, by the names of their functions' parameters."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jointclosure.engine.settings import SurfaceSettings
+from jointclosure.statistics.drawn_studies import Design
+from studies.frame.config.configuration import Configured
+from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
+from studies.frame.config.typed import Configuration
+from studies.frame.config.wanted import Wanted, measured_rocks, wanted_of
+from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
+from studies.frame.ensemble.slices import surface_settings
+from studies.frame.measured_files import CurveSettings, curve_settings
+from studies.frame.products.frame import Product
+
+
+class Plan(NamedTuple):
+    """A study whose products are made.
+
+    ``surface_code`` is the digest of the sources that make its surfaces.
+    """
+
+    configured: Configured
+    surface_code: str
+
+    @property
+    def typed(self) -> Configuration:
+        """Configuration in SI."""
+        return self.configured.typed
+
+    @property
+    def pooled(self) -> bool:
+        """Whether the study has a pool, by which the model is judged."""
+        return self.typed.study.pool is not None
+
+    @property
+    def varied(self) -> bool:
+        """Whether a property is varied."""
+        return any(rock.levels for rock in self.typed.rocks.values())
+
+    @property
+    def variates(self) -> bool:
+        """Whether means are adjusted by covariates; those of scanned walls are not known."""
+        synthetic = any(rock.walls is None for rock in self.typed.rocks.values())
+        return self.typed.statistics.control_variates is not None and synthetic
+
+    @property
+    def curves(self) -> dict[str, CurveSettings]:
+        """Settings of the measured curves by rock."""
+        return curve_settings(self.typed)
+
+    @property
+    def wanted(self) -> Wanted | None:
+        """Accuracy that is required, if any."""
+        return wanted_of(self.configured.keys)
+
+    def file(self, name: str, made: bool = True) -> str | None:
+        """Path of a file of the study, None if it is not made."""
+        return f"results/{self.typed.study.name}/{name}" if made else None
+
+    def beside(self, *paths: str) -> str | None:
+        """First existing table of another study, if this one is of the same model."""
+        same_model = self.typed.study.name == read_plain(DEFAULT)["study"]["name"]
+        return next((path for path in paths if same_model and Path(path).exists()), None)
+
+    def first_surfaces(self) -> SurfaceSettings:
+        """Settings of the surfaces of the first case, in its first block."""
+        first, block = cases_of(self.typed)[0], blocks_of(self.typed.study)[0]
+        return surface_settings(self.typed, first, block, self.surface_code)
+
+    def inputs(self, product: Product) -> dict[str, Any]:
+        """Paths of the files that a product reads, by name; an empty list for none."""
+        return {name: NEEDS[name](self) or [] for name in product.reads if name in NEEDS}
+
+    def settings(self, product: Product) -> dict[str, Any]:
+        """Settings that a product reads, by name."""
+        return {name: SETTINGS[name](self) for name in product.reads if name not in NEEDS}
+
+
+def _file(name: str) -> Callable[[Plan], str | None]:
+    return lambda plan: plan.file(name)
+
+
+def _global(kind: str) -> Callable[[Plan], str | None]:
+    name = f"global_sensitivity/tables/global_sensitivity_{kind}.csv"
+    return lambda plan: plan.beside(
+        f"results/{name}", f"docs/results/{name.replace('tables/', '')}"
+    )
+
+
+BESIDE: dict[str, Callable[[Plan], str | None]] = {
+    "jrc_range": lambda plan: plan.beside("docs/results/jrc_range/jrc_range_claims.csv"),
+    "readings": lambda plan: plan.beside("docs/results/conclusions/earlier_readings.csv"),
+    "choices": _global("conclusions"),
+    "margins": _global("margins"),
+}
+"""Tables of other studies: those that were run here, or else the published ones."""
+
+NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
+    # relative, so that results are still valid where the whole folder was moved
+    "paper": lambda plan: os.path.relpath(PAPER_TABLE_3),
+    "study": _file("study.nc"),
+    "pool": lambda plan: plan.file("pool.nc" if plan.pooled else "study.nc"),
+    "ensembles": lambda plan: [plan.file(f"{name}.nc") for name in _ensembles(plan)],
+    "covariates": lambda plan: plan.file("covariates.nc", plan.variates),
+    "pool_covariates": lambda plan: plan.file(
+        "pool_covariates.nc" if plan.pooled else "covariates.nc", plan.variates
+    ),
+    "lengths": _file("predictive.nc"),
+    "checks": _file("tables/checks.csv"),
+    "claims": _file("tables/claims.csv"),
+    "closures": _file("tables/max_closure.csv"),
+    "intervals": _file("tables/table_3_indifference.csv"),
+    # they precede Table 3 by paired tests
+    "elasticities": lambda plan: plan.file(
+        "tables/elasticities.csv", plan.typed.study.draws == "common"
+    ),
+    "curve_files": lambda plan: [curve.measured.file for curve in plan.curves.values()],
+    "fits": lambda plan: plan.file("tables/measured_fit.csv", bool(plan.curves)),
+    "flow": lambda plan: plan.file("tables/hydraulic_aperture.csv", plan.typed.flow),
+    "surfaces": lambda plan: plan.file(f"cases/{cases_of(plan.typed)[0].label}.0.surfaces.nc"),
+}
+"""Paths of files."""
+
+
+def _ensembles(plan: Plan) -> list[str]:
+    return ["study", "pool"] if plan.pooled else ["study"]
+
+
+SETTINGS: dict[str, Callable[[Plan], Any]] = {
+    "keys": lambda plan: plan.configured.keys,
+    "grid": lambda plan: plan.typed.grid,
+    "surface": lambda plan: plan.typed.surface,
+    "surface_settings": Plan.first_surfaces,
+    "rocks": lambda plan: plan.typed.rocks,
+    "numerics": lambda plan: plan.typed.numerics,
+    "seating_stress": lambda plan: plan.typed.seating_stress,
+    "wall_strength_ratio": lambda plan: plan.typed.output.wall_strength_ratio,
+    "curves": lambda plan: plan.curves,
+    "root_seed": lambda plan: plan.typed.study.root_seed,
+    "realizations": lambda plan: plan.typed.study.realizations,
+    "realizations_of": lambda plan: {
+        name: part.study.realizations for name, part in ensembles_of(plan.typed).items()
+    },
+    # intervals do not depend on its other parts
+    "statistics": lambda plan: plan.typed.statistics._replace(repetitions=0, control_variates=None),
+    "control_variates": lambda plan: plan.typed.statistics.control_variates,
+    "significance": lambda plan: plan.typed.statistics.significance,
+    "repetitions": lambda plan: plan.typed.statistics.repetitions,
+    "design": lambda plan: Design(
+        plan.typed.study.realizations, plan.typed.statistics.significance
+    ),
+    "wanted": lambda plan: plan.wanted,
+    "preset": lambda plan: plan.configured.granted,
+    "measured_as": lambda plan: measured_rocks(plan.configured.keys, read_plain(DEFAULT)),
+}
+"""Parts of the configuration, in SI."""

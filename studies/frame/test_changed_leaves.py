@@ -1,0 +1,94 @@
+"""Any leaf of the shipped configurations, changed to anything, is read or refused by our error.
+
+`JOINTCLOSURE_LEAVES=all pytest tests/config/test_changed_leaves.py` changes every leaf; usually a
+few are, drawn by the name of the file.
+"""
+
+import copy
+import datetime
+import math
+import os
+import random
+
+import pytest
+import yaml
+
+from jointclosure.inputs import InputError
+from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import configured, merged_study
+from studies.frame.config.files import read_plain
+from studies.frame.experiments import checked_design, experiments_in
+from studies.frame.test_configuration import STUDIES
+
+MOST = None if os.environ.get("JOINTCLOSURE_LEAVES") == "all" else 8
+BAD = [
+    None, "", "x", -1, 0, 2, 1e300, 5e-324, math.nan, math.inf, [], {}, True, [1], [None], {"a": 1},
+    {"numerics": 1}, {"set": {"numerics": None}}, "auto", "flow.x", "numerics.solver",
+    datetime.date(2020, 1, 1),
+]  # fmt: skip
+
+
+def leaves(part, path=()):
+    """Paths to all values of plain data, those that hold others too."""
+    entries = part.items() if isinstance(part, dict) else enumerate(part)
+    for key, value in entries:
+        yield (*path, key)
+        if isinstance(value, dict | list):
+            yield from leaves(value, (*path, key))
+
+
+def changed(keys, path, value):
+    answer = copy.deepcopy(keys)
+    part = answer
+    for key in path[:-1]:
+        part = part[key]
+    part[path[-1]] = value
+    return answer
+
+
+def read(keys, file):
+    """All that is asked of a configuration before a job starts; True where it is refused."""
+    file.write_text(yaml.safe_dump(keys), encoding="utf-8")
+    try:
+        found = configured(merged_study(file), read_csv)
+        for name in experiments_in(found.keys):
+            checked_design(name, found)
+    except InputError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
+def test_a_changed_leaf_is_read_or_refused(path, tmp_path):
+    keys, chance = read_plain(path), random.Random(path.stem)
+    every = list(leaves(keys))
+    for leaf in chance.sample(every, len(every))[:MOST]:
+        value = chance.choice(BAD)
+        try:
+            read(changed(keys, leaf, value), tmp_path / "changed.yaml")
+        except Exception as error:
+            pytest.fail(f"{'.'.join(map(str, leaf))} = {value!r}: {type(error).__name__}: {error}")
+
+
+STEPS = ("accuracy", "knobs", "steps")
+DATE = datetime.date(2020, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("study", "leaf", "value"),
+    [
+        ("size", ("size", "spacing_mm", 0), 5e-324),
+        ("size", ("size", "patch_mm", 0), 1e300),
+        ("accuracy", (*STEPS, "set"), {"numerics": 1}),
+        ("accuracy", (*STEPS, "scale"), ["numerics.solver"]),
+        ("accuracy", (*STEPS, "set"), {"grid": DATE}),
+        ("accuracy", (*STEPS, "set"), {"study": {"rocks": 1}}),
+    ],
+)
+def test_nested_settings_that_cannot_be_are_refused(study, leaf, value, tmp_path):
+    (path,) = (path for path in STUDIES if path.stem == study)
+    keys = read_plain(path)
+    for key in leaf[:-1]:
+        assert key in keys or isinstance(keys, list)
+        keys = keys[key]
+    assert read(changed(read_plain(path), leaf, value), tmp_path / "changed.yaml")

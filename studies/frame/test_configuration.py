@@ -1,0 +1,291 @@
+import inspect
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from jointclosure.compilation.sources import PACKAGE
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.surfaces import seeds_of
+from jointclosure.inputs.plain import from_plain, to_plain
+from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.parameters import Effects
+from jointclosure.parameters.units import in_unit, to_si
+from studies.frame.config.configuration import resolved, written_out
+from studies.frame.config.files import ConfigurationError, read_plain
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.slices import block_settings
+from tests.studied import DEFAULT, ROOT, checked_study, study_of
+
+STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
+def test_every_configuration_in_the_project_is_valid(path):
+    assert study_of(read_plain(path)).study.name
+
+
+def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_set():
+    assert study_of().output.largest_stress == 30e6
+    changed = {"slate": {"max_normal_stress_MPa": 3}, "dolerite": {"max_normal_stress_MPa": 40}}
+    change = {"study": {"rocks": ["slate"]}, "rocks": changed}
+    assert study_of(change).output.largest_stress == 3e6
+    assert study_of(change, {"output": {"largest_stress_MPa": 7}}).output.largest_stress == 7e6
+
+
+def test_the_default_is_the_papers_study():
+    study = study_of()
+    cases = cases_of(study)
+    assert len(cases) == 36
+    assert study.study.realizations == 20
+    assert len({case.label for case in cases}) == 36
+    dolerite = cases[0]
+    assert (dolerite.intact.youngs_modulus, dolerite.intact.compressive_strength) == (78e9, 165e6)
+    assert dolerite.max_normal_stress == 30e6
+    assert study.numerics.later_breakage_step == 2.5e-6
+    assert all(all(case.effects) for case in cases)
+
+
+def test_the_library_and_the_configuration_have_the_same_defaults():
+    import jointclosure as jc
+
+    study = study_of()
+    # but for the points of an elastic curve, which in a study meet the output's axis of stresses
+    points = study.output.stress_points - 1
+    assert study.numerics == jc.Numerics(curve_points=points)
+    assert study.choices == jc.Choices()
+    assert study.rocks["slate"].effects == jc.Effects()
+    surface = study.surface._asdict()
+    for function in (jc.wall_pair, jc.fit):
+        given = _defaults(function)
+        if function is jc.fit:  # natural walls have waves of all lengths
+            assert given.pop("roll_off") is None
+        assert given == given | {name: surface[name] for name in given.keys() & surface.keys()}
+    assert surface.keys() <= _defaults(jc.wall_pair).keys()
+    for function in (jc.simulate, jc.close, jc.fit, jc.simulate_ensemble):
+        assert _defaults(function)["seating_stress"] is None
+    assert study.seating_stress == SEATING_STRESS
+
+
+def _defaults(function) -> dict:
+    """Default values of a function's arguments, by name; those without one are left out."""
+    arguments = inspect.signature(function).parameters.values()
+    return {each.name: each.default for each in arguments if each.default is not each.empty}
+
+
+_WITH_GRAIN_SIZE = """
+import jointclosure as jc
+from jointclosure.cli.joint_options import NEEDED, OPTIONS
+from jointclosure.parameters.titles import PARAMETER_TITLES, PARAMETERS, PROPERTIES, key_of
+from jointclosure.joint.rocks import named_rock
+from studies.frame.ensemble.cases import cases_of
+from jointclosure.parameters import check_rock
+from studies.paper.sensitivity_tables import rock_table
+from studies.verification.hard_case_keys import RockKeys
+from tests.studied import study_of
+
+assert jc.Rock(1e9, 0.2, 1e8) == jc.Rock(1e9, 0.2, 1e8, grain_size=1e-3)
+assert named_rock("granite").grain_size == 1e-3
+finer = {"grain_size_mm": 0.5, "levels": {"grain_size_mm": [0.2, 2]}}
+study = study_of({"study": {"rocks": ["slate", "dolerite"]}, "rocks": {"slate": finer}})
+assert study.rocks["slate"].intact.grain_size == 0.5e-3
+assert study.rocks["slate"].levels["grain_size"] == (0.2e-3, 0.5e-3, 2e-3)
+assert study.rocks["dolerite"].intact.grain_size == 1e-3
+assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
+assert PARAMETERS[-1] == "grain_size" and PARAMETER_TITLES["grain_size"] == "Grain size"
+assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
+assert OPTIONS["grain_size"] == "grain_size_mm" and "grain_size" not in NEEDED
+assert "grain_size_mm" in RockKeys.model_fields
+assert "grain_size_mm" in rock_table(study.rocks)
+for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, "not usual")):
+    try:
+        study_of({"rocks": {"slate": rock}})
+    except jc.InputError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(said)
+try:
+    check_rock(jc.Rock(1e9, 0.2, 1e8, grain_size=-1.0))
+except jc.InputError as error:
+    assert "grain_size = -1.0 m: must be positive" in str(error)
+"""
+
+
+def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
+    """The recipe of CONTRIBUTING.md, on a copy of the package."""
+    copy = shutil.copytree(
+        PACKAGE, tmp_path / "jointclosure", ignore=shutil.ignore_patterns("__*__")
+    )
+    file = copy / "parameters/__init__.py"
+    text, end = file.read_text(encoding="utf-8"), "\n\n\nOF_ROCK = "
+    assert end in text
+    field = 'Annotated[float, Property("grain size", "mm", "d", usual=(1e-6, 0.05))] = 1e-3'
+    file.write_text(text.replace(end, f"\n    grain_size: {field}{end}"), encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{ROOT}"}
+    command = [sys.executable, "-c", _WITH_GRAIN_SIZE]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "printed"),
+    [({"grid": {"cell_x": 5}}, "grid.cell_x = 5: unknown key; did you mean cells_x?"), ({"stuy": {}}, "stuy = {}: unknown key; did you mean study?"), ({"rocks": {"slate": {"youngs_modulus_GPa": -66}}}, "rocks.slate.youngs_modulus_GPa = -66: must be above 0"), ({"rocks": {"slate": {"levels": {"poisson_ratio": [0.1, 0.7]}}}}, "poisson_ratio = 0.7"), ({"rocks": {"slate": {"levels": {"jrc": [8, 5]}}}}, "rocks.slate.levels.jrc = [8, 5]: must be strictly ascending"), ({"rocks": {"slate": {"levels": {"jrc": [5, 6.5]}}}}, "must not contain the value of the rock"), ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be at most 0.9"), ({"study": {"realizations": 4000}}, "statistics.control_variates = 4000: must be more than the 4000 surfaces"), ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"), ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"), ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"), ({"study": {"unusual_values": "allow"}, "rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"), ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"), ({"study": {"realizations": "20"}}, "study.realizations = '20': must be of type integer"), ({"study": {"rocks": ["dolorite"]}}, "'dolorite': must be one of rocks"), ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"), ({"effects": {"substrate": False}}, "interaction = True needs substrate = True"), ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}}, "correlation = 0.5: must be 0 if mismatch_wavelength is given"),],
+)  # fmt: skip
+def test_an_error_names_the_key_its_value_and_what_is_allowed(change, printed):
+    with pytest.raises(ConfigurationError) as error:
+        study_of(change)
+    assert printed in str(error.value)
+
+
+def test_all_errors_are_listed_at_once_a_line_each():
+    with pytest.raises(ConfigurationError) as error:
+        study_of({"grid": {"cells_x": 2}, "study": {"realizations": 1}, "rocks": {"tuff": {}}})
+    assert str(error.value).count("must be at least") == 2
+    assert len(str(error.value).splitlines()) == 4
+
+
+def test_what_is_typed_becomes_plain_data_and_comes_back():
+    study = study_of()
+    assert from_plain(Configuration, json.loads(json.dumps(to_plain(study)))) == study
+    cases = {case.label: case for case in cases_of(study)}
+    settings = block_settings(study, cases, "slate-jrc-low", range(3))
+    assert from_plain(ClosureSettings, json.loads(json.dumps(to_plain(settings)))) == settings
+    with pytest.raises(TypeError, match="hurts"):
+        from_plain(ClosureSettings, to_plain(settings) | {"hurts": 1})
+
+
+def test_a_study_is_read_again_from_the_keys_that_it_left():
+    keys = checked_study({"study": {"realizations_per_job": 3}}).keys
+    left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
+    assert resolved(left) == study_of()
+
+
+def test_levels_beyond_three_are_named_and_ordered():
+    cases = cases_of(study_of({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
+    jrc = [case for case in cases if case.rock == "slate" and case.parameter == "jrc"]
+    assert [case.level for case in jrc] == ["level_1", "level_2", "level_4", "level_5"]
+    assert [case.jrc for case in jrc] == [4, 5, 8, 9]
+
+
+def seeds_by_case(study, realization=3):
+    """Seeds of a realisation of all cases, by what the case is."""
+    cases = {case.label: case for case in cases_of(study)}
+    block = range(realization, realization + 1)
+    return {
+        (case.rock, case.parameter, case.level): seeds_of(
+            block_settings(
+                study, cases | {label: case._replace(surface=label)}, label, block
+            ).surfaces
+        )[0]
+        for label, case in cases.items()
+    }
+
+
+COMMON = {"study": {"draws": "common"}}
+
+
+def test_common_draws_share_surfaces_where_the_roughness_is_the_same():
+    common = [case for case in cases_of(study_of(COMMON)) if case.rock == "slate"]
+    assert len({case.surface for case in common}) == 3
+    own = [case for case in cases_of(study_of()) if case.rock == "slate"]
+    assert len({case.surface for case in own}) == 9
+    assert len(set(seeds_by_case(study_of()).values())) == 36
+    assert len(set(seeds_by_case(study_of(COMMON)).values())) == 4
+
+
+def test_adding_reordering_or_dropping_cases_changes_no_surface():
+    fewer = {"study": {"rocks": ["slate", "dolerite"]},
+             "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}}  # fmt: skip
+    for changes in ({}, COMMON):
+        before, after = (seeds_by_case(study_of(changes, each)) for each in ({}, fewer))
+        shared = set(before) & set(after)
+        assert len(shared) > 10
+        assert all(before[key] == after[key] for key in shared)
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [(12.5, 12.5e-6), (1e-9, 1e-15), (1e22, 1e16), (0, 0.0)],
+)
+def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(written, read):
+    settings = to_si({"step_um": written, "steps_um": [written], "none_um": None})
+    assert settings == {"step": read, "steps": [read], "none": None}
+
+
+@pytest.mark.parametrize(("value", "unit"), [(28.5e9, "GPa"), (6.5, "1")])
+def test_a_value_is_shown_in_its_unit_as_it_was_written(value, unit):
+    shown = in_unit(value, unit)
+    assert to_si({f"value_{unit}" if unit != "1" else "value": shown})["value"] == value
+    assert str(shown) in ("78", "28.5", "0.2", "6.5")
+
+
+@pytest.mark.parametrize("name", ["../paper", "", "$HOME"])
+def test_no_name_leads_out_of_the_results_folder(name):
+    rock = DEFAULT["rocks"]["slate"]
+    for change in (
+        {"study": {"name": name}},
+        {"study": {"surfaces_of": name}},
+        {"study": {"rocks": [name]}, "rocks": {name: rock}},
+    ):
+        with pytest.raises(ConfigurationError):
+            study_of(change)
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
+        (
+            "__use_yte__: true\nstudy:\n  name: ?open('ran', 'w').name\n",
+            "must be left out",
+        ),
+        ("- a list\n", "must contain keys and values"),
+    ],
+)
+def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, text, printed):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(ConfigurationError, match=rf"mine\.yaml: .*{printed}"):
+        read_plain("mine.yaml")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_auto_is_short_for_all_effects_to_two_percent():
+    study = study_of(written_out({"effects": "auto"}))
+    assert study.effects_chosen_to == 0.02
+    assert all(study.rocks["slate"].effects)
+    assert study_of().effects_chosen_to is None
+    assert written_out(DEFAULT) is DEFAULT
+
+
+def test_a_rock_may_have_its_own_effects():
+    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
+    cases = cases_of(study_of(own))
+    assert {case.effects for case in cases if case.rock == "slate"} == {Effects(interaction=False)}
+    assert {case.effects for case in cases if case.rock != "slate"} == {Effects()}
+
+
+@pytest.mark.parametrize(
+    ("changes", "printed"),
+    [
+        (
+            {"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}},
+            "numerics.idle_interaction = 0.02: must be null or 0",
+        ),
+        ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be below 1"),
+        ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"),
+        ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"),
+        (
+            {"effects": {"auto": 0.1}, "study": {"realizations": 1}},
+            "study.realizations = 1",
+        ),
+    ],
+)
+def test_effects_that_cannot_be_are_refused(changes, printed):
+    with pytest.raises(ConfigurationError) as error:
+        study_of(changes)
+    assert printed in str(error.value)

@@ -1,0 +1,88 @@
+"""Files of a configuration that are damaged or meant to do harm: one line with file and reason."""
+
+import re
+
+import pytest
+
+from studies.frame.config.files import ConfigurationError, read_plain, value_of
+
+BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{later}: &{later} [{', '.join(9 * ['*' + earlier])}]\n"
+    for earlier, later in zip("abcdefgh", "bcdefghi", strict=True)
+)
+FILES = {
+    "empty": (b"", "is empty"),
+    "comments only": (b"# nothing\n", "is empty"),
+    "a list": (b"- study\n- grid\n", "must contain keys and values, not ['study', 'grid']"),
+    "a word": (b"study\n", "must contain keys and values, not 'study'"),
+    "latin-1": ("study: {name: caf\xe9}\n".encode("latin-1"), "is not UTF-8 text (byte 0xe9"),
+    "utf-16": ("study: {name: a}\n".encode("utf-16"), "is not UTF-8 text (byte 0xff at 0)"),
+    "zeros": (b"study:\0\0\n", "not plain YAML: "),
+    "a key twice": (b"grid: {cells_x: 5}\ngrid: {cells_y: 6}\n", "line 2: the key grid must be"),
+    "an inner key twice": (b"grid:\n  cells_x: 5\n  cells_x: 6\n", "line 3: the key cells_x must"),
+    "an alias bomb": (BOMB.encode(), "its aliases expand to more than 100000"),
+    "a recursive anchor": (b"study: &a\n  rocks: *a\n", "an alias refers to itself"),
+    "a recursive list": (b"study: &a [*a]\n", "an alias refers to itself"),
+    "deep list": (5000 * b"[" + 5000 * b"]", "must contain keys and values"),
+    "deep": (b"study: " + 5000 * b"[" + 5000 * b"]", "nested"),
+    "an unknown anchor": (b"study: *a\n", "line 1: found undefined alias"),
+    "minutes": (b"rocks:\n  slate:\n    youngs_modulus_GPa: 1:30\n", "line 3: 1:30 must be"),
+    "minutes with a point": (b"seating_stress_MPa: 1:30.5\n", "1:30.5 must be a decimal"),
+    "octal": (b"grid: {cells_x: 010}\n", "line 1: 010 must be a decimal"),
+    "hexadecimal": (b"grid: {cells_x: 0x10}\n", "0x10 must be a decimal"),
+    "underscores": (b"grid: {cells_x: 1_0}\n", "1_0 must be a decimal"),
+    "a number as a key": (b"grid: {5: 5}\n", "the key 5 must be a text"),
+    "a tab": (b"grid:\n\tcells_x: 5\n", "not plain YAML: line 2: "),
+    "an impossible date": (b"study: {name: 2020-13-45}\n", "not plain YAML: "),
+    "two documents": (b"grid: {}\n---\nstudy: {}\n", "not plain YAML: "),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
+    content, printed = FILES[kind]
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigurationError) as error:
+        read_plain(path)
+    assert str(error.value).startswith(f"{path}: ")
+    assert printed in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_folder_and_no_file_are_refused_by_name(tmp_path):
+    with pytest.raises(ConfigurationError, match=re.escape(f"{tmp_path}: is a directory")):
+        read_plain(tmp_path)
+    with pytest.raises(ConfigurationError, match=r"nowhere.yaml: file not found"):
+        read_plain(tmp_path / "nowhere.yaml")
+
+
+def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("a: &some {x: 1, y: 2.5e-3}\nb: *some\nc: {<<: *some, y: -3}\n")
+    assert read_plain(path) == {
+        "a": {"x": 1, "y": 2.5e-3},
+        "b": {"x": 1, "y": 2.5e-3},
+        "c": {"x": 1, "y": -3},
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5", 5),
+        ("-0.5", -0.5),
+        ("1.0e-3", 1e-3),
+        ("fast", "fast"),
+        ("null", None),
+        ("[1, 2]", [1, 2]),
+    ],
+)
+def test_a_value_on_the_command_line_is_read_as_in_a_file(text, value):
+    assert value_of(text) == value
+
+
+@pytest.mark.parametrize("text", ["1:30", "{a: 1, a: 2}", "[1"])
+def test_a_value_on_the_command_line_that_no_file_may_have_is_refused(text):
+    with pytest.raises(ConfigurationError):
+        value_of(text)

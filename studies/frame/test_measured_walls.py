@@ -1,0 +1,170 @@
+"""Scanned walls in a study: what its configuration may say, and the joints that are cut."""
+
+import json
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.roughness import detrended, rms_slope
+from studies.frame.config.files import ConfigurationError
+from studies.frame.config.walls import check_files
+from studies.frame.ensemble.cases import cases_of, wall_name
+from studies.frame.ensemble.measured_walls import (
+    cut_surfaces,
+    cutter_of,
+    described,
+    prepared_walls,
+    room,
+)
+from tests.joints import SPACING
+from tests.studied import study_of
+
+WALLS = {"lower": "scan.npz", "upper": "rotated", "units": "mm"}
+NO_JRC = {"jrc": None, "levels": {"jrc": None}}
+RELATION = "yu_vayssade_linear_0.25mm"
+
+
+def with_walls(**changes):
+    walls = {key: value for key, value in (WALLS | changes).items() if value != "absent"}
+    return {"study": {"rocks": ["slate"]}, "rocks": {"slate": NO_JRC | {"walls": walls}}}
+
+
+@pytest.fixture
+def scan():
+    wall = jc.wall_pair(9.0, (40, 50), SPACING, seed=3, roll_off=None)[0]
+    return Scan(wall, (SPACING, SPACING))
+
+
+def prepared(scans, **changes):
+    walls = study_of(with_walls()).rocks["slate"].walls
+    return prepared_walls(scans, walls._replace(**changes), SPACING, RELATION)
+
+
+def test_measured_walls_take_the_place_of_a_jrc():
+    cases = cases_of(study_of(with_walls()))
+    assert [case.parameter for case in cases] == [
+        "base", *["poisson_ratio"] * 2, *["youngs_modulus"] * 2, *["compressive_strength"] * 2,
+    ]  # fmt: skip
+    assert all(np.isnan(case.jrc) for case in cases)
+    common = cases_of(study_of(with_walls(), {"study": {"draws": "common"}}))
+    assert {case.surface for case in common} == {"slate-base"}
+    assert len({case.surface for case in cases}) == len(cases)
+
+
+@pytest.mark.parametrize(
+    ("rock", "printed"),
+    [
+        (
+            {"walls": WALLS, "levels": {"jrc": None}},
+            "rocks.slate.jrc = 6.5: must be left out with walls",
+        ),
+        (
+            {"walls": WALLS, "jrc": None},
+            "rocks.slate.levels.jrc = [5, 8]: must be left out for scanned walls",
+        ),
+        ({"jrc": None}, "rocks.slate: must have jrc, or walls"),
+        (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),
+        (NO_JRC | {"walls": WALLS | {"inverted": ["upper"]}}, "upper is not a file"),
+    ],
+)
+def test_what_contradicts_measured_walls_is_named(rock, printed):
+    with pytest.raises(ConfigurationError) as error:
+        study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": rock}})
+    assert printed in str(error.value)
+
+
+def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
+    design = {"jrc": [8], "stress_MPa": [1]}
+    with pytest.raises(ConfigurationError, match=r"ablation: not with rocks.slate.walls"):
+        study_of(with_walls(), {"ablation": design})
+
+
+def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(jc.InputError, match=r"rocks.slate.walls.lower = 'scan.npz': not found in"):
+        check_files(study_of(with_walls()))
+    (tmp_path / "scan.npz").write_bytes(b"")
+    check_files(study_of(with_walls()))
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(jc.InputError, match=r"walls.upper = 'folder': not found in"):
+        check_files(study_of(with_walls(upper="folder")))
+    check_files(study_of())
+
+
+def test_windows_follow_the_draws_of_the_study():
+    for draws, different in (("common", 1), ("independent", 7)):
+        study = study_of(with_walls(), {"study": {"draws": draws}})
+        assert len({tuple(wall_name(study.study, case)) for case in cases_of(study)}) == different
+
+
+def test_prepared_walls_say_what_they_are(scan):
+    walls = prepared({"lower": scan})
+    assert list(walls.data_vars) == ["lower"]
+    assert walls.attrs["partner"] == "rotated"
+    about = walls.lower.attrs
+    assert about["z2"] == pytest.approx(rms_slope(scan.heights, SPACING), rel=1e-12)
+    assert about["jrc"] == pytest.approx(9.0, abs=1e-6)
+    assert 0.5 < about["hurst"] <= 1.0
+    stated = json.loads(described({"slate": walls}))
+    assert stated["slate"]["lower"]["z2"] == about["z2"]
+
+
+def test_heights_that_point_into_the_rock_are_turned(scan):
+    walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
+    np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)
+    # a wall over itself in one frame is mated: no part of it touches first
+    joint = cutter_of(walls, (20, 20), 1, "wall").joint(0, 0)
+    np.testing.assert_allclose(joint.upper + joint.lower, 0.0, atol=1e-18)
+
+
+def test_scans_of_different_size_are_refused_with_both_files(scan):
+    smaller = Scan(scan.heights[:, :-1], scan.spacing)
+    printed = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
+    with pytest.raises(jc.InputError, match=printed):
+        prepared({"upper": scan, "lower": smaller}, upper="b.npz")
+
+
+def test_two_clouds_are_gridded_where_both_have_points():
+    rng = np.random.default_rng(1)
+    clouds = {}
+    for side, start in (("upper", 0.0), ("lower", 1e-3)):
+        x, y = start + 10e-3 * rng.random((2, 6000))
+        clouds[side] = Cloud(np.stack([x, y, 1e-4 * np.sin(900.0 * x)], axis=1))
+    walls = prepared(clouds, upper="a.xyz", missing="avoid", inverted=["upper"])
+    assert walls.sizes == {"y": 36, "x": 36}
+    summed = (walls.upper + walls.lower).values
+    # they are of one wall: heights at the same places cancel, but for the planes of both scans
+    flat = detrended(np.nan_to_num(summed)[2:-2, 2:-2])
+    assert flat.std() < 0.05 * float(walls.lower.std())
+
+
+def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
+    cutter = cutter_of(prepared({"lower": scan}), (20, 24), 5, "wall")
+    assert room(cutter) == {"windows": 21 * 27, "windows_side_by_side": 4}
+    pairs = list(cut_surfaces(cutter, [11, 12, 13]))
+    later = list(cut_surfaces(cutter, [12, 13], first=1))
+    for pair, again in zip(pairs[1:], later, strict=True):
+        assert pair.identical(again)
+    assert [int(pair.realization[0]) for pair in pairs] == [0, 1, 2]
+    for number, pair in enumerate(pairs):
+        joint = cutter.joint(number, 0)
+        np.testing.assert_array_equal(pair.upper.values[0], joint.upper)
+        origin = (int(pair.lower_origin_y[0]), int(pair.lower_origin_x[0]))
+        assert origin == joint.lower_origin
+
+
+def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
+    scans = {
+        "upper": Scan(-upper[:, 6:], (SPACING, SPACING), (0.0, 6 * SPACING)),
+        "lower": Scan(lower, (SPACING, SPACING)),
+    }
+    with pytest.raises(jc.InputError, match="bring_together: true"):
+        prepared(scans, upper="a.csv", lower="b.csv")
+    found = prepared(scans, upper="a.csv", lower="b.csv", bring_together=True)
+    assert found.upper.shape == found.lower.shape == (64, 66)
+    np.testing.assert_allclose(found.upper, detrended(upper[:, 6:]), atol=1e-9)
+    np.testing.assert_allclose(found.lower, detrended(lower[:, 6:]), atol=1e-9)
+    assert "found: common_frame" in found.attrs["registration"]

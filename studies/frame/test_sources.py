@@ -1,0 +1,228 @@
+"""Digests follow what code does, through its imports."""
+
+import ast
+import shutil
+from pathlib import Path
+
+import pytest
+
+from jointclosure.compilation import sources
+from studies.paper.products import PRODUCTS
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of the library that may be edited, with one of the studies beside it."""
+    for name, folder in sources.ROOTS.items():
+        shutil.copytree(folder, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "ROOTS", {name: tmp_path / name for name in sources.ROOTS})
+    return tmp_path / "jointclosure"
+
+
+def forget():
+    for cached in (sources.raw_digest, sources._imports, sources._tree, sources._code):
+        cached.cache_clear()
+
+
+def digest(*names):
+    forget()
+    return sources.code_digest(*names)
+
+
+def edit(file, old, new):
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
+    names = ("solvers.fast", "joint.protocol", "statistics.indifference")
+    before = [digest(name) for name in names]
+    edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
+    after = [digest(name) for name in names]
+    assert [a == b for a, b in zip(before, after, strict=True)] == [False, False, True]
+
+
+def test_comments_docstrings_and_layout_do_not_count(copy):
+    before = digest("mechanics")
+    file = copy / "mechanics/contact.py"
+    text = file.read_text(encoding="utf-8")
+    file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
+    assert digest("mechanics") == before
+
+
+def test_an_import_inside_of_a_function_counts(copy, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("def main():\n    from jointclosure.statistics import bootstrap\n")
+    before = digest(str(script))
+    edit(copy / "statistics/bootstrap.py", "import numpy as np", "import numpy as numpy_")
+    assert digest(str(script)) != before
+
+
+FUNCTIONS = '''
+from functools import partial
+from jointclosure.statistics import bootstrap as b, paired as p
+
+LIMIT = 3
+
+def _half(values):
+    return b.length(values) / LIMIT
+
+Halved = partial(_half)
+
+def bootstrapped(values: Halved):
+    """Some text."""
+    return values
+
+def paired(values):
+    from jointclosure.statistics import indifference
+    return p.mean(values)
+'''
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "moved"),
+    [
+        ("functions.py", "Some text", "Other text", set()),
+        ("functions.py", "LIMIT = 3", "LIMIT = 4", {"bootstrapped"}),
+        ("functions.py", "p.mean", "p.median", {"paired"}),
+        ("functions.py", "paired as p", "indifference as p", {"paired"}),
+        ("functions.py", "bootstrap as b", "correlations as b", {"bootstrapped"}),
+        ("statistics/bootstrap.py", "import numpy as np", "import numpy as n", {"bootstrapped"}),
+        (
+            "statistics/paired.py",
+            "import numpy as np",
+            "import numpy as n",
+            {"bootstrapped", "paired"},
+        ),
+        ("statistics/__init__.py", '"""\n', '"""\nADDED = 1\n', set()),
+    ],
+)
+def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
+    copy, file, old, new, moved
+):
+    (copy / "functions.py").write_text(FUNCTIONS)
+    names = ("bootstrapped", "paired")
+    before = {name: digest(f"functions:{name}") for name in names}
+    edit(copy / file, old, new)
+    assert {name for name in names if digest(f"functions:{name}") != before[name]} == moved
+
+
+def test_the_digest_of_an_unknown_function_is_an_error(copy):
+    with pytest.raises(KeyError, match="no function 'unknown'"):
+        digest("studies.paper.tables:unknown")
+
+
+def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
+    digests = set()
+    for folder in ("a", "z"):
+        (tmp_path / folder).mkdir()
+        script = tmp_path / folder / "script.py"
+        script.write_text("from jointclosure.statistics import bootstrap\n")
+        assert (str(script) < str(copy)) == (folder == "a")
+        digests.add(digest(str(script)))
+    assert len(digests) == 1
+
+
+def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch):
+    monkeypatch.setenv("JOINTCLOSURE_CACHE", str(tmp_path / "cache"))
+    expected = digest("statistics")
+    (store,) = (tmp_path / "cache").glob("digests-*")
+    store.write_text(store.read_text()[:-5])
+    assert digest("statistics") == expected
+    assert expected in store.read_text()
+
+
+SCRIPTS = ROOT / "workflow/scripts"
+EDITS = {
+    "../studies/paper/plotting/study.py": "draw_figures write_report",
+    "statistics/bootstrap.py": "find_indifference_intervals",
+    "../studies/paper/judged_claims.py": "judge_claims",
+    "storage/provenance.py": "aggregate",
+    "solvers/newton.py": "close_surfaces",
+    "../studies/frame/jobs/job.py": "",
+    "../studies/frame/jobs/seals.py": "",
+}
+RULES = [
+    "make_surfaces",
+    "close_surfaces",
+    "aggregate",
+    "fit_correlations",
+    "find_indifference_intervals",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+]
+
+
+def scripts_digests():
+    """Digests of all scripts of the workflow and of all products of a study, by name."""
+    forget()
+    products = {name: product.code for name, product in PRODUCTS.items()}
+    scripts = {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
+    del scripts["make_product"]  # its rules have the digests of the products
+    return scripts | products
+
+
+@pytest.fixture(scope="module")
+def unedited():
+    """The digests before any edit; a copy of the package has the same ones."""
+    return scripts_digests()
+
+
+@pytest.mark.parametrize("file", EDITS)
+def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited, file):
+    text = (copy / file).read_text(encoding="utf-8")
+    (copy / file).write_text(f"# a comment\n{text}\nADDED = 1\n", encoding="utf-8")
+    after = scripts_digests()
+    moved = {rule for rule in RULES if after[rule] != unedited[rule]}
+    needed = set(EDITS[file].split()) & set(RULES)
+    assert needed <= moved
+    assert "make_surfaces" not in moved
+    assert ("close_surfaces" in moved) == ("solvers" in file)
+    if not needed:
+        assert moved == set()
+    if "plotting" in file:
+        assert moved == {"draw_figures"}
+
+
+def with_other_texts(file, call):
+    """Edit the text that is the first argument of each call; the number of calls that were."""
+    text = file.read_text(encoding="utf-8")
+    lines, count = text.splitlines(keepends=True), 0
+    for node in reversed(list(ast.walk(ast.parse(text)))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == call and node.args:
+            first = node.args[0]
+            if isinstance(first, ast.Constant | ast.JoinedStr):
+                line = lines[first.lineno - 1].encode()
+                edited = line[: first.col_offset] + b'"Edited. " ' + line[first.col_offset :]
+                lines[first.lineno - 1] = edited.decode()
+                count += 1
+    file.write_text("".join(lines), encoding="utf-8")
+    ast.parse("".join(lines))
+    return count
+
+
+def test_an_edited_description_or_title_closes_no_walls_again(copy, unedited):
+    """A description runs the report again, and nothing else."""
+    sections = (copy.parent / "studies/frame/config/keys").glob("*.py")
+    assert sum(with_other_texts(section, "entry") for section in sections) > 100
+    assert with_other_texts(copy.parent / "studies/verification/hard_case_keys.py", "entry") > 10
+    after = scripts_digests()
+    assert {name for name in after if unedited[name] != after[name]} == {"write_report"}
+    assert with_other_texts(copy / "parameters/__init__.py", "Property") == 4
+    moved = {name for name, code in scripts_digests().items() if code != after[name]}
+    assert {"write_tables", "draw_figures", "aggregate"} <= moved
+    assert not any(name.startswith(("make_", "close_", "cut_")) for name in moved)
+
+
+def test_simulations_import_no_pictures():
+    for script in ("make_surfaces", "close_surfaces", "aggregate"):
+        files = sources.closure({SCRIPTS / f"{script}.py"})
+        for file in files:
+            lines = file.read_text(encoding="utf-8").splitlines()
+            loaded = [line for line in lines if line.startswith(("import ", "from "))]
+            assert not any("matplotlib" in line for line in loaded), f"{script}: {file}"

@@ -1,0 +1,177 @@
+"""Numbers that are none, or that look like a slip of units, are refused before anything runs."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from studies.frame.config.files import ConfigurationError, value_of
+from tests.studied import study_of
+
+FLAT = np.zeros((4, 4))
+USUAL = {"spacing": 0.25e-3, "rock": jc.Rock(78e9, 0.2, 165e6), "max_normal_stress": 1e6}
+
+
+NO_NUMBERS = (".nan", ".inf", "-.inf", "1.0e+400", "1e400")
+FINITE = (
+    "rocks.slate.youngs_modulus_GPa", "rocks.slate.jrc", "grid.spacing_mm", "seating_stress_MPa",
+    "choices.largest_radius_mm", "numerics.displacement_step_um", "statistics.significance",
+    "output.largest_stress_MPa", "effects.auto",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "written"),
+    [*((key, ".nan") for key in FINITE), *((FINITE[0], written) for written in NO_NUMBERS[1:])],
+)
+def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
+    value = value_of(written)
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    with pytest.raises(ConfigurationError) as error:
+        study_of(value)
+    assert f"  {key} = " in str(error.value)
+    assert "must be" in str(error.value)
+
+
+def test_nobody_is_told_to_write_a_number_that_is_refused_next():
+    with pytest.raises(ConfigurationError, match="1e400 is too large for a number"):
+        study_of({"seating_stress_MPa": "1e400"})
+    with pytest.raises(ConfigurationError, match=r"write 1\.0e\+4"):
+        study_of({"seating_stress_MPa": "1e4"})
+
+
+@pytest.mark.parametrize("written", [".nan", ".inf"])
+def test_levels_are_finite_too(written):
+    levels = {"youngs_modulus_GPa": [60, value_of(written)]}
+    with pytest.raises(ConfigurationError, match=r"levels.youngs_modulus_GPa = .*finite"):
+        study_of({"rocks": {"slate": {"levels": levels}}})
+
+
+SLIPS = {
+    "MPa for GPa": ({"rocks": {"slate": {"youngs_modulus_GPa": 66000, "levels": {"youngs_modulus_GPa": None}}}}, "rocks.slate.youngs_modulus_GPa = 66000"),
+    "a level in MPa": ({"rocks": {"slate": {"levels": {"youngs_modulus_GPa": [60, 72000]}}}}, "rocks.slate.levels.youngs_modulus_GPa = 72000"),
+    "a stress in Pa": ({"rocks": {"slate": {"max_normal_stress_MPa": 30e6}}}, "rocks.slate.max_normal_stress_MPa = 30000000"),
+    "um for mm": ({"grid": {"spacing_mm": 250}}, "grid.spacing_mm = 250"),
+    "a step in m": ({"numerics": {"displacement_step_um": 12.5e-6, "breakage_step_um": 1e-6}}, "numerics.displacement_step_um = 1.25e-05"),
+    "a radius in um": ({"choices": {"largest_radius_mm": 20000}}, "choices.largest_radius_mm = 20000"),
+}  # fmt: skip
+
+
+def found_in(change, **study):
+    """What is said against a study."""
+    try:
+        study_of(change, {"study": study})
+    except ConfigurationError as error:
+        return str(error).splitlines()
+    return []
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_of_units_is_refused_and_a_key_takes_it_as_it_is(slip):
+    change, printed = SLIPS[slip]
+    lines = [line for line in found_in(change) if printed in line]
+    assert len(lines) == 1
+    assert "not usual of rock" in lines[0]
+    assert "study.unusual_values: allow takes it as it is" in lines[0]
+    # it may contradict another key all the same
+    assert not any("not usual" in line for line in found_in(change, unusual_values="allow"))
+
+
+def test_rocks_that_are_not_studied_may_be_what_they_are():
+    tuff = {"title": "T", "youngs_modulus_GPa": 1e-9, "poisson_ratio": 0.2, "jrc": 8,
+            "compressive_strength_MPa": 1, "max_normal_stress_MPa": 1, "levels": {}}  # fmt: skip
+    study_of({"rocks": {"tuff": tuff}})
+    with pytest.raises(ConfigurationError, match="not usual"):
+        study_of({"rocks": {"tuff": tuff}, "study": {"rocks": ["tuff"]}})
+
+
+@pytest.mark.parametrize(
+    ("change", "printed"),
+    [
+        ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
+        (
+            {"rock": (USUAL["rock"], jc.Rock(78e9, 0.2, 165.0))},
+            "compressive_strength = 165.0 Pa: not usual",
+        ),
+        ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
+        ({"max_normal_stress": 10.0}, "max_normal_stress = 10.0 Pa: not usual"),
+        ({"max_normal_stress": 5, "seating_stress": 0.5e6}, "max_normal_stress = 5 Pa: not usual"),
+        ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
+        (
+            {"numerics": jc.Numerics(displacement_step=12.5)},
+            "displacement_step = 12.5 m: not usual",
+        ),
+        (
+            {"numerics": jc.Numerics(later_displacement_step=6.25e-3)},
+            "later_displacement_step = 0.00625 m: not usual",
+        ),
+        ({"choices": jc.Choices(largest_radius=20.0)}, "largest_radius = 20.0 m: not usual"),
+    ],
+)
+def test_the_library_refuses_a_slip_of_units_too(change, printed):
+    walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
+    for close in (
+        lambda **stated: jc.simulate(*walls[0], **{"seating_stress": 0.0} | stated),
+        lambda **stated: jc.choose_effects(walls, **stated),
+    ):
+        with pytest.raises(jc.InputError, match="unusual_values=True") as error:
+            close(**USUAL | change)
+        assert printed in str(error.value)
+
+
+def test_snapshots_in_another_unit_are_refused():
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    with pytest.raises(jc.InputError, match=r"snapshots = 5 Pa: not usual .*unusual_values=True"):
+        jc.simulate(*walls, **USUAL, snapshots=[0.5e6, 5])
+    closed = jc.simulate(*walls, **USUAL, snapshots=[0.0, 5.0], cycles=1, unusual_values=True)
+    assert set(closed.snapshot_stress.values) == {0.0, 5.0}
+
+
+@pytest.mark.parametrize("given", [{"roll_off": 3.0}, {"mismatch_wavelength": 1.0}])
+def test_wavelengths_in_another_unit_are_refused(given):
+    settings = {"shape": (6, 6), "spacing": 0.25e-3, "seed": 1} | given
+    with pytest.raises(jc.InputError, match=r"= \d.0 m: not usual .*unusual_values=True"):
+        jc.wall_pair(8.0, **settings)
+    assert jc.wall_pair(8.0, **settings, unusual_values=True)[0].shape == (6, 6)
+    name, value = next(iter(given.items()))
+    slip = {"surface": {f"{name}_mm": 1e3 * value}}
+    assert any("not usual" in line for line in found_in(slip))
+    assert not found_in(slip, unusual_values="allow")
+
+
+def test_a_roll_off_in_another_unit_is_refused_by_fit(tmp_path):
+    (tmp_path / "lab.csv").write_text("stress_MPa,closure_mm\n0.1,0\n1,0.02\n2,0.03\n")
+    with pytest.raises(jc.InputError, match="roll_off = 3 m: not usual"):
+        jc.fit(tmp_path / "lab.csv", rock=USUAL["rock"], jrc=8, shape=(8, 8), roll_off=3)
+
+
+@pytest.mark.parametrize("maximum", [0.5e6 / (1.0 - 5e-4), 0.501e6, 0.55e6])
+def test_a_maximum_near_seating_is_refused_before_computing(monkeypatch, maximum):
+    monkeypatch.setattr(jc.joint.simulation, "run_cycles", None)
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    given = USUAL | {"max_normal_stress": maximum, "seating_stress": 0.5e6}
+    with pytest.raises(jc.InputError, match=r"seating_stress = 500000.0 Pa: must be from 0 to 0.9"):
+        jc.simulate(*walls, **given)
+    rock = {"slate": {"max_normal_stress_MPa": 1e-6 * maximum}}
+    assert any(
+        "seating_stress_MPa = 0.5: must be at most 0.9" in line
+        for line in found_in({"rocks": rock})
+    )
+
+
+def test_the_library_takes_unusual_values_where_it_is_told_to():
+    elastic = jc.Effects(breakage=False, gouge=False)
+    soft = USUAL | {"rock": jc.Rock(1e6, 0.2, 1e3), "max_normal_stress": 10.0}
+    soft["seating_stress"] = 0.0
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    closed = jc.simulate(*walls, **soft, effects=elastic, unusual_values=True)
+    assert int(closed.status) < 16
+    with pytest.raises(jc.InputError, match="spacing"):
+        jc.equilibrium(FLAT, FLAT, spacing=0.25, rock=USUAL["rock"], closure=1e-6)
+    jc.equilibrium(FLAT, FLAT, spacing=0.25, rock=USUAL["rock"], closure=1e-6, unusual_values=True)
+
+
+@pytest.mark.parametrize("name", ["hard_cases", "accuracy", "effects"])
+def test_a_study_may_not_have_the_name_of_another_targets_results(name):
+    with pytest.raises(ConfigurationError, match=f"study.name = '{name}': results/{name} belongs"):
+        study_of({"study": {"name": name}})

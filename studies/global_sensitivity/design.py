@@ -1,0 +1,267 @@
+"""Inputs that vary together, the points of the sampling, and the settings of their joints."""
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.inputs import InputError
+from jointclosure.parameters import PROPERTIES, key_of
+from jointclosure.statistics.orthonormal import part_of
+from jointclosure.statistics.randomness import seed_of
+from jointclosure.statistics.variance_indices import sampled_rows
+from studies.frame.config.configuration import (
+    Configured,
+    checked_with,
+    complete,
+    overlaid,
+    problem_lines,
+    refuse,
+    with_keys,
+)
+from studies.frame.config.keys.global_sensitivity import GlobalSensitivityKeys
+from studies.frame.ensemble.cases import base_case
+from studies.frame.ensemble.slices import block_settings
+
+ROCK = "ROCK"
+"""Placeholder in the key of an input for the rock that is closed."""
+VARIED = ("rocks", "surface", "effects", "choices", "numerics")
+"""Sections of a configuration whose keys can vary; others would change the set of surfaces."""
+SURFACES = 2
+"""Number of surface pairs of a row, the same for all its points."""
+
+
+class Input(NamedTuple):
+    """Key that varies between two numbers, or over a few values.
+
+    ``key`` is its path in a configuration. ``low`` and ``high`` are None where it has
+    ``values``, or if its range is that of the levels of a rock in Table 2.
+    """
+
+    name: str
+    title: str
+    key: tuple[str, ...]
+    low: float | None
+    high: float | None
+    logarithmic: bool
+    values: list
+
+    @property
+    def property(self) -> str | None:
+        """Return the property of a rock that the key is, if any."""
+        keys = {f"rocks.{ROCK}.{key_of(name)}": name for name in PROPERTIES}
+        return keys.get(".".join(self.key))
+
+
+class Sampling(NamedTuple):
+    """Inputs, the number of rows, and the number of rows of a job.
+
+    ``dependent`` are pairs of inputs by name, with their correlation.
+    """
+
+    inputs: tuple[Input, ...]
+    rows: int
+    rows_per_job: int
+    rocks: tuple[str, ...]
+    seed: int
+    dependent: list[tuple[str, str, float]]
+
+    @property
+    def values(self) -> tuple[int, ...]:
+        """Return the number of values of each input; 0: it varies continuously."""
+        return tuple(len(one.values) for one in self.inputs)
+
+    @property
+    def correlations(self) -> dict[tuple[int, int], float]:
+        """Return the correlations of pairs of inputs, by their places."""
+        place = {one.name: number for number, one in enumerate(self.inputs)}
+        return {(place[one], place[other]): value for one, other, value in self.dependent}
+
+    def points(self) -> np.ndarray:
+        """Return points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks.
+
+        The points of a row do not depend on the number of rows.
+        """
+        return _points(len(self.inputs), self.rows, self.seed)
+
+    def blocks(self) -> list[range]:
+        """Return the rows of each job."""
+        step = self.rows_per_job
+        return [range(i, min(i + step, self.rows)) for i in range(0, self.rows, step)]
+
+
+_points = lru_cache(maxsize=None)(sampled_rows)
+
+
+def sampling_of(keys: dict) -> Sampling:
+    """Return the inputs and rows of a configuration's ``global_sensitivity`` section.
+
+    Raises
+    ------
+    ConfigurationError
+        If inputs or rows contradict each other.
+    """
+    section = GlobalSensitivityKeys.model_validate(keys["global_sensitivity"]).model_dump()
+    sampling = Sampling(
+        inputs=tuple(_inputs(section["inputs"])),
+        rows=section["rows"],
+        rows_per_job=section["rows_per_job"],
+        rocks=tuple(keys["study"]["rocks"]),
+        seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
+        dependent=[(*pair["inputs"], pair["correlation"]) for pair in section["dependent"]],
+    )
+    refuse(_problems(sampling, section))
+    return sampling
+
+
+def check_sampling(configured: Configured) -> None:
+    """Raise `ConfigurationError` if the model refuses an input at an end of its range.
+
+    Single inputs are checked first, with all others as in the study, so that an error is due to
+    that input; then with all others in the middle.
+    """
+    sampling, keys = sampling_of(configured.keys), configured.keys
+    refuse(_refused(sampling, keys, together=False))
+    refuse(_refused(sampling, keys, together=True))
+
+
+def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
+    """Return the keys that a point (d,) of the unit cube sets, to be merged over the study's."""
+    answer: dict = {}
+    for one, u in zip(sampling.inputs, point, strict=True):
+        *path, last = (rock if part == ROCK else part for part in one.key)
+        within = answer
+        for part in path:
+            within = within.setdefault(part, {})
+        within[last] = value_at(one, keys, rock, float(u))
+    return answer
+
+
+def value_at(one: Input, keys: Mapping, rock: str, u: float):
+    """Return the value of an input at u of [0, 1], in the unit of its key."""
+    if one.values:
+        return one.values[int(part_of(u, len(one.values)))]
+    low, high = range_of(one, keys, rock)
+    if one.logarithmic:
+        return float(low * (high / low) ** u)
+    return float(low + (high - low) * u)
+
+
+def range_of(one: Input, keys: Mapping, rock: str) -> tuple[float, float]:
+    """Return the ends of an input that varies continuously, in the unit of its key."""
+    if one.low is not None and one.high is not None:
+        return one.low, one.high
+    levels = keys["rocks"][rock]["levels"][one.key[-1]]
+    base = keys["rocks"][rock][one.key[-1]]
+    return float(min(*levels, base)), float(max(*levels, base))
+
+
+def _alone(rock: str) -> dict:
+    """Return keys of a study of one rock without levels, with the same surfaces at all points."""
+    return {
+        "study": {"rocks": [rock], "draws": "common"},
+        "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PROPERTIES))}},
+    }
+
+
+def settings_of_rock(
+    sampling: Sampling, configured: Configured, rock: str
+) -> Callable[[int, np.ndarray], ClosureSettings]:
+    """Return a maker of the settings of a rock's base case, from a row and a point (d,).
+
+    Fields of the configuration are replaced without a check.
+    """
+    alone = _alone(rock)
+    keys = complete(configured.keys)
+    plain = overlaid(keys, alone)
+    base = with_keys(configured.typed, keys, alone)
+
+    def settings(row: int, point: np.ndarray) -> ClosureSettings:
+        typed = with_keys(base, plain, keys_at(sampling, keys, rock, point))
+        case = base_case(rock, typed.rocks[rock])
+        block = range(SURFACES * row, SURFACES * (row + 1))
+        return block_settings(typed, {case.label: case}, case.label, block)
+
+    return settings
+
+
+def settings_of_choices(
+    sampling: Sampling, settings: Callable[[int, np.ndarray], ClosureSettings]
+) -> list[ClosureSettings]:
+    """Return settings at all combinations of the values of discrete inputs, others in the middle.
+
+    Inputs of section ``surface`` change no kernel, so that one of their values suffices.
+    """
+    places = [
+        [0.5]
+        if one.key[0] == "surface"
+        else [(place + 0.5) / len(one.values) for place in range(len(one.values))] or [0.5]
+        for one in sampling.inputs
+    ]
+    return [settings(0, np.array(point)) for point in itertools.product(*places)]
+
+
+def is_positive(one: Input, keys: Mapping, rock: str) -> bool:
+    """Return whether an input varies continuously over positive numbers, and has elasticities."""
+    return not one.values and range_of(one, keys, rock)[0] > 0.0
+
+
+def _inputs(section: dict) -> Iterator[Input]:
+    """Generate the inputs of the section."""
+    for name, one in section.items():
+        between = one["between"]
+        low, high = (None, None) if between in (None, "levels") else between
+        values = one["values"] or []
+        key = tuple(one["key"].split("."))
+        yield Input(name, one["title"], key, low, high, one["logarithmic"], values)
+
+
+def _problems(sampling: Sampling, section: dict) -> Iterator[str]:
+    """Generate contradictions of inputs and rows."""
+    where = "global_sensitivity"
+    for one in sampling.inputs:
+        entry = section["inputs"][one.name]
+        if (entry["between"] is None) == (not entry["values"]):
+            yield f"{where}.inputs.{one.name}: must have either between or values"
+        if len(entry["values"] or [0, 1]) < 2:
+            yield f"{where}.inputs.{one.name}.values = {entry['values']}: must be two or more"
+        if one.key[0] not in VARIED:
+            allowed = ", ".join(VARIED)
+            yield f"{where}.inputs.{one.name}.key = {entry['key']}: must begin with {allowed}"
+        if one.logarithmic and one.low is not None and not one.low > 0.0:
+            yield f"{where}.inputs.{one.name}.between = {entry['between']}: must be positive"
+        if one.low is not None and one.high is not None and not one.low < one.high:
+            yield f"{where}.inputs.{one.name}.between = {entry['between']}: must ascend"
+        if entry["between"] == "levels" and one.property is None:
+            yield f"{where}.inputs.{one.name}.between = levels: {entry['key']} has none"
+    names = [one.name for one in sampling.inputs]
+    for *pair, _ in sampling.dependent:
+        for name in pair:
+            if name not in names:
+                yield f"{where}.dependent = {name!r}: must be one of {', '.join(names)}"
+    if sampling.rows % 2 or sampling.rows & (sampling.rows - 1):
+        yield f"{where}.rows = {sampling.rows}: must be a power of 2"
+
+
+def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
+    """Generate errors of the model at the values and ends of each input.
+
+    All other inputs are in the middle if ``together``, else as in the study.
+    """
+    for rock, (place, one) in itertools.product(sampling.rocks, enumerate(sampling.inputs)):
+        where = f"global_sensitivity.inputs.{one.name}"
+        alone = sampling._replace(inputs=(one,), dependent=[])
+        count = len(one.values)
+        for u in [(value + 0.5) / count for value in range(count)] or [0.0, 1.0]:
+            point = np.full(len(sampling.inputs), 0.5)
+            point[place] = u
+            sampled = (sampling, point) if together else (alone, [u])
+            try:
+                checked_with(keys, keys_at(sampled[0], keys, rock, sampled[1]), _alone(rock))
+            except InputError as error:
+                yield f"{where}: {'; '.join(problem_lines(error))}"
+            except KeyError as error:
+                yield f"{where}: {error}: there is no such key"

@@ -1,0 +1,136 @@
+"""Figures of a study of global sensitivity to properties and open choices."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.plotting.style import keys_of, legend_below, point_key, styled, subplots
+from studies.frame.panels import Column, Row, panels
+
+SURFACES = "surfaces"
+"""Row of a table of indices that is no input."""
+SHOWN = titles_of_cycles(
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("max_closure_net", 2),
+    ("residual_closure_seated_net", 1),
+    ("compliance_net", 1),
+    ("compliance_net", 2),
+)
+"""Title of each panel, by response and cycle."""
+_WIDTH = 1.96
+_ROWS = "rows of the design"
+
+
+@styled
+def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw first and total indices of every input, with a panel for each response.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From `studies.global_sensitivity.table.index_table`.
+    titles : dict
+        Titles of the rocks.
+
+    Notes
+    -----
+    Filled: total; hollow: first. Bars: 95 % intervals.
+    """
+    most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
+    whole = table[table.rows == most]
+    names = [name for name in dict.fromkeys(whole.input) if name != SURFACES]
+    labels = [whole.title[whole.input == name].iloc[0] for name in names]
+    rocks = list(dict.fromkeys(whole.rock))
+    figure, grid = subplots(2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True)
+    places = np.arange(len(names))[::-1]
+    for axes, ((response, cycle), title) in zip(grid.flat, SHOWN.items(), strict=True):
+        for number, rock in enumerate(rocks):
+            part = whole[(whole.rock == rock) & (whole.response == response)]
+            part = part[part.cycle == cycle].set_index("input").reindex(names)
+            at = places + 0.16 * ((len(rocks) - 1) / 2.0 - number)
+            for kind, face in (("total", f"C{number}"), ("first", "white")):
+                axes.errorbar(
+                    part[kind], at, xerr=_WIDTH * part[f"{kind}_error"], fmt="o", ms=4.0,
+                    color=f"C{number}", markerfacecolor=face, lw=0.8,
+                    zorder=3 if kind == "first" else 2,
+                )  # fmt: skip
+        axes.axvline(0.0, color="0.6", lw=0.8, zorder=0)
+        axes.set_title(title, fontsize=10)
+        axes.set_yticks(places, labels, fontsize=8)
+        axes.grid(axis="y", lw=0.3)
+    for axes in grid[-1]:
+        axes.set_xlabel("share of the variance of the mean")
+    keys = [point_key(titles[rock], color=f"C{number}") for number, rock in enumerate(rocks)]
+    keys.append(point_key("total index", color="0.3"))
+    keys.append(point_key("first index", color="0.3", markerfacecolor="white"))
+    legend_below(figure, keys)
+    return figure
+
+
+def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw total indices of the closures of both cycles over the number of rows.
+
+    Parameters as of `indices`. Bars are 95 % intervals.
+    """
+    table = table[(table.response == "max_closure") & (table.input != SURFACES)]
+    table = table.assign(input=table.title, **{_ROWS: table.rows + table.left_out})
+    rows = [
+        Row(f"total index, cycle {cycle}", table[table.cycle == cycle], "total", "total_error")
+        for cycle in (1, 2)
+    ]
+    columns = [
+        Column(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
+        for rock in dict.fromkeys(table.rock) or [""]  # axes alone without any rock
+    ]
+    return panels(rows, columns, {}, bars=_WIDTH, reference=0.0, sharey=True)
+
+
+@styled
+def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw the share of the open choices for which each conclusion holds, with 95 % intervals.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From `studies.global_sensitivity.conclusions.conclusion_tables`; if it is
+        empty the figure is a text.
+    titles : dict
+        Titles of the rocks.
+    """
+    if table.empty:
+        figure, axes = subplots(figsize=(6.0, 2.0), layout=None)
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "not all four properties vary", ha="center")
+        return figure
+    rocks = [*(rock for rock in dict.fromkeys(table.rock) if rock != "all"), "all"]
+    colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
+    unique = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
+    rows = list(unique.itertuples(index=False))
+    figure, grid = subplots(1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True)
+    places = np.arange(len(rows))[::-1]
+    cases = [
+        (response, cycle) for cycle in (1, 2) for response in ("max_closure", "max_closure_net")
+    ]
+    for axes, (response, cycle) in zip(grid, cases, strict=True):
+        here = table[(table.response == response) & (table.cycle == cycle)]
+        for number, rock in enumerate(rocks):
+            part = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
+            axes.errorbar(
+                100.0 * part.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
+                xerr=100.0 * np.array([part.share - part.share_low, part.share_high - part.share]),
+                fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
+                label=titles.get(rock, "in all rocks at once"),
+            )  # fmt: skip
+        net = ", net of bulk\nindentation" if response == "max_closure_net" else ""
+        axes.set_title(f"cycle {cycle}{net}", fontsize=10)
+        axes.set_yticks(
+            places,
+            [f"{number}: {conclusion.replace('sigma_c', 'σc')}" for number, conclusion in rows],
+            fontsize=8,
+        )
+        axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
+        axes.grid(axis="y", lw=0.3)
+    legend_below(figure, keys_of(grid[:1]), len(rocks))
+    return figure

@@ -1,0 +1,352 @@
+"""Properties and open choices that vary together: the design, and what its closures tell."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.engine.points import close_points
+from jointclosure.engine.surfaces import walls_of
+from jointclosure.inputs import InputError
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
+from studies.frame.config.configuration import configured, merged
+from studies.frame.config.files import ConfigurationError, read_plain
+from studies.frame.ensemble.cases import base_case
+from studies.frame.ensemble.slices import block_settings
+from studies.frame.experiments import checked_design, experiment_named
+from studies.global_sensitivity import figures as figures
+from studies.global_sensitivity.conclusions import conclusion_tables
+from studies.global_sensitivity.design import (
+    keys_at,
+    sampling_of,
+    settings_of_rock,
+)
+from studies.global_sensitivity.table import (
+    QUANTITIES,
+    by_rock,
+    elasticity_table,
+    index_table,
+)
+from tests.studied import ROOT, checked_study
+
+EXPERIMENT = experiment_named("global_sensitivity")
+ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
+
+OVER = ("row", "point", "surface", "cycle")
+
+
+def tiny(**changes):
+    keys = read_plain(ROOT / "tests/workflow/tiny_global_sensitivity.yaml")
+    return checked_study(keys, changes)
+
+
+def keys_of(**changes) -> dict:
+    return tiny(**changes).keys
+
+
+def section(**changes) -> dict:
+    return {"global_sensitivity": changes}
+
+
+@pytest.fixture(scope="module")
+def keys():
+    return keys_of(**section(rows=64))  # rows beyond the file's 16
+
+
+@pytest.fixture(scope="module")
+def design(keys):
+    return sampling_of(keys)
+
+
+@pytest.fixture(scope="module")
+def world(design, keys):
+    """Closures that are powers of the properties, twice as large with current peaks, and noise."""
+    closed = {}
+    for rock in design.rocks:
+        points, random = design.points(), np.random.default_rng(3)
+        own = np.empty(points.shape[:2])
+        for where in np.ndindex(own.shape):
+            at = keys_at(design, keys, rock, points[where])
+            values = at["rocks"][rock]
+            powers = (
+                values["youngs_modulus_GPa"] ** -0.9
+                * values["compressive_strength_MPa"] ** 0.5
+                * values["jrc"] ** 0.3
+            )
+            own[where] = powers * (2.0 if at["choices"]["peaks"] == "current" else 1.0)
+        noise = 1.0 + 0.05 * random.standard_normal((len(points), 1, 2, 1))
+        values = own[:, :, None, None] * noise * np.ones(2)
+        loops = values * [0.5, 0.0]
+        closed[rock] = xr.Dataset(
+            {name: (OVER, (loops if name == "loop" else values).copy()) for name in QUANTITIES},
+            coords={"row": np.arange(len(points)), "cycle": [1, 2]},
+        )
+    return closed
+
+
+def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design):
+    points = design.points()
+    settings = settings_of_rock(design, tiny(**section(rows=64)), "slate")
+    first = [settings(3, point) for point in points[3]]
+    low, high = 60e9, 72e9  # Table 2
+    moduli = np.array([each.case.intact.youngs_modulus for each in first])
+    np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
+    expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
+    assert [each.choices.peaks for each in first] == expected
+    assert {each.surfaces.first_realization for each in first} == {6}
+    assert settings(4, points[4, 0]).surfaces.first_realization == 8
+    # at the same roughness the walls are the same ones
+    same = [each for each in first if each.case.jrc == first[0].case.jrc]
+    assert len(same) > 2
+    one, other = (next(walls_of(each.surfaces)) for each in same[:2])
+    assert np.array_equal(one[0], other[0])
+
+
+MORE = {
+    "effect": {"key": "effects.gouge", "values": [True, False]},
+    "of_rock": {"key": "rocks.ROCK.effects.soft_peaks", "values": [True, False]},
+    "auto": {"key": "effects.auto", "values": [None, 0.02]},
+    "step": {"key": "numerics.displacement_step_um", "between": [6, 12]},
+}
+
+
+def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
+    changes = {"inputs": {name: each | {"title": name} for name, each in MORE.items()}}
+    full = checked_study(
+        read_plain(ROOT / "config/global_sensitivity_full.yaml"), section(**changes)
+    )
+    sampling = sampling_of(full.keys)
+    for rock in sampling.rocks:
+        settings = settings_of_rock(sampling, full, rock)
+        for row, point in enumerate(sampling.points()[:3, 0]):
+            alone = {"study": {"rocks": [rock], "draws": "common"}}
+            keys = merged(full.keys, keys_at(sampling, full.keys, rock, point), alone)
+            typed = configured(keys, read_csv).typed
+            case = base_case(rock, typed.rocks[rock])
+            block = range(2 * row, 2 * row + 2)
+            expected = block_settings(typed, {case.label: case}, case.label, block)
+            assert repr(settings(row, point)) == repr(expected)
+
+
+def test_rows_that_are_added_change_no_job_before_them():
+    few, many = (EXPERIMENT.design(tiny(**section(rows=rows))) for rows in (16, 64))
+    assert len(many.jobs) == 4 * len(few.jobs)
+    for name in few.jobs:
+        assert repr(few.jobs[name]) == repr(many.jobs[name])
+    assert few.kernels() == many.kernels()
+
+
+def test_kernels_of_all_combinations_of_choices_are_compiled_before():
+    more = {
+        "breakage": {"title": "b", "key": "numerics.breakage", "values": ["fixed_step", "resolved"]}
+    }
+    both = {
+        (peaks, breakage)
+        for _, peaks, _, breakage in EXPERIMENT.design(tiny(**section(inputs=more))).kernels()
+    }
+    assert both == set(itertools.product(("pristine", "current"), ("fixed_step", "resolved")))
+
+
+def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design, keys):
+    table = elasticity_table(design, keys, world)
+    for row in table.itertuples():
+        truth = ELASTICITIES.get(row.input, 0.0)
+        # surfaces are noise of a row, which changes within a row do not have
+        assert row.elasticity == pytest.approx(truth, abs=1e-3)
+        assert row.spread < 1e-3
+    sure = table[table.input.isin(ELASTICITIES) & (table.elasticity.abs() > 0.1)]
+    assert (sure.share_positive == (sure.elasticity > 0.0)).all()
+
+
+def test_the_choice_that_doubles_the_closure_has_most_of_its_variance(world, design):
+    table = index_table(design, world)
+    whole = table[(table.rows == 64) & (table.response == "max_closure")]
+    assert (whole[whole.input == "peaks"].total > 0.8).all()
+    nothing = whole[whole.input == "poisson_ratio"]
+    assert (nothing.total.abs() <= 3.0 * nothing.total_error + 1e-9).all()
+    assert sorted(table.rows.unique()) == [16, 32, 64]
+    inputs = whole[(whole.input != "surfaces") & (whole.cycle == 1) & (whole.rock == "slate")]
+    assert inputs.shapley.sum() == pytest.approx(1.0)
+    assert inputs.shapley_dependent.sum() == pytest.approx(1.0)
+
+
+def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design, keys):
+    table, margins = conclusion_tables(design, keys, world)
+    assert set(table.rock) == {"dolerite", "slate", "all"}
+    for number in ("1a", "2a", "3", "5a", "5b", "5c"):
+        assert (table[table.number == number].share > 0.95).all(), number
+        assert (table[table.number == number].rows_true == 64).all(), number
+    assert set(table[table.number == "4"].cycle) == {2}
+    assert (table[table.number == "1b"].share == 1.0).all()  # no closure depends on it
+    loops = table[table.number == "6a"]
+    assert set(zip(loops.cycle, loops.rock, loops.share, strict=True)) == {
+        (cycle, rock, 2.0 - cycle) for cycle in (1, 2) for rock in ("dolerite", "slate", "all")
+    }
+    assert set(margins.input) == {each.name for each in design.inputs}
+    switched = {name: each.copy() for name, each in world.items()}
+    for each in switched.values():
+        each["max_closure"] = 1.0 / each.max_closure
+    shares = conclusion_tables(design, keys, switched)[0]
+    shares = shares[shares.response == "max_closure"].set_index("number").share
+    assert (shares[["5a", "5b", "5c"]] < 0.05).all()
+    with pytest.raises(InputError, match="the joints of slate are missing"):
+        conclusion_tables(design, keys, {"dolerite": world["dolerite"]})
+
+
+def test_a_share_is_never_known_closer_than_its_rows_could_tell(world, design, keys):
+    table = conclusion_tables(design, keys, world)[0]
+    sure = table[(table.number == "5a") & (table.rock == "all")]
+    assert (sure.share_error == 0.0).all()
+    # of 64 rows that all agree: Wilson's 95 % interval, 64/(64 + 1.96^2)
+    np.testing.assert_allclose(sure.share_low, 64 / (64 + 1.96**2), rtol=1e-4)
+    assert (sure.share_high == 1.0).all()
+
+
+def mixed(world, design, part: float) -> dict:
+    """Closures that also go as E^3 at such a part of the points of the first input, in a rock."""
+    changed = {name: each.copy(deep=True) for name, each in world.items()}
+    points = design.points()
+    for rock, at in (("dolerite", 0.0), ("slate", 1.0 - part)):
+        here = (points[:, :, 0] >= at) & (points[:, :, 0] < at + part)
+        low, high = (78e9 - 8e9, 78e9 + 7e9) if rock == "dolerite" else (60e9, 72e9)
+        modulus = low + (high - low) * points[:, :, 1]
+        factor = np.where(here, (modulus / low) ** 3, 1.0)[:, :, None, None]
+        changed[rock]["max_closure"] = changed[rock].max_closure * factor
+    return changed
+
+
+def test_the_error_of_all_rocks_at_once_is_that_of_their_share(world, design, keys):
+    """Not the largest of single rocks, which may be far from it, on either side."""
+    table = conclusion_tables(design, keys, mixed(world, design, 0.5))[0]
+    here = table[(table.number == "5a") & (table.response == "max_closure") & (table.cycle == 2)]
+    single, whole = here[here.rock != "all"], here[here.rock == "all"].iloc[0]
+    assert whole.share < 0.2 < single.share.min()
+    assert whole.share_error < 0.5 * single.share_error.max()
+
+
+def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design, keys):
+    margins = conclusion_tables(design, keys, mixed(world, design, 0.5))[1]
+    here = margins[(margins.number == "5a") & (margins.response == "max_closure")]
+    assert (here[here.input == "poisson_ratio"].share > 0.9).all()
+    assert (here[here.input != "poisson_ratio"].share < 0.1).all()
+
+
+def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design, keys):
+    random = np.random.default_rng(5)
+    noisy = {}
+    for name, each in world.items():
+        noise = np.exp(0.01 * random.standard_normal(each.max_closure.shape))
+        noisy[name] = each.assign(max_closure=each.max_closure * noise)
+    fits = elasticity_table(design, keys, noisy)
+    fits = fits[fits.response == "max_closure"]
+    assert fits.fit_over_noise.between(0.4, 2.0).all()
+    missed = elasticity_table(design, keys, mixed(noisy, design, 0.5))
+    of_modulus = missed[(missed.response == "max_closure") & (missed.input == "youngs_modulus")]
+    assert (of_modulus.fit_over_noise > 2.0).all()
+
+
+@pytest.mark.parametrize(
+    ("left", "judged"),
+    [
+        (["youngs_modulus", "jrc", "peaks"], {"2c", "4", "5a", "5c", "6a"}),
+        (["peaks", "radius"], {"6a"}),
+    ],
+)
+def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
+    left, judged, tmp_path
+):
+    """Columns are there all the same, so that figures are drawn."""
+    radius = {"title": "radius", "key": "choices.base_radius_in_cells", "between": [0.25, 0.5]}
+    keys = keys_of(**section(rows=16, inputs={"radius": radius}))
+    keys["global_sensitivity"]["inputs"] = {
+        name: each for name, each in keys["global_sensitivity"]["inputs"].items() if name in left
+    }
+    keys["global_sensitivity"]["dependent"] = []
+    design = sampling_of(keys)
+    random = np.random.default_rng(1)
+    shape = (16, len(left) + 2, 2, 2)
+    closed = {
+        rock: xr.Dataset(
+            {name: (OVER, 1.0 + random.random(shape)) for name in QUANTITIES},
+            coords={"row": np.arange(16), "cycle": [1, 2]},
+        )
+        for rock in design.rocks
+    }
+    conclusions, margins = conclusion_tables(design, keys, closed)
+    write_csv(conclusions, tmp_path / "conclusions.csv")
+    write_csv(margins, tmp_path / "margins.csv")
+    write_csv(elasticity_table(design, keys, closed), tmp_path / "elasticities.csv")
+    for file in tmp_path.iterdir():
+        assert "input" in read_csv(file) or "rock" in read_csv(file)
+    assert set(read_csv(tmp_path / "conclusions.csv").number.astype(str)) == judged
+    found, titles = index_table(design, closed), {rock: rock for rock in design.rocks}
+    for drawn, table in (
+        (figures.conclusions, read_csv(tmp_path / "conclusions.csv")),
+        (figures.indices, found),
+        (figures.convergence, found),
+    ):
+        save_figure(drawn(table, titles), tmp_path / f"{drawn.__name__}.png")
+        assert (tmp_path / f"{drawn.__name__}.png").stat().st_size > 1000
+    elasticities = read_csv(tmp_path / "elasticities.csv")
+    assert set(elasticities.input) == set(left) - {"peaks", "radius"}
+
+
+def test_a_row_with_a_failed_simulation_is_left_out(world, design):
+    broken = {name: each.copy(deep=True) for name, each in world.items()}
+    for each in broken.values():
+        each.max_closure[5, 2, 0, :] = np.nan
+    table = index_table(design, broken)
+    whole = table[(table.response == "max_closure") & (table.rows > 32)]
+    assert set(whole.rows) == {63}
+    assert set(whole.left_out) == {1}
+    assert whole.total.notna().all()
+
+
+def test_a_response_of_too_few_whole_rows_has_no_indices(world, design):
+    broken = {name: each.copy(deep=True) for name, each in world.items()}
+    broken["dolerite"].max_closure_net[5:, 2, 0, :] = np.nan
+    table = index_table(design, broken)
+    here = table[(table.rows == 64) & (table.cycle == 1)]
+    assert (here.groupby(["rock", "response"]).size() == len(design.inputs) + 1).all()
+    assert set(here[here.rock == "slate"].response) - set(
+        here[here.rock == "dolerite"].response
+    ) == {"max_closure_net"}
+
+
+def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
+    design = EXPERIMENT.design(tiny())
+    points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
+    joints = close_points(points, QUANTITIES)
+    closed = by_rock(joints)["slate"]
+    assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
+    assert (closed.status < 16).all()
+    assert (closed.max_closure_net < closed.max_closure).all()
+    # of these small joints some begin to land on the maximum below half of it: no first stiffness
+    read = closed.compliance_net > 0.0
+    assert read.sel(cycle=2).mean() > 0.8
+    assert read.sel(cycle=1).any()
+    assert (read | closed.compliance_net.isnull()).all()
+    for row in joints[joints.cycle == 2].itertuples():
+        here = closed.max_closure.sel(
+            row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
+        )
+        assert float(here) == row.max_closure
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"title": "m", "key": "choices.peak_modulus_ratio", "between": [0.01, 5]},
+        {"title": "m", "key": "choices.peek_modulus_ratio", "between": [0.01, 0.2]},
+        {"title": "m", "key": "choices.peaks", "values": ["pristine", "fresh"]},
+    ],
+)
+def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
+    inputs = {"modulus": wrong, "peaks": {"values": ["pristine", "current"]}}
+    with pytest.raises(ConfigurationError) as error:
+        checked_design("global_sensitivity", tiny(**section(inputs=inputs)))
+    _, *lines = str(error.value).splitlines()
+    named = {line.split(":")[0].strip() for line in lines}
+    assert named == {"global_sensitivity.inputs.modulus"}

@@ -1,0 +1,169 @@
+"""The model beside measured joints: which joints are closed, and how they are judged."""
+
+import matplotlib
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.engine.measured_joints import measured
+from jointclosure.engine.points import close_points, packed, unpacked
+from studies.frame.config.files import ConfigurationError
+from studies.measured_joints import EXPERIMENT
+from studies.measured_joints.observables import BASE, OBSERVABLES, fitted_length, observables_of
+from tests.joints import SPACING
+from tests.studied import checked_study
+
+TINY = {
+    "study": {"name": "tiny_measured_joints", "rocks": ["slate"], "realizations": 6},
+    "grid": {"cells_x": 24, "cells_y": 24},
+    "surface": {"roll_off_mm": None},
+    "rocks": {"slate": {"max_normal_stress_MPa": 5}},
+    "numerics": {"breakage": "resolved"},
+    "measured_joints": {
+        "mismatch_wavelength_mm": [3, 0.5, 1.5],
+        "compressive_strength_MPa": [40],
+        "peak_modulus_ratio": [1],
+        "largest_radius_mm": [20],
+        "hardness_over_strength": [3],
+        "reseating_shift_in_cells": [0, 2],
+    },
+}
+RESEATED = "reseated, 0.5 mm off"
+
+
+@pytest.fixture(scope="module")
+def design():
+    return EXPERIMENT.design(checked_study(TINY))
+
+
+@pytest.fixture(scope="module")
+def joints(design):
+    points = [point for job in design.jobs.values() for point in unpacked(packed(job))]
+    return close_points(points, EXPERIMENT.quantities)
+
+
+@pytest.fixture(scope="module")
+def observables(design, joints):
+    return observables_of(joints, design.parameters["film_cells"])
+
+
+@pytest.fixture(scope="module")
+def tables(design, joints):
+    return EXPERIMENT.tabulate(joints, design.parameters)
+
+
+def test_all_walls_are_closed_with_all_choices(design, observables):
+    assert list(design.jobs) == ["500um", "1500um", "3000um", "independent"]
+    assert set(observables.variant) == {
+        BASE,
+        "strength 40 MPa",
+        "peak modulus ratio 1",
+        "radii up to 20 mm",
+        "pressure up to 3 times the strength",
+        "reseated, 0 mm off",
+        RESEATED,
+        "strength 40 MPa, reseated, 0 mm off",
+        f"strength 40 MPa, {RESEATED}",
+    }
+    assert observables.groupby(["variant", "wavelength"]).size().eq(6).all()
+
+
+def test_weaker_rock_closes_further_at_first(observables):
+    means = observables.groupby("variant").first_closure.mean()
+    assert means["strength 40 MPa"] > 1.03 * means[BASE]
+
+
+def test_walls_that_are_reseated_where_they_were_repeat_the_second_cycle(observables):
+    by_variant = observables.set_index(["variant", "wavelength", "realization"])
+    again, base = by_variant.loc["reseated, 0 mm off"], by_variant.loc[BASE]
+    closures = again.later_closure / base.later_closure
+    assert closures.median() == pytest.approx(1.0, abs=0.05)
+    np.testing.assert_array_equal(again.first_closure, base.first_closure)
+    weak = by_variant.loc["strength 40 MPa, reseated, 0 mm off"], by_variant.loc["strength 40 MPa"]
+    np.testing.assert_array_equal(weak[0].first_closure, weak[1].first_closure)
+
+
+def test_where_soft_peaks_are_the_same_a_reseated_joint_repeats_its_second_cycle():
+    """Rock that is crushed far: peaks of the crushed walls are new ones, soft by `peaks`."""
+    weak = {"spacing": SPACING, "rock": jc.Rock(11e9, 0.25, 40e6), "max_normal_stress": 5e6}
+    weak["numerics"] = jc.Numerics(breakage="resolved")
+    changes = {}
+    for peaks in ("current", "pristine"):
+        weak["choices"] = jc.Choices(peaks=peaks)
+        ratios = []
+        for seed in range(8):
+            both = jc.simulate(*jc.wall_pair(8.0, (24, 24), SPACING, seed), cycles=2, **weak)
+            crushed = both.upper_final.values, both.lower_final.values
+            again = jc.simulate(*crushed, cycles=1, **weak)
+            ratios.append(float(again.max_closure[0] / both.max_closure[1]))
+        changes[peaks] = np.abs(np.log(ratios))
+    assert np.median(changes["current"]) < 0.001
+    assert changes["current"].max() < 0.05
+    assert np.median(changes["pristine"]) > 0.01
+
+
+def test_only_reseated_walls_leave_a_share_of_the_later_closure(observables):
+    stays = observables.groupby("variant").later_residual_share.mean()
+    assert stays[RESEATED] > 5.0
+    seated = stays[[name for name in stays.index if "reseated" not in name]].abs()
+    assert seated.drop("strength 40 MPa").max() < 1.0
+    assert seated["strength 40 MPa"] < 1.5  # where a little breaks anew: 1.04 %
+
+
+def test_wavelength_is_that_of_the_measured_closure():
+    logs, closures = np.log([1.0, 2.0, 4.0]), np.array([0.1, 0.2, 0.8])
+    assert np.exp(fitted_length(logs, closures, 0.5)) == pytest.approx(np.sqrt(8.0))
+    assert np.exp(fitted_length(logs, closures, 9.0)) == pytest.approx(4.0)
+    assert np.exp(fitted_length(logs, closures, 0.01)) == pytest.approx(1.0)
+
+
+def test_judgements_follow_from_the_intervals(tables):
+    table = tables["measured_joints"]
+    assert set(table.observable) == set(OBSERVABLES)
+    assert (table.low <= table.high).all()
+    assert (table.error >= 0.0).all()
+    below = table.measured_low > table.high
+    assert (table.judgement == "too small").equals(below)
+    stays = table[(table.observable == "later_residual_share") & (table.variant == BASE)]
+    assert (stays.judgement == "too small").all()
+    figure = EXPERIMENT.draw("measured_joints", tables, {})
+    assert isinstance(figure, matplotlib.figure.Figure)
+
+
+def test_predictions_of_joints_that_were_not_fitted(tables):
+    table = tables["measured_joints_predictions"]
+    assert set(table.fitted_to) == {"1", "2", "3", "1+2", "1+3", "2+3"}
+    assert not any(
+        joint in fitted for joint, fitted in zip(table.joint, table.fitted_to, strict=True)
+    )
+    assert ((table.low < table["median"]) & (table["median"] < table.high)).all()
+    inside = (table.measured_low <= table.high) & (table.measured_high >= table.low)
+    assert table.hit.astype(bool).equals(inside)
+
+
+def test_measured_values_have_their_range():
+    assert measured("later_closure", "2").low < measured("later_closure", "2").value
+    later, first = measured("later_stiffness", "3"), measured("first_stiffness")
+    ratio = measured("stiffness_ratio", "3")
+    assert ratio[1:] == pytest.approx((later.value / first.high, later.value / first.low), abs=0.05)
+    assert measured("contact_share", "2").low == measured("contact_share", "2").value
+    with pytest.raises(KeyError, match="first_stifness of joint 1"):
+        measured("first_stifness", "1")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"study": {"cycles": 1}}, "study.cycles = 1: must be at least 2 (measured_joints)"),
+        ({"surface": {"correlation": 0.5}}, "measured_joints: the study sets surface.mismatch_"),
+        ({"study": {"rocks": ["slate", "dolerite"]}}, "must be one rock (measured_joints)"),
+        (
+            {"measured_joints": {"reseating_shift_in_cells": [20]}},
+            "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 24",
+        ),
+    ],
+)
+def test_a_design_that_cannot_be_closed_is_refused(change, message):
+    with pytest.raises(ConfigurationError) as error:
+        EXPERIMENT.design(checked_study(TINY, change))
+    assert message in str(error.value)

@@ -1,0 +1,122 @@
+"""Experiment on walls that are tilted, or rotated about the normal of the joint.
+
+Independent walls, and walls whose longer waves mate, are closed at every tilt and at every
+rotation, on the same surfaces.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.parameters.units import to_si
+from studies.frame.config.configuration import Configured, refuse
+from studies.frame.config.keys.misalignment import MisalignmentKeys
+from studies.frame.ensemble.cases import base_case
+from studies.frame.ensemble.wavelengths import labelled_wavelengths
+from studies.frame.experiments import Design, Experiment, settings_of
+from studies.frame.panels import Column, Row, panels
+from studies.frame.summary import summary
+
+READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
+"""Quantities of the column ``response``."""
+SHOWN = (
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("residual_closure_seated_net", 1),
+    ("stiffness_net", 1),
+    ("stiffness_net", 2),
+)
+"""Response and cycle of each row of the figure."""
+
+
+def misalignment_design(configured: Configured) -> Design:
+    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
+
+    Raises
+    ------
+    ConfigurationError
+        If the study sets walls that the experiment sets, or walls that cannot be rotated.
+    """
+    keys, configuration = configured.keys, configured.typed
+    section = MisalignmentKeys.model_validate(keys["misalignment"])
+    refuse(_problems(keys, section))
+    tilts, rotations = sorted(section.tilt_degrees), sorted(section.rotation_degrees)
+    angles = [{"tilt": tilt, "rotation": 0.0} for tilt in tilts]
+    angles += [{"tilt": 0.0, "rotation": rotation} for rotation in rotations[1:]]
+    wavelengths = labelled_wavelengths(sorted(to_si(section.model_dump())["mismatch_wavelength"]))
+    jobs = {}
+    for rock, of_rock in configuration.rocks.items():
+        case = base_case(rock, of_rock)
+        for label, wavelength in wavelengths.items():
+            settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
+            walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
+            jobs[f"{rock}.{label}"] = [
+                Point(walls | angle, settings, "misaligned", angle) for angle in angles
+            ]
+    return Design(jobs, ("misalignment",), ("misalignment",), {})
+
+
+def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
+    """Generate the reasons why the walls of a configuration cannot be tilted and rotated."""
+    grid, surface = keys["grid"], keys["surface"]
+    if grid["cells_x"] != grid["cells_y"]:
+        yield (
+            f"grid.cells_x = {grid['cells_x']}: must be cells_y ({grid['cells_y']}) where walls "
+            "are rotated (misalignment)"
+        )
+    given = (surface["mismatch_wavelength_mm"], surface["correlation"], surface["shift_in_cells"])
+    if given != (None, 0.0, 0):
+        yield (
+            "misalignment: the study sets surface.mismatch_wavelength_mm; it, correlation and "
+            "shift_in_cells must be null, 0 and 0"
+        )
+    if surface["normalise"] != "wall":
+        yield f"surface.normalise = {surface['normalise']!r}: must be 'wall' (misalignment)"
+    for name in ("tilt_degrees", "rotation_degrees"):
+        if 0.0 not in getattr(section, name):
+            yield f"misalignment.{name}: must have 0 among them"
+
+
+def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
+    """Compute means over surfaces, and their changes from aligned walls.
+
+    As from `studies.frame.summary.summary`, over ``wavelength`` (infinite: independent
+    walls), ``tilt`` and ``rotation``. The residual closure is that of the first cycle.
+    """
+    by = ("rock", "wavelength", "tilt", "rotation")
+    table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
+    return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
+
+
+def misalignment_figure(table: pd.DataFrame) -> Figure:
+    """Draw changes from aligned walls over tilt and rotation, with 95 % intervals."""
+    rows = [
+        Row(f"change of {title} (%)", part, "change_percent", "change_error")
+        for (response, cycle), title in titles_of_cycles(*SHOWN).items()
+        for part in [table[(table.response == response) & (table.cycle == cycle)]]
+    ]
+    columns = [
+        Column("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
+        Column("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
+    ]
+    lengths = {length: f"waves beyond {length:g} mm mate" for length in table.wavelength_mm}
+    names = {
+        "wavelength_mm": lengths | {np.inf: "independent"},
+        "rock": {rock: rock.capitalize() for rock in table.rock},
+    }
+    return panels(
+        rows, columns, names, styles="wavelength_mm", bars=1.96, reference=0.0, sharey=False
+    )
+
+
+EXPERIMENT = Experiment(
+    title="effects of a tilt and a rotation of the walls",
+    quantities=READ,
+    design=misalignment_design,
+    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
+    draw=lambda name, tables, parameters: misalignment_figure(tables[name]),
+)

@@ -1,0 +1,118 @@
+"""Mated, natural and non-mated walls: what is closed, and the shift that unmates."""
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.engine.points import close_points, gridded
+from studies.mismatch import EXPERIMENT, independence_table
+from tests.studied import checked_study
+
+TINY = {
+    "study": {"name": "tiny_mismatch", "rocks": ["slate"], "realizations": 3, "draws": "common"},
+    "grid": {"cells_x": 24, "cells_y": 24},
+    "rocks": {"slate": {"max_normal_stress_MPa": 5}},
+    "surface": {"roll_off_mm": None},
+    "mismatch": {"wavelength_mm": [3, 1], "shift_in_cells": [0, 8], "tolerance": 0.1},
+}
+
+
+@pytest.fixture(scope="module")
+def design():
+    return EXPERIMENT.design(checked_study(TINY))
+
+
+@pytest.fixture(scope="module")
+def joints(design):
+    points = [point for job in design.jobs.values() for point in job]
+    return close_points(points, EXPERIMENT.quantities)
+
+
+@pytest.fixture(scope="module")
+def run(joints):
+    """Over (wavelength, shift, realization, cycle)."""
+    return gridded(joints, ("wavelength", "shift", "realization"), EXPERIMENT.quantities)
+
+
+def test_wavelengths_are_closed_in_order_with_independent_walls_last(design, joints):
+    assert list(design.jobs) == ["slate.1000um", "slate.3000um", "slate.independent"]
+    assert joints.wavelength.unique().tolist() == [1e-3, 3e-3, np.inf]
+    # independent walls are not shifted
+    shifts = joints.groupby("wavelength")["shift"].unique()
+    assert [each.tolist() for each in shifts] == [[0.0, 2e-3], [0.0, 2e-3], [0.0]]
+
+
+def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_unshifted(run):
+    first = run.sel(cycle=1).mean("realization")
+    still = first.max_closure_seated_net.sel(shift=0.0).values
+    assert still.tolist() == sorted(still)
+    assert still[-1] > 1.5 * still[0]
+    moved = first.max_closure_seated_net.sel(wavelength=1e-3).values
+    assert moved[1] > 1.2 * moved[0]
+
+
+def test_what_is_read_is_what_engineers_are_told(design, joints, run):
+    table = EXPERIMENT.tabulate(joints, design.parameters)["mismatch"]
+    own = run.sel(wavelength=1e-3, shift=0.0, cycle=2)
+    row = table[(table.wavelength_mm == 1.0) & (table.shift_mm == 0.0) & (table.cycle == 2)]
+    assert row.samples.item() == 3
+    closures = 1e3 * own.max_closure_seated_net.values
+    assert row.max_closure_seated_net_mm.item() == pytest.approx(closures.mean())
+    error = closures.std(ddof=1) / np.sqrt(3)
+    assert row.max_closure_seated_net_mm_error.item() == pytest.approx(error)
+    # that of the mean curve: compliances add
+    stiffness = 1e-9 / float((1.0 / own.stiffness_net).mean())
+    assert row.stiffness_net_MPa_per_mm.item() == pytest.approx(stiffness)
+    stays = float(own.residual_closure_seated_net.mean() / own.max_closure_seated_net.mean())
+    assert row.residual_share_net.item() == pytest.approx(stays)
+    assert len(table) == 2 * (2 * 2 + 1)
+    figure = EXPERIMENT.draw("mismatch", {"mismatch": table}, {})
+    assert isinstance(figure, matplotlib.figure.Figure)
+    assert len(figure.axes) == 8
+
+
+def made_up(closures, scatter, surfaces=40):
+    """Joints whose mean closures over shifts are given, [0] of independent walls [m]."""
+    rng = np.random.default_rng(2)
+    drawn = 1e-4 * (1.0 + scatter * rng.standard_normal((2, len(closures) - 1, surfaces)))
+    free, *shifted = closures
+    conditions = [(np.inf, 0.0, free * drawn[1, 0])]
+    conditions += [
+        (1e-3, 1e-3 * place, factor * drawn[0, place]) for place, factor in enumerate(shifted)
+    ]
+    return pd.concat(
+        pd.DataFrame(
+            {
+                "rock": "slate",
+                "wavelength": wavelength,
+                "shift": shift,
+                "cycle": 1,
+                "max_closure_seated_net": values,
+                "mean_aperture_at_seating": 5e-4,
+            }
+        )
+        for wavelength, shift, values in conditions
+    )
+
+
+def test_the_shift_that_unmates_is_between_those_about_the_criterion():
+    run = made_up([1.0, 0.5, 0.8, 1.0], 1e-9)
+    (row,) = independence_table(run, 0.1, 1).itertuples()
+    assert row.shift_mm == pytest.approx(1.5)
+    assert row.low == pytest.approx(row.high)
+    # in mean apertures of independent walls, 0.5 mm
+    assert row.apertures == pytest.approx(3.0)
+    never = made_up([1.0, 0.5, 0.6, 0.7], 1e-9)
+    assert independence_table(never, 0.1, 1).shift_mm.item() == np.inf
+
+
+def test_the_interval_of_that_shift_covers_it():
+    held = []
+    for factor in np.linspace(0.97, 1.03, 9):
+        run = made_up([1.0, 0.5, 0.8 * factor, 1.1], 0.15)
+        (row,) = independence_table(run, 0.1, 1).itertuples()
+        true = 1.0 + (0.9 - 0.8 * factor) / (1.1 - 0.8 * factor)
+        held.append(row.low <= true <= row.high)
+        assert row.low < row.shift_mm < row.high
+    assert np.mean(held) >= 0.75

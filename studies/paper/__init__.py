@@ -1,0 +1,1 @@
+"""The study of Rezaei Niya & Selvadurai: tables, claims, figures and report."""

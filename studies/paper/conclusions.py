@@ -1,0 +1,168 @@
+"""Conclusions of the paper that stand, fall, or depend on what the paper leaves open."""
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
+from studies.paper.claims.table import CLAIMS, Claim
+
+DEPENDS = "depends on what is unstated"
+"""Conclusion that is true under some readings or choices, and false under others."""
+ONLY_CONFIGURED = {
+    verdict: f"{verdict} as configured" for verdict in (STANDS, FALLS, NO_DIFFERENCE)
+}
+"""Conclusions for which no reading of all rocks and no choice was tried, which is no agreement."""
+JUDGED_ELSEWHERE = "judged elsewhere"
+"""Conclusion that a sensitivity study cannot judge."""
+UNJUDGED = frozenset(claim.number for claim in CLAIMS if claim.statement is None)
+"""Numbers of claims that a sensitivity study cannot judge."""
+
+NEARLY_ALL = 0.9
+"""Share of the open choices that must agree with a verdict for it to be independent of them."""
+
+FOUND = ("found_share", "found_error", "found_low", "found_high")
+"""Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
+SHARES = ("share", "share_error", "share_low", "share_high")
+"""Columns of the share of choices, here with the prefix ``choices_``."""
+COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": UNDECIDED}
+_RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
+"""Order of verdicts on a claim: the verdict on more rocks never has the higher rank."""
+
+_MOST_NAMED = 3
+
+
+def conclusion_table(
+    claims: pd.DataFrame,
+    jrc_range: pd.DataFrame | None = None,
+    readings: pd.DataFrame | None = None,
+    choices: pd.DataFrame | None = None,
+    margins: pd.DataFrame | None = None,
+) -> pd.DataFrame:
+    """Tabulate the evidence for each claim, and the conclusion.
+
+    Parameters
+    ----------
+    claims : DataFrame
+        Claims of the study, as from `studies.paper.judged_claims`.
+    jrc_range : DataFrame, optional
+        How often studies confirm each claim if a JRC is known to a range only.
+    readings : DataFrame, optional
+        Verdicts under readings of the paper. Readings that contradict its text do not count. A
+        reading of only some rocks can contradict a claim about all rocks, but not confirm it.
+    choices, margins : DataFrame, optional
+        Shares of the open choices of `make global-sensitivity`, and inputs that affect margins.
+
+    Returns
+    -------
+    DataFrame
+        A row per claim: ``number``, ``claim``, ``section``, ``verdict`` as configured, `FOUND` of
+        studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
+        numbers of readings by verdict (`COUNTS`) of all rocks (``readings_stand`` and so on) and
+        of some rocks (``partial_stand`` and so on); ``opposed_by`` and ``opened_by`` (titles of
+        readings that contradict the verdict, and that leave it open); ``choices_share`` with its
+        error and interval (in all rocks at once); ``moved_by``, the input with the largest effect
+        on the margin, and its share of the margin's variance; and the ``conclusion``. This is the
+        verdict if no reading contradicts it and the interval of the share of agreeing choices is
+        above `NEARLY_ALL`; `DEPENDS` if a reading contradicts it or this interval is below
+        `NEARLY_ALL`; "undecided" if this is the verdict, or the interval contains
+        `NEARLY_ALL`; and `ONLY_CONFIGURED` if neither readings nor choices were tried.
+    """
+    rows = []
+    for claim in claims.itertuples():
+        row = {"number": claim.number, "claim": claim.claim, "verdict": claim.verdict}
+        row["section"] = getattr(claim, "section", "")
+        row |= {name: getattr(claim, name) for name in FOUND}
+        row |= _of_jrc(claim.number, jrc_range) | _of_readings(claim, readings)
+        row |= _of_choices(claim.number, choices, margins)
+        rows.append(row | {"conclusion": _conclusion(row)})
+    return pd.DataFrame(rows)
+
+
+def _of_jrc(number: str, jrc_range: pd.DataFrame | None) -> dict:
+    if jrc_range is None:
+        return dict.fromkeys((f"jrc_{name}" for name in ("half_width", *FOUND)), np.nan)
+    rows = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
+    widest = rows.sort_values("half_width").reindex(columns=["half_width", *FOUND])
+    last = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
+    return {f"jrc_{name}": last[name] for name in widest.columns}
+
+
+def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
+    """Return verdicts of the readings that the paper allows."""
+    column = f"claim {claim.number}"
+    if readings is None or column not in readings:
+        counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
+        return dict.fromkeys(counts, np.nan) | {"opposed_by": "", "opened_by": ""}
+    allowed = readings[readings.allowed]
+    verdicts = allowed[column]
+    whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
+    here, there = _RANKS.get(claim.verdict, np.nan), verdicts.map(_RANKS)
+    opposed = (there < here) | (whole & (there > here))
+    opened = (verdicts == UNDECIDED) & (claim.verdict != UNDECIDED)
+    return {
+        f"{kind}_{name}": int((verdicts[selected] == verdict).sum())
+        for kind, selected in (("readings", whole), ("partial", ~whole))
+        for name, verdict in COUNTS.items()
+    } | {
+        "opposed_by": _named(allowed.title[opposed].tolist()),
+        "opened_by": _named(allowed.title[opened].tolist()),
+    }
+
+
+def _named(titles: list[str]) -> str:
+    named = "; ".join(titles[:_MOST_NAMED])
+    rest = len(titles) - _MOST_NAMED
+    return f"{named}; {rest} more" if rest > 0 else named
+
+
+def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
+    """Return the share of the choices for which a claim is true in all rocks at once.
+
+    For a claim on several cycles it is that of the cycle with the smallest one.
+    """
+    claim = next(claim for claim in CLAIMS if claim.number == number)
+    rows = _rows_of(choices, claim)
+    answer: dict = {f"choices_{name}": np.nan for name in SHARES} | {"moved_by": ""}
+    together = rows[rows.rock == "all"]
+    if together.empty:
+        return answer
+    least = together.loc[together.share.idxmin()]
+    share, error, low, high = least[list(SHARES)]
+    if claim.negated:
+        share, low, high = 1.0 - share, 1.0 - high, 1.0 - low
+    columns = (f"choices_{name}" for name in SHARES)
+    answer |= zip(columns, (share, error, low, high), strict=True)
+    moved = _rows_of(margins, claim).dropna(subset="share")
+    moved = moved[moved.cycle == least.cycle]
+    if len(moved):
+        most = moved.groupby("title", sort=False).share.mean().idxmax()
+        shares = 100.0 * moved.share[moved.title == most]
+        answer["moved_by"] = f"{most} ({shares.min():.0f} to {shares.max():.0f} %)"
+    return answer
+
+
+def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
+    """Return the rows of a claim in a table of the study of global sensitivity."""
+    if table is None or claim.statement is None:
+        return pd.DataFrame(columns=["rock", "cycle", "title", *SHARES])
+    here = (table.number == claim.statement.number) & (table.response == claim.variable)
+    return table[here & table.cycle.isin(claim.cycles)]
+
+
+def _conclusion(row: dict) -> str:
+    verdict = row["verdict"]
+    if row["number"] in UNJUDGED:
+        return JUDGED_ELSEWHERE
+    if verdict == UNDECIDED:
+        return UNDECIDED
+    if row["opposed_by"]:
+        return DEPENDS
+    low, high = row["choices_share_low"], row["choices_share_high"]
+    if np.isnan(low):
+        tried = sum(row[f"readings_{name}"] for name in COUNTS) > 0
+        return verdict if tried else ONLY_CONFIGURED[verdict]
+    if verdict != STANDS:
+        low, high = 1.0 - high, 1.0 - low
+    if high < NEARLY_ALL:
+        return DEPENDS
+    return verdict if low >= NEARLY_ALL else UNDECIDED

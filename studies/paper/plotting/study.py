@@ -1,0 +1,369 @@
+"""Figures of a study; results are computed in `jointclosure.sensitivity`."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.patheffects import withStroke
+
+from jointclosure.engine.aggregation import since_seating, since_start, succeeded
+from jointclosure.joint.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
+from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
+from jointclosure.parameters.titles import PARAMETER_TITLES, PROPERTIES
+from jointclosure.plotting.scanned_joint import map_extent
+from jointclosure.plotting.style import (
+    key,
+    keys_of,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+    subplots,
+)
+from studies.frame.config.typed import StudyRock
+from studies.paper.plotting.measured import Measurements, draw_measured, measured_handles
+from studies.paper.sensitivity_tables import UNPAIRED_TEST, roughness_title, test_name
+
+_COLOURS = sns.color_palette("colorblind", 8)
+MOST_DRAWN = 500
+"""Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
+_FEW_LINES = 20
+"""Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
+_LAW_POINTS = 200
+"""Stresses at which an empirical law is drawn."""
+_LEGEND_WIDTH = 4.2
+"""Width of the longest entry of a legend below panels [inches]."""
+_OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
+
+
+def _surfaces(study: xr.Dataset) -> str:
+    number = study.sizes["realization"]
+    return "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
+
+
+@styled
+def equivalent_stress() -> Figure:
+    """Draw the maximum of Eq. (21) over Poisson's ratio, with Eq. (23)."""
+    ratios = np.linspace(0.0, 0.5, 101)
+    depths = np.linspace(0.2, 0.8, 6001)
+    along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
+    figure, axes = subplots(figsize=(5.2, 3.8))
+    axes.plot(ratios[::5], along.max(axis=1), "o", label="maximum of Eq. (21)", zorder=3)
+    fit = [strength_factor(nu) for nu in ratios]
+    axes.plot(ratios, fit, "-", color="0.3", label="Eq. (23), the paper's fit")
+    axes.set(
+        xlabel="Poisson's ratio ν", ylabel="maximum equivalent stress / $p_0$", xlim=(-0.01, 0.51)
+    )
+    axes.legend(frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+@styled
+def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
+    """Draw both walls (y, x) [m], and the opening at first touch."""
+    extent = map_extent(upper.shape, spacing)
+    figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
+    summed = 1e3 * (upper + lower)
+    reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
+    for axes, field, name in zip(
+        panels[:2], (upper, lower), ("upper wall", "lower wall"), strict=True
+    ):
+        image = axes.imshow(
+            1e3 * field, origin="lower", extent=extent, cmap="cividis", vmin=-reach, vmax=reach
+        )
+        axes.set(title=name, xlabel="x (mm)")
+    bar: dict[str, Any] = {"location": "bottom", "aspect": 30}
+    label = "height towards the other wall (mm)"
+    figure.colorbar(image, ax=panels[:2], label=label, shrink=0.4, **bar)
+    image = panels[2].imshow(summed.max() - summed, origin="lower", extent=extent, cmap="mako")
+    y, x = np.unravel_index(np.argmax(summed), summed.shape)
+    panels[2].plot(
+        1e3 * (x + 0.5) * spacing, 1e3 * (y + 0.5) * spacing, "o", mfc="none", mec="red", ms=9
+    )
+    panels[2].set(title="opening at first touch (circle)", xlabel="x (mm)")
+    figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
+    panels[0].set_ylabel("y (mm)")
+    figure.suptitle(title)
+    return figure
+
+
+def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
+    """Return net closures since seating [m], or gross ones since the start of each cycle."""
+    return since_start(base) if seating_stress is None else since_seating(base)
+
+
+def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
+    """Return the realisation closest (RMS) to the mean curve of the first cycle.
+
+    It is the first realisation if no curve has a point beyond the seating stress. Without one,
+    curves are gross and count from first touch.
+    """
+    base = study.sel(case=case).where(succeeded(study).sel(case=case))
+    curves = _curves(base, seating_stress).isel(cycle=0)
+    curves = curves.where(curves.stress > (seating_stress or 0.0))
+    distance = ((curves - curves.mean("realization")) ** 2).mean(("branch", "stress"))
+    return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
+
+
+@styled
+def closure_figure(
+    study: xr.Dataset,
+    rocks: dict[str, StudyRock],
+    seating_stress: float | None,
+    strength_ratio: float,
+    measured: Measurements = Measurements(),
+) -> Figure:
+    """Draw closure curves of each rock's base case.
+
+    As in the paper's Fig. 5, they are gross and count from first touch, later cycles from their
+    start. As in laboratories, they are net of the half-spaces and count from seating.
+
+    Parameters
+    ----------
+    study : Dataset
+        As from `jointclosure.engine.aggregation.join_cases`.
+    rocks : dict
+        By name, in order.
+    seating_stress : float or None
+        Stress from which closure of each cycle counts [Pa], as in laboratories; None for the
+        paper's figure.
+    strength_ratio : float
+        sigma_c/JCS of the Barton-Bandis law, drawn if it is valid. The law counts from zero stress,
+        and since seating it is drawn less its closure there.
+    measured : Measurements
+        Measured curves, and the realisations that fit them best; drawn since seating only.
+    """
+    columns = min(2, len(rocks))
+    rows = -(-len(rocks) // columns)
+    cycles = [int(c) for c in study.cycle.values]
+    split = [cycles[:1], cycles[1:]] if len(cycles) > 1 else [cycles]
+    widths = [1.7, 1.0][: len(split)] * columns
+    figure, panels = subplots(
+        rows, len(widths), figsize=(5.6 * columns, 4.2 * rows),
+        squeeze=False, width_ratios=widths, sharey="row",
+    )  # fmt: skip
+    for part in range(len(split)):  # the same range of closure for all rocks
+        for axes in panels[:, part :: len(split)].flat[1:]:
+            axes.sharex(panels[0, part])
+    for axes in panels.flat[len(rocks) * len(split) :]:
+        axes.set_visible(False)
+    lawful = False
+    measured = Measurements() if seating_stress is None else measured
+    for number, (name, rock) in enumerate(rocks.items()):
+        first = divmod(number, columns)
+        lawful |= law_holds(rock.jrc) and not rock.walls
+        for part, shown in enumerate(split):
+            axes = panels[first[0], first[1] * len(split) + part]
+            title = _draw_rock(
+                axes, study, name, rock, shown, seating_stress, strength_ratio, measured
+            )
+            axes.set_title(title if part == 0 else _cycles_in_words(shown))
+            if part:
+                axes.set(xlabel="the same (mm)", ylabel="")
+            axes.tick_params(labelleft=part == 0)
+    handles: list[Artist] = [key(f"cycle {c}", color=_colour(c), lw=2) for c in cycles]
+    handles += [
+        key(color="0.5", lw=2, label="surface closest to the mean, loading"),
+        key(color="0.5", lw=2, ls="--", label="the same, unloading"),
+        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
+        Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
+    ]
+    if lawful:
+        unchecked = [f"cycle {cycle}" for cycle in cycles if cycle in UNCHECKED]
+        label = "Barton-Bandis law (empirical, mated joints)"
+        if unchecked:
+            label += f",\nconstants of {', '.join(unchecked)} unchecked"
+        handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
+    handles += measured_handles(measured)
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
+    if columns == 1:  # one rock: the legend is in the place of a second rock
+        figure.set_figwidth(2 * figure.get_figwidth())
+        place = {"loc": "outside right center"}
+    figure.legend(handles=handles, frameon=False, **place)
+    sns.despine(figure)
+    return figure
+
+
+def _draw_rock(
+    axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
+    seating_stress: float | None, strength_ratio: float, measured: Measurements,
+) -> str:  # fmt: skip
+    """Draw some cycles of a rock's base case in a panel, and return its title."""
+    case = study.case[(study.rock == name) & (study.parameter == "base")].item()
+    chosen = closest_to_mean(study, case, seating_stress)
+    base = study.sel(case=case).where(succeeded(study).sel(case=case))
+    for cycle in cycles:
+        _draw_cycle(axes, base, cycle, chosen, seating_stress)
+    if not rock.walls and law_holds(rock.jrc):
+        first = seating_stress or 0.0
+        stress = np.linspace(first, max(first, float(study.stress.max())), _LAW_POINTS)
+        for cycle in set(cycles) & set(CYCLES):
+            law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
+            closure = 1e3 * (law.closure(stress) - law.closure(first))
+            axes.plot(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+    if seating_stress is None:
+        fitted, closure_of = "", "gross closure since the start of the cycle (mm)"
+    else:
+        fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
+        closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
+    axes.set(
+        ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
+        xlabel=closure_of,
+        ylabel="normal stress (MPa)",
+    )
+    return (
+        f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{_assumed(rock)}{fitted}"
+    )
+
+
+def _colour(cycle: int):
+    return _COLOURS[(cycle - 1) % len(_COLOURS)]
+
+
+def _cycles_in_words(cycles: list[int]) -> str:
+    return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
+
+
+def _draw_cycle(
+    axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None
+) -> None:
+    """Draw every surface, the band, and the surface closest to the mean."""
+    faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
+    stress = 1e-6 * base.stress.values
+    curves, first = _curves(base, seating_stress).sel(cycle=cycle), seating_stress or 0.0
+    colour = _colour(cycle)
+    left = base["residual_closure" if seating_stress is None else "residual_closure_seated_net"]
+    ends = {"loading": 0.0 * left, "unloading": left}  # loading starts without closure
+    for branch, end in ends.items():
+        every = 1e3 * curves.sel(branch=branch)
+        shown = (stress > 1e-6 * first) & np.isfinite(every.values).any(axis=0)
+        at_end = 1e3 * end.sel(cycle=cycle).values
+        x = np.column_stack([at_end, every.values[:, shown]])
+        y = np.append(1e-6 * first, stress[shown])
+        if branch == "loading":
+            mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
+            axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
+        axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
+        style = "-" if branch == "loading" else "--"
+        line = x[int(np.flatnonzero(base.realization.values == chosen)[0])]
+        axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
+
+
+def _assumed(rock: StudyRock) -> str:
+    if not rock.max_normal_stress_is_assumed:
+        return ""
+    return f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
+
+
+@styled
+def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
+    """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
+    parameters = list(dict.fromkeys(table.parameter))
+    cycles = sorted(table.cycle.unique())
+    figure, panels = panel_grid(len(cycles), len(parameters), (3.1, 2.9), sharex=True)
+    names = list(rocks)
+    for row, cycle in zip(panels, cycles, strict=True):
+        for axes, parameter in zip(row, parameters, strict=True):
+            part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
+            _draw_intervals(axes, part.reindex(names))
+            axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
+    handles: list[Artist] = [
+        point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
+        point_key("the same, extrapolated root", mfc="none", color="C0"),
+        point_key("net of bulk indentation", "s", color="C2", ms=4),
+        point_key("no real root", "x", color="0.4"),
+        key("bar extends beyond the panel", marker="^", color="C0"),
+    ]
+    if "paper_length" in table:
+        handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
+        handles.append(point_key("no real root in the paper", "x", color="C1"))
+    width = max(figure.get_figwidth(), _LEGEND_WIDTH)
+    figure.set_figwidth(width)
+    legend_below(figure, handles, int(width / _LEGEND_WIDTH))
+    sns.despine(figure)
+    return figure
+
+
+def _draw_intervals(axes, part: pd.DataFrame) -> None:
+    drawn = part.columns.intersection(["length", "length_net", "paper_length"])
+    highest = np.nanmax(part[drawn].to_numpy(dtype=float), initial=0.0)
+    top = 1.35 * highest if highest > 0.0 else 1.0
+    for i, row in enumerate(part.itertuples()):
+        if pd.isna(row.unit):  # the parameter is not varied for that rock
+            continue
+        if pd.notna(getattr(row, "paper_length", np.nan)):
+            axes.plot(i + 0.22, row.paper_length, "D", color="C1", ms=5)
+        elif getattr(row, "in_paper", False):
+            axes.plot(i + 0.22, 0.97 * top, "x", color="C1")
+        if pd.isna(row.length):
+            axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
+        else:
+            axes.plot(
+                [i - 0.12] * 2, [row.length_low, min(row.length_high, top)], color="C0", lw=1.0
+            )
+            if row.length_high > top:  # the bar extends beyond the panel
+                axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
+            fill = "none" if row.extrapolated else "C0"
+            axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
+        if pd.notna(row.length_net):
+            axes.plot(i + 0.05, row.length_net, "s", color="C2", ms=4)
+    axes.set_ylim(0.0, top)
+    axes.set_xlim(-0.6, len(part) - 0.4)
+
+
+@styled
+def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
+    """Draw mean maximum closure over each parameter, relative to the base case.
+
+    Parameters
+    ----------
+    closures : DataFrame
+        As from `studies.paper.responses.max_closure_table`.
+    study : Dataset
+        Study with the parameters of the cases.
+    rocks : dict
+        Rocks by name, in order.
+    """
+    parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
+    cycles = sorted(closures.cycle.unique())
+    figure, panels = panel_grid(
+        len(cycles), len(parameters), (3.1, 2.8), sharex="col", sharey="row"
+    )
+    values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
+    for row, cycle in zip(panels, cycles, strict=True):
+        for axes, parameter in zip(row, parameters, strict=True):
+            for i, (name, rock) in enumerate(rocks.items()):
+                part = closures[
+                    (closures.rock == name)
+                    & (closures.cycle == cycle)
+                    & closures.parameter.isin([parameter, "base"])
+                ]
+                if len(part) < 2:
+                    continue
+                at = part.case.map(values[parameter]).to_numpy()
+                order = np.argsort(at)
+                base = at[(part.parameter == "base").to_numpy()][0]
+                mean = part.max_closure_mean_mm.to_numpy()[order]
+                net = part.max_closure_net_mean_mm.to_numpy()[order]
+                error = part.max_closure_mean_mm_standard_error.to_numpy()[order]
+                axes.errorbar(
+                    at[order] / base, mean, error, fmt="o-", color=f"C{i}", ms=4, capsize=2,
+                    label=f"{rock.title}, ± standard error",
+                )  # fmt: skip
+                axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            if cycle == cycles[-1]:
+                axes.set_xlabel("value / the rock's value")
+        row[0].set_ylabel("mean maximum closure (mm)")
+    net = key("net of bulk indentation", color="0.4", ls="--", lw=1.0)
+    legend_below(figure, [*keys_of([panels[0][0]]), net], max(1, len(parameters)))
+    sns.despine(figure)
+    return figure

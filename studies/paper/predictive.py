@@ -1,0 +1,330 @@
+"""Predicted distributions of Table 3 over repetitions of the study, and tests of the paper's table.
+
+Repetitions are drawn from a pool (`jointclosure.statistics.drawn_studies`): n surfaces for every
+level, independently, as in the paper. The null model is a rock whose parameters have no effect:
+every level draws from the base case.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.parameters.titles import PARAMETERS, PROPERTIES
+from jointclosure.statistics.drawn_studies import (
+    RESAMPLED_POOLS,
+    Design,
+    DrawnResponse,
+    draw_studies,
+    pool_error,
+    repetitions_of_pool,
+    resampled_pools,
+    without_effect,
+)
+from jointclosure.statistics.joint_tests import joint_test, p_of_table
+from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
+from jointclosure.statistics.randomness import generator, seed_of
+from studies.paper.claims.findings import TARGET
+from studies.paper.intervals import UNPAIRED
+from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
+
+Entry = tuple[str, str, int]
+"""Rock, parameter, cycle."""
+Lengths = dict[Entry, np.ndarray]
+
+_NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
+"""Parameters whose first-cycle entries are tested together for any effect beyond noise."""
+
+
+AGAIN = 16
+"""Sets of further repetitions from the pool itself, for the scatter of p by repetitions. Eight of
+them have as many repetitions as the first set."""
+
+
+class Predictive(NamedTuple):
+    """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
+
+    The first of ``model`` and ``null`` is drawn from the pool itself. The others are drawn from
+    resampled pools, with fewer repetitions, for the error of probabilities and medians due to the
+    pool. ``twice`` has further repetitions of the resampled pools, ``same`` of the pool itself, as
+    many a set. ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of
+    each rock in the pool.
+    """
+
+    model: list[Lengths]
+    null: list[Lengths]
+    bases: dict[Entry, float]
+    pool: dict[str, int]
+    twice: Sequence[Lengths] = ()
+    same: Sequence[Lengths] = ()
+
+    @property
+    def lengths(self) -> Lengths:
+        """Lengths of the model from the pool itself."""
+        return self.model[0]
+
+
+def predictive(
+    ensemble: xr.Dataset,
+    design: Design,
+    repetitions: int,
+    root_seed: int,
+    pools: int = RESAMPLED_POOLS,
+) -> Predictive:
+    """Draw repetitions of the study from a pool.
+
+    Parameters
+    ----------
+    ensemble : Dataset
+        The pool, or the study itself if it has none.
+    design : Design
+        Number of surfaces that a study draws, and its test.
+    root_seed : int
+        Root seed of the study; the draws have separate streams.
+    pools : int
+        Number of pools resampled from this one.
+    """
+    samples = maximum_closures(ensemble)
+    pool = sensitivities(samples)
+    cycles = [int(cycle) for cycle in ensemble.cycle.values]
+
+    def drawn(which, times: int, random: np.random.Generator) -> Lengths:
+        return entries(draw_studies(which, design, times, random), cycles)
+
+    def stream(name: str) -> np.random.Generator:
+        return generator(seed_of(root_seed, "predictive", name))
+
+    random, times = stream("pools"), repetitions_of_pool(repetitions)
+    again, twice = stream("again"), []
+    model = [drawn(pool, repetitions, stream("model"))]
+    null = [drawn(without_effect(pool), repetitions, stream("null"))]
+    for sample in resampled_pools(pool, random, pools):
+        model.append(drawn(sample, times, random))
+        null.append(drawn(without_effect(sample), times, random))
+        twice.append(drawn(sample, times, again))
+    return Predictive(
+        model,
+        null,
+        {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles},
+        {sample.rock: sample.values.shape[-1] for sample in samples},
+        twice,
+        [drawn(pool, times, again) for _ in range(AGAIN if pools else 0)],
+    )
+
+
+def median_pool_error(lengths: Predictive, entry: Entry) -> float:
+    """Return the standard error of a median length [SI] due to the pool; NaN if infinite."""
+    medians = [length_distribution(resampled[entry]).median for resampled in lengths.model[1:]]
+    return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
+
+
+def _with_pool(error: float, shares: list[float], repetitions: int) -> float:
+    """Return the standard error of a probability, due to the repetitions and the pool."""
+    of_pool = float(pool_error(shares, repetitions)) if len(shares) > 1 else 0.0
+    return float(np.hypot(error, of_pool))
+
+
+def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
+    """Return maximum closures of all rocks with at least two successful surfaces in every case."""
+    samples = [
+        rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)
+    ]
+    return [sample for sample in samples if sample.levels and sample.values.shape[-1] > 1]
+
+
+def entries(drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]) -> Lengths:
+    """Return lengths (R,) by entry of Table 3; the first targets are maximum closures by cycle."""
+    return {
+        (rock, parameter, cycle): response.lengths[:, i]
+        for (rock, parameter), response in drawn.items()
+        for i, cycle in enumerate(cycles)
+    }
+
+
+def lengths_dataset(lengths: Predictive) -> xr.Dataset:
+    """Return all drawn lengths (entry, repetition) in percent of the rock's value, for figures.
+
+    ``percent`` is that of the model, ``null_percent`` that of the null model; infinite for no root.
+    """
+    keys = list(lengths.lengths)
+    variables = {}
+    for name, drawn, text in (
+        ("percent", lengths.lengths, "length of the indifference interval"),
+        ("null_percent", lengths.null[0], "the same where no parameter has an effect"),
+    ):
+        rows = [100.0 * drawn[key] / abs(lengths.bases[key]) for key in keys]
+        repetitions = next(iter(drawn.values())).size if keys else 0
+        values = np.array(rows).reshape(len(keys), repetitions).astype(np.float32)
+        about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
+        variables[name] = (("entry", "repetition"), values, about)
+    columns = zip(*keys, strict=True) if keys else ((), (), ())
+    coordinates = {
+        name: ("entry", np.array(column, dtype=object if name != "cycle" else int))
+        for name, column in zip(("rock", "parameter", "cycle"), columns, strict=True)
+    }
+    return xr.Dataset(variables, coords=coordinates)
+
+
+def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate each entry's distribution over repetitions, with the paper's value.
+
+    Parameters
+    ----------
+    paper : DataFrame
+        The paper's Table 3.
+
+    Returns
+    -------
+    DataFrame
+        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite if too
+        many repetitions have no root. ``median_error`` is due to the number of repetitions,
+        ``median_pool_error`` due to that of the pool's surfaces; the ranges include the latter.
+        ``p``: two-sided, of the paper's entry; ``null_p``: probability of a length as short as
+        the paper's if the parameter has no effect. Errors of probabilities are due to both
+        repetitions and pool. Other rocks have no columns of the paper.
+    """
+    published = _published(paper)
+    rows = []
+    for entry, lengths in lengths_of_studies.lengths.items():
+        rock, parameter, cycle = entry
+        unit, base = PROPERTIES[parameter], lengths_of_studies.bases[entry]
+        summary = length_distribution(lengths)._asdict()
+        share = summary.pop("share_without_root")
+        row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
+        row["test"] = UNPAIRED
+        row |= {
+            "base": base / unit.size,
+            "pool": lengths_of_studies.pool[rock],
+            "repetitions": lengths.size,
+        }
+        row |= {name: value / unit.size for name, value in summary.items()}
+        row["median_percent"] = 100.0 * summary["median"] / base if base else np.nan
+        row["median_error"] = _median_error(lengths) / unit.size
+        row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
+        resampled = [lengths[entry] for lengths in lengths_of_studies.model[1:]]
+        shares = [float(np.isinf(lengths).mean()) for lengths in resampled]
+        times = resampled[0].size if resampled else 0
+        error = _with_pool(_error(share, lengths.size), shares, times)
+        row |= {"share_without_root": share, "share_error": error}
+        row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
+        if entry in published:
+            row |= _of_paper(published[entry], entry, lengths_of_studies, unit.size)
+        rows.append(row)
+    return pd.DataFrame(rows, columns=None if rows else ["rock", "parameter", "cycle"])
+
+
+def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size: float) -> dict:
+    row = {"paper_length": length}
+    for prefix, drawn, probability, sides in (
+        ("", lengths_of_studies.model, two_sided_p, 2.0),
+        ("null_", lengths_of_studies.null, share_as_short, 1.0),
+    ):
+        of_pool, *resampled = (lengths[entry] for lengths in drawn)
+        p = probability(of_pool, length * size)
+        again = [probability(lengths, length * size) for lengths in resampled]
+        error = sides * _error(p / sides, of_pool.size)
+        row[f"{prefix}p"] = p
+        row[f"{prefix}p_error"] = _with_pool(error, again, resampled[0].size if again else 0)
+    return row
+
+
+def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
+
+    ``p`` is the share of repetitions that are equally or less likely, ``null_p`` the same for the
+    null model; dashes count with their probability. Errors of both are due to repetitions and pool
+    together, ``p_pool_error`` to the pool alone. The scatter of ``p`` by repetitions is that of
+    further repetitions of the same pools: as densities are estimated from them, it is more than
+    binomial, which is taken for ``null_p``. The table is empty without rocks of the paper.
+    """
+    published = {
+        entry: length
+        for entry, length in _published(paper).items()
+        if entry in lengths_of_studies.lengths
+    }
+    rows = []
+    for group, chosen in _groups(list(published)).items():
+        observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
+        row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
+        for prefix, drawn, drawn_twice, drawn_same in (
+            ("", lengths_of_studies.model, lengths_of_studies.twice, lengths_of_studies.same),
+            ("null_", lengths_of_studies.null, (), ()),
+        ):
+            (lengths, *resampled), twice, same = (
+                _tables(sets, chosen) for sets in (drawn, drawn_twice, drawn_same)
+            )
+            if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
+                continue
+            test = joint_test(lengths, observed)
+            shares, again = (_p_of_tables(sets, observed) for sets in (resampled, twice))
+            times = len(resampled[0]) if resampled else 0
+            of_pool = float(pool_error(shares, times, again)) if len(shares) > 1 else 0.0
+            of_repetitions = _error_of_repetitions(test.p, len(lengths), same, observed)
+            row |= {
+                f"{prefix}log_likelihood": test.log_likelihood,
+                f"{prefix}log_likelihood_error": test.standard_error,
+                f"{prefix}p": test.p,
+                f"{prefix}p_error": float(np.hypot(of_repetitions, of_pool)),
+                f"{prefix}p_pool_error": of_pool,
+            }
+        rows.append(row)
+    columns = ["entries", "number", "dashes"]
+    columns += [
+        f"{prefix}{name}"
+        for prefix in ("", "null_")
+        for name in ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error")
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _tables(drawn: Sequence[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
+    return [np.stack([lengths[entry] for entry in chosen], axis=1) for lengths in drawn]
+
+
+def _p_of_tables(sets: list[np.ndarray], observed: np.ndarray) -> list[float]:
+    return [np.nan if np.any(each == 0.0) else p_of_table(each, observed) for each in sets]
+
+
+def _error_of_repetitions(
+    p: float, repetitions: int, same: list[np.ndarray], observed: np.ndarray
+) -> float:
+    """Return the standard deviation of p over sets of so many repetitions of one pool."""
+    if not same:
+        return _error(p, repetitions)
+    joined = max(repetitions // len(same[0]), 1)
+    whole = [np.concatenate(same[i : i + joined]) for i in range(0, len(same), joined)]
+    return float(np.nanstd([p, *_p_of_tables(whole, observed)], ddof=1))
+
+
+def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
+    groups: dict[str, list[Entry]] = {"all": published}
+    cycles = sorted({cycle for _, _, cycle in published})
+    for cycle in cycles:
+        groups[f"cycle {cycle}"] = [e for e in published if e[2] == cycle]
+    groups["cycle 1 without JRC"] = [e for e in published if e[2] == 1 and e[1] in _NOISY]
+    for parameter in PARAMETERS:
+        for cycle in cycles:
+            name = f"{PROPERTIES[parameter].title}, cycle {cycle}"
+            groups[name] = [e for e in published if e[1:] == (parameter, cycle)]
+    return {name: chosen for name, chosen in groups.items() if chosen}
+
+
+def _published(paper: pd.DataFrame) -> dict[Entry, float]:
+    """Return the paper's lengths in the units of Table 1, NaN for a dash."""
+    return {
+        (row.rock, row.parameter, int(row.cycle)): float(row.paper_length)
+        for row in paper.itertuples()
+    }
+
+
+def _error(share: float, repetitions: int) -> float:
+    return float(np.sqrt(share * (1.0 - share) / repetitions))
+
+
+def _median_error(lengths: np.ndarray) -> float:
+    """Return half the range between quantiles one standard deviation of rank from the median."""
+    off = 0.5 / np.sqrt(lengths.size)
+    low, high = np.quantile(lengths, [0.5 - off, min(0.5 + off, 1.0)], method="nearest")
+    return float(0.5 * (high - low)) if np.isfinite(high) else np.inf

@@ -1,0 +1,178 @@
+"""Responses of closures to the parameters of a rock, from a study's dataset."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.aggregation import succeeded
+from jointclosure.engine.settings import BASE
+from jointclosure.parameters.titles import PARAMETERS
+from jointclosure.statistics.control_variates import fewest_surfaces
+from jointclosure.statistics.drawn_studies import Pool, Sensitivity
+from studies.frame.ensemble.covariates import Covariates
+
+
+class Response(NamedTuple):
+    """Target (level, realization) [m] as a function of one parameter of one rock, in SI.
+
+    Realisations that failed at any level are left out at all levels. ``paired``: whether a
+    realisation is the same surface at all levels. ``covariates`` (level, realization, covariate)
+    are those for the adjustment of means and deviations, or None.
+    """
+
+    rock: str
+    parameter: str
+    cycle: int
+    base: float
+    levels: np.ndarray
+    samples: np.ndarray
+    paired: bool
+    covariates: Covariates | None = None
+
+    @property
+    def means(self) -> np.ndarray:
+        return self.samples.mean(axis=1)
+
+    @property
+    def deviations(self) -> np.ndarray:
+        return self.samples.std(axis=1, ddof=1)
+
+
+class Levels(NamedTuple):
+    """Levels (k,) of one parameter of one rock [SI], ascending, and the cases that have them.
+
+    ``cases`` (k,) are the indices of the cases in the dataset; ``base`` is the rock's value.
+    """
+
+    values: np.ndarray
+    cases: np.ndarray
+    base: float
+
+
+class RockSample(NamedTuple):
+    """Targets (targets, cases, n) [m] of all cases of one rock.
+
+    Realisations that failed, or lack a target, in any of its cases are left out. ``names``
+    (targets) are pairs of a variable and a cycle. ``levels`` contains the varied parameters, with
+    their indices among these cases. ``paired`` as in `Response`.
+    """
+
+    rock: str
+    names: tuple[tuple[str, int], ...]
+    levels: dict[str, Levels]
+    values: np.ndarray
+    paired: bool
+
+    def target(self, variable: str, cycle: int) -> int:
+        """Return the index of a target in `names`."""
+        return self.names.index((variable, cycle))
+
+
+def rocks_of(study: xr.Dataset) -> list[str]:
+    """Return the rocks of a dataset, in its order."""
+    return list(dict.fromkeys(study.rock.values.tolist()))
+
+
+def levels_of(study: xr.Dataset, rock: str) -> dict[str, Levels]:
+    """Return the levels of every varied parameter of a rock, in the order of Table 3."""
+    of_rock = (study.rock == rock).values
+    base_case = of_rock & (study.parameter == BASE).values
+    levels = {}
+    for parameter in PARAMETERS:
+        varied = of_rock & (study.parameter == parameter).values
+        if varied.any():
+            index = np.flatnonzero(base_case | varied)
+            values = study[parameter].values[index]
+            order = np.argsort(values)
+            base = float(study[parameter].values[base_case][0])
+            levels[parameter] = Levels(values[order], index[order], base)
+    return levels
+
+
+def same_surfaces(study: xr.Dataset, rock: str) -> bool:
+    """Return whether a realisation has the same seed, thus the same surface, in all cases."""
+    seeds = study.seed.values[(study.rock == rock).values]
+    return seeds.ndim == 2 and bool((seeds == seeds[0]).all())
+
+
+def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
+    """Select covariates for a cycle; None if there are none, or too few values.
+
+    Parameters
+    ----------
+    covariates : Covariates or None
+        Covariates of a whole study.
+    chosen : tuple
+        Indices of cases and realisations, as for `numpy.ix_`.
+    """
+    if covariates is None:
+        return None
+    of_cycle = covariates.of_cycle(cycle)
+    values = of_cycle.values[chosen]
+    enough = values.shape[-2] >= fewest_surfaces(values.shape[-1])
+    return of_cycle._replace(values=values) if enough and np.isfinite(values).all() else None
+
+
+def responses(
+    study: xr.Dataset, target: str, covariates: Covariates | None = None
+) -> Iterator[Response]:
+    """Generate all responses of a target (a variable over case, realization, cycle).
+
+    ``covariates`` are those of the same study.
+    """
+    good = succeeded(study).values
+    for rock in rocks_of(study):
+        paired = same_surfaces(study, rock)
+        for parameter, levels in levels_of(study, rock).items():
+            kept = good[levels.cases].all(axis=0)
+            for cycle in study.cycle.values.tolist():
+                chosen = np.ix_(levels.cases, np.flatnonzero(kept))
+                samples = study[target].sel(cycle=cycle).values[levels.cases][:, kept]
+                yield Response(
+                    rock, parameter, int(cycle), levels.base, levels.values, samples, paired,
+                    adjustment(covariates, chosen, int(cycle)),
+                )  # fmt: skip
+
+
+def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
+    """Return targets of all cases of a rock, for realisations with all of them.
+
+    Parameters
+    ----------
+    variables : dict
+        Variables over (case, realization, cycle) of the dataset.
+    """
+    cases = np.flatnonzero((study.rock == rock).values)
+    names, values = [], []
+    for name, variable in variables.items():
+        part = variable.transpose("case", "realization", "cycle").values[cases]
+        names += [(name, int(cycle)) for cycle in study.cycle.values]
+        values += list(np.moveaxis(part, -1, 0))
+    kept = succeeded(study).values[cases].all(axis=0)
+    kept &= np.isfinite(values).all(axis=(0, 1))
+    place = {int(case): i for i, case in enumerate(cases)}
+    levels = {
+        parameter: levels._replace(cases=np.array([place[i] for i in levels.cases.tolist()]))
+        for parameter, levels in levels_of(study, rock).items()
+    }
+    return RockSample(
+        rock, tuple(names), levels, np.stack(values)[..., kept], same_surfaces(study, rock)
+    )
+
+
+def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivity]:
+    """Return pools for drawing studies, by (rock, parameter); targets of a case stay together.
+
+    Cases on the same surfaces have pools of one name, and are therefore resampled together.
+    """
+    by_parameter = {}
+    for sample in samples:
+        for parameter, levels in sample.levels.items():
+            pools = tuple(
+                Pool(sample.values[:, i], sample.rock if sample.paired else f"{sample.rock} {i}")
+                for i in levels.cases
+            )
+            by_parameter[sample.rock, parameter] = Sensitivity(levels.values, levels.base, pools)
+    return by_parameter

@@ -1,0 +1,346 @@
+"""Tables of a study as frames and texts; they compute nothing and write no files.
+
+Titles are words of the user: each kind of table escapes them.
+"""
+
+import re
+
+import pandas as pd
+
+from jointclosure.engine.settings import BASE, SIDES
+from jointclosure.parameters import Rock
+from jointclosure.parameters.titles import PARAMETERS, PROPERTIES, key_of
+from jointclosure.parameters.units import in_unit
+from jointclosure.statistics.standard_errors import rounded, significant
+from studies.frame.config.typed import StudyRock
+from studies.frame.ensemble.cases import base_case, level_names
+
+
+def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Make the paper's Table 1: rocks and their properties, with the maximum stress.
+
+    With a table of maximum closures it has the means [mm] of every cycle with standard errors.
+    """
+    rows = []
+    for name, rock in rocks.items():
+        row: dict[str, object] = {"rock": name, "title": rock.title}
+        row |= {
+            key_of(field): in_unit(getattr(rock.intact, field), PROPERTIES[field].unit)
+            for field in Rock._fields
+        }
+        if not rock.walls:
+            row["jrc"] = in_unit(rock.jrc, "1")
+        row["max_normal_stress_MPa"] = in_unit(rock.max_normal_stress, "MPa")
+        row["max_normal_stress_is_assumed"] = rock.max_normal_stress_is_assumed
+        if rock.measured:
+            row["measured"] = rock.measured.file
+        if rock.walls:
+            row |= {f"{side}_wall": getattr(rock.walls, side) for side in SIDES}
+        rows.append(row | _closures_of(closures, name, BASE, BASE))
+    return pd.DataFrame(rows).map(_plain_csv)
+
+
+def roughness_title(rock: StudyRock) -> str:
+    """Describe a rock's walls for a figure: their JRC, or measured walls."""
+    return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
+
+
+def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Make the paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
+    rows = []
+    for name, rock in rocks.items():
+        for parameter in (name for name in PARAMETERS if name in rock.levels):
+            levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
+            base = base_case(name, rock).property(parameter)
+            for level, value in zip(level_names(levels, base), levels, strict=True):
+                about = {"rock": name, "parameter": parameter, "level": level}
+                row = about | {"value": in_unit(value, unit), "unit": unit}
+                of = BASE if level == BASE else parameter
+                rows.append(row | _closures_of(closures, name, of, level))
+    columns = ["rock", "parameter", "level", "value", "unit"]
+    return pd.DataFrame(rows, columns=None if rows else columns)
+
+
+def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level: str) -> dict:
+    """Return mean maximum closures [mm] of a case by cycle, rounded to their standard errors."""
+    if closures is None:
+        return {}
+    case = (closures.rock == rock) & (closures.parameter == parameter) & (closures.level == level)
+    return {
+        f"max_closure_cycle_{row.cycle}_mm": row.max_closure_shown
+        for row in closures[case].itertuples()
+    }
+
+
+def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
+    """Add the paper's lengths to intervals, and whether it has that row.
+
+    A table of other rocks only is returned without such columns.
+    """
+    keys = ["rock", "parameter", "cycle"]
+    beside = intervals.merge(
+        paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True),
+        on=keys,
+        how="left",
+        validate="1:1",
+    )
+    beside["in_paper"] = beside.in_paper.eq(True)
+    return beside if beside.in_paper.any() else intervals
+
+
+def interval_text(
+    length: float, percent: float, mark: str = "", standard_error: float = float("nan")
+) -> str:
+    """Format an interval as in the paper: number and percentage, and a mark.
+
+    The number is rounded to its standard error, which is shown; to three digits without an error,
+    and to two if the error is infinite.
+    """
+    if pd.isna(length):
+        return "–"
+    known = 0.0 < standard_error < float("inf")
+    figures = 2 if standard_error == float("inf") else 3
+    number = rounded(length, standard_error) if known else significant(length, figures)
+    return f"{number}{mark} ({significant(percent, 2)}%)"
+
+
+def _mark(row: pd.Series, column: str) -> str:
+    """Return the mark of an interval: asterisk, dagger or double dagger.
+
+    Asterisk for a root outside the levels, dagger for a negative fitted deviation, double dagger
+    for a confidence interval without upper end.
+    """
+    if column in ("paper_", "unpaired_"):
+        return ""
+    endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
+    if "negative" in str(row.get(f"status{column}", "")):
+        return "†" + endless
+    return ("*" if row.get(f"extrapolated{column}", False) else "") + endless
+
+
+def closure_lines(closures: pd.DataFrame) -> list[str]:
+    """Describe mean net closures since seating, one sentence per rock, from `max_closure.csv`."""
+    name = "max_closure_seated_net_mean_mm"
+    base = closures[closures.parameter == BASE]
+    return [
+        f"{rock}: mean net closure since seating "
+        + ", ".join(
+            f"{rounded(row[name], row[f'{name}_standard_error'])} mm on cycle {row.cycle}"
+            for _, row in part.iterrows()
+        )
+        + f" ({int(part.samples.min())} joints)"
+        for rock, part in base.groupby("rock", sort=False)
+    ]
+
+
+def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
+    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As from `with_paper`.
+    titles : dict
+        Titles of the rocks, in order.
+    column : str
+        "" for this study, "_net" for this study net of bulk indentation, "unpaired_" for this
+        study by the published test for any draws, "paper_" for the paper.
+    """
+    length, percent = (
+        (f"{column}length", f"{column}percent")
+        if column.endswith("_")
+        else (f"length{column}", f"percent{column}")
+    )
+    texts = [
+        interval_text(
+            row[length],
+            row[percent],
+            _mark(row, column),
+            row.get(f"standard_error{column}", float("nan")),
+        )
+        for _, row in table.iterrows()
+    ]
+    return _by_cycle_and_rock(table.assign(text=texts), titles)
+
+
+def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFrame:
+    """Arrange column ``text``: parameters by (cycle, title of the rock), empty where missing."""
+    texts = table.set_index(["parameter", "cycle", "rock"]).text.to_dict()
+    rows = {
+        parameter: {
+            (cycle, title): texts.get((parameter, cycle, rock), "")
+            for cycle in sorted(table.cycle.unique())
+            for rock, title in titles.items()
+        }
+        for parameter in PARAMETERS
+        if (table.parameter == parameter).any()
+    }
+    return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) -> list[str]:
+    """Return lines of a table of elasticities with standard errors, rocks and cycles as columns."""
+    of = {rock: title for rock, title in titles.items() if (elasticities.rock == rock).any()}
+    frame = _by_cycle_and_rock(elasticities.assign(text=elasticities.elasticity_shown), of)
+    lines = ["**Elasticities**", "", *markdown_rows(frame), ""]
+    lines.append("d ln(mean maximum closure)/d ln(property), with standard errors.")
+    return [*lines, ""]
+
+
+def table_3_markdown(
+    table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
+) -> str:
+    """Return Table 3 of the study, the same net of bulk indentation, and the paper's, in Markdown.
+
+    With common draws elasticities come first, with the reason, and the table by the unpaired test
+    is added.
+    """
+    if table.empty:
+        return "No parameter is varied in this study: there is no indifference interval.\n"
+    test = test_name(table)
+    parts = [(f"This study, {test}", ""), (f"This study, net of bulk indentation, {test}", "_net")]
+    lines = []
+    if is_paired(table):
+        if elasticities is not None and len(elasticities):
+            lines += elasticities_markdown(elasticities, titles)
+        lines += [PAIRED_NOTE, ""]
+        parts.insert(1, (f"This study, {UNPAIRED_TEST} formula on common surfaces", "unpaired_"))
+    parts.append((f"The paper, {UNPAIRED_TEST}", "paper_"))
+    for heading, column in parts:
+        shown = table
+        if column == "paper_":
+            if "paper_length" not in table:
+                continue
+            shown = table[table.in_paper]
+        of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
+        lines += [f"**{heading}**", "", *markdown_rows(table_3(shown, of, column)), ""]
+    lines.append(_note(table, "√"))
+    return "\n".join(lines) + "\n"
+
+
+def markdown_rows(frame: pd.DataFrame) -> list[str]:
+    """Return rows in Markdown of a table of parameters by (cycle, rock)."""
+    names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
+    lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for parameter, row in frame.iterrows():
+        lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
+    return lines
+
+
+def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
+    """Return Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
+    if table.empty:
+        return "% No parameter is varied in this study: there is no indifference interval.\n"
+    titles = {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
+    frame = table_3(table, titles)
+    why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
+    cycles = sorted({cycle for cycle, _ in frame.columns})
+    words = {1: "First", 2: "Second", 3: "Third"}
+    heads = " & ".join(
+        rf"\multicolumn{{{len(titles)}}}{{c}}{{{words.get(c, f'Cycle {c}:')} loading cycle}}"
+        for c in cycles
+    )
+    names = " & ".join(_plain_latex(title) for _, title in frame.columns)
+    body = []
+    for parameter, row in frame.iterrows():
+        cells = [_latex(cell) for cell in row]
+        body.append(f"{PROPERTIES[parameter].latex} & " + " & ".join(cells) + r" \\")
+    return "\n".join(
+        [
+            r"\begin{table}",
+            rf"\caption{{Length of indifference intervals. {why}{_note(table, 'root ')}}}",
+            rf"\begin{{tabular}}{{l{'c' * len(frame.columns)}}}",
+            r"\toprule",
+            rf" & {heads} \\",
+            rf" & {names} \\",
+            r"\midrule",
+            *body,
+            r"\bottomrule",
+            r"\end{tabular}",
+            r"\end{table}",
+            "",
+        ]
+    )
+
+
+def _plain_latex(title: str) -> str:
+    """Escape a title for LaTeX."""
+    special = {character: f"\\{character}" for character in "&%$#_{}"}
+    special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    special |= {"\\": r"\textbackslash{}", "|": r"\textbar{}"}
+    special |= {"<": r"\textless{}", ">": r"\textgreater{}"}
+    return "".join(special.get(character, character) for character in _one_line(title))
+
+
+def _plain_markdown(title: str) -> str:
+    """Escape a title for a cell of a Markdown table."""
+    return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
+
+
+def _plain_csv(cell):
+    """Prefix a text that a spreadsheet would read as a formula with an apostrophe."""
+    if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return "'" + cell
+    return cell
+
+
+def _one_line(title: str) -> str:
+    return " ".join(title.split())
+
+
+def _latex(cell: str) -> str:
+    for plain, coded in (
+        ("±", r"$\pm$"),
+        ("%", r"\%"),
+        ("–", "--"),
+        ("*", "$^*$"),
+        ("†", r"$^\dagger$"),
+        ("‡", r"$^\ddagger$"),
+    ):
+        cell = cell.replace(plain, coded)
+    return cell
+
+
+PAIRED_NOTE = (
+    "The same surfaces were closed at every level (`draws: common`), so the test is the paired t "
+    "test: of the differences on the same surface. What surfaces have in common at all levels "
+    "cancels in these. Its lengths go to 0 as closures answer a change more smoothly, whatever the "
+    "rock: compare properties and rocks by elasticities, and no paired length with the paper's or "
+    "any other of an unpaired test. The unpaired test does not know what surfaces have in common, "
+    "and sees far less on such draws; its lengths stand beside because the paper's test is "
+    "unpaired, on independent draws."
+)
+"""Reason for the paired test in a table of common draws."""
+
+
+UNPAIRED_TEST = "unpaired t test"
+
+
+def test_name(table: pd.DataFrame) -> str:
+    """Return the name of the test of a table's lengths, for its title."""
+    return "paired t test on common surfaces" if is_paired(table) else UNPAIRED_TEST
+
+
+def is_paired(table: pd.DataFrame) -> bool:
+    """Return whether the intervals of a table are those of the paired test."""
+    return "test" in table and bool((table.test == "paired").any())
+
+
+def _note(table: pd.DataFrame, root: str) -> str:
+    fewest, most = int(table.samples.min()), int(table.samples.max())
+    samples = f"{most}" if fewest == most else f"{fewest} to {most} successful"
+    if is_paired(table):
+        test, size = "paired t test", ""
+        seen = "the paired test finds no significant change at any distance"
+    else:
+        test = "unpaired t test on independent draws, Eqs. (28) and (29)"
+        seen = "no real root; so many draws cannot tell any change from none, which there may be"
+        size = f" is close to t S {root}(2/n) / |slope| where the response is nearly linear: it"
+    return (
+        f"Lengths by the {test}, with bootstrap standard errors where they are finite. A dash: "
+        f"{seen}. With n = {samples} realisations a length{size} falls as one over the root of n: "
+        "it depends on the sample size as much as on the rock. An asterisk marks an extrapolated "
+        "root, beyond the levels tested (the paper has some too, unmarked); a dagger one where the "
+        "fitted deviation is negative, which means nothing; a double dagger one whose 95 % "
+        "confidence interval has no upper end."
+    )

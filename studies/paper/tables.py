@@ -1,0 +1,249 @@
+"""Tables of a study: covariates, correlations, intervals, predictions, claims, checks, layout."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Annotated
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.aggregation import CURVES
+from jointclosure.engine.settings import Grid, Surface
+from jointclosure.measured.curves import fit_table
+from jointclosure.parameters import Numerics
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.provenance import configuration_text
+from jointclosure.storage.text import read_csv, read_text
+from studies.frame.config.files import METHODS
+from studies.frame.config.typed import Statistics, StudyRock
+from studies.frame.config.wanted import Wanted, preset_errors
+from studies.frame.ensemble.checks import check_results as check
+from studies.frame.ensemble.covariates import (
+    Covariates,
+    as_dataset,
+    from_dataset,
+    known_covariates,
+)
+from studies.frame.ensemble.covariates import measure_covariates as measure
+from studies.frame.ensemble.flow_table import flow_table
+from studies.frame.measured_files import CurveSettings, measured_curves
+from studies.frame.products.frame import product
+from studies.paper import judged_claims as published
+from studies.paper.closures import correlation_table, elasticity_table, max_closure_table
+from studies.paper.conclusions import conclusion_table
+from studies.paper.intervals import indifference_table
+from studies.paper.predictive import (
+    joint_table,
+    lengths_dataset,
+    predictive,
+    predictive_table,
+)
+from studies.paper.reached import describe_reached, reached_table
+from studies.paper.sensitivity_tables import (
+    case_table,
+    rock_table,
+    table_3_latex,
+    table_3_markdown,
+    with_paper,
+)
+
+
+def _known(path: str) -> Covariates:
+    return from_dataset(read_netcdf(path))
+
+
+Closures = Annotated[xr.Dataset, partial(read_netcdf, without=CURVES)]
+"""Dataset of an ensemble without its curves."""
+Curves = Annotated[xr.Dataset, reading_netcdf]
+"""Dataset of an ensemble whose values are read only when they are used."""
+Known = Annotated[Covariates, _known]
+"""Covariates of a file."""
+Log = Callable[[str], object]
+
+
+@product("covariates.nc", when=lambda plan: plan.variates, early=True)
+def measure_covariates(
+    study: Closures, grid: Grid, surface: Surface, control_variates: int, root_seed: int
+):
+    """Measure the covariates of closed joints, and their means on further surfaces."""
+    means = known_covariates(control_variates, root_seed, grid, surface)
+    return as_dataset(Covariates(measure(study, grid, surface), means), study)
+
+
+@product("pool_covariates.nc", when=lambda plan: plan.variates and plan.pooled)
+def measure_pool_covariates(pool: Closures, covariates: Known, grid: Grid, surface: Surface):
+    """Measure the covariates of the pool's joints; their means are those of the study."""
+    return as_dataset(Covariates(measure(pool, grid, surface), covariates.known), pool)
+
+
+@product("tables/correlations.csv", "tables/max_closure.csv", early=True)
+def fit_correlations(study: Closures, covariates: Known | None):
+    """Correlations of mean and standard deviation, Eqs. (24) to (27)."""
+    return correlation_table(study), max_closure_table(study, covariates)
+
+
+@product("tables/elasticities.csv")
+def fit_elasticities(pool: Closures, pool_covariates: Known | None):
+    """Elasticities of the closure, of all surfaces of a study."""
+    return elasticity_table(pool, pool_covariates)
+
+
+@product("tables/table_3_indifference.csv", early=True)
+def find_indifference_intervals(
+    study: Closures,
+    paper: pd.DataFrame,
+    covariates: Known | None,
+    statistics: Statistics,
+    root_seed: int,
+):
+    """Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
+    return with_paper(indifference_table(study, statistics, root_seed, covariates), paper)
+
+
+@product("tables/measured_fit.csv", when=lambda plan: plan.curves, early=True)
+def fit_measured(
+    study: Curves,
+    curve_files: list[str],
+    curves: dict[str, CurveSettings],
+    seating_stress: float,
+    log: Log,
+):
+    """Find the realisations that fit the measured curves best."""
+    fits = fit_table(study, measured_curves(curves, read_text), seating_stress)
+    for row in fits.itertuples():
+        log(
+            f"{row.rock}, cycle {row.cycle}: realisation {row.best_realization}, "
+            f"misfit {row.misfit_mm:.3g} mm, {row.samples} samples"
+        )
+    return fits
+
+
+@product("tables/hydraulic_aperture.csv", when=lambda plan: plan.typed.flow, early=True)
+def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
+    """Hydraulic apertures of a study's cases as a table."""
+    return flow_table(study)
+
+
+@product("tables/accuracy_reached.csv", when=lambda plan: plan.wanted)
+def reach_accuracy(
+    study: Closures,
+    covariates: Known | None,
+    wanted: Wanted,
+    preset: str,
+    measured_as: dict[str, str | None],
+    significance: float,
+    log: Log,
+):
+    """Compare the accuracy of a study with the wanted accuracy."""
+    methods = read_csv(METHODS)
+    errors = {
+        rock: preset_errors(methods, preset, wanted.of, known)
+        for rock, known in measured_as.items()
+    }
+    table = reached_table(study, covariates, wanted, errors, significance)
+    log(describe_reached(table, wanted))
+    return table
+
+
+@product("tables/table_3_predictive.csv", "tables/table_3_joint_tests.csv", "predictive.nc")
+def predict_table_3(
+    pool: Closures, paper: pd.DataFrame, design: Design, repetitions: int, root_seed: int, log: Log
+):
+    """Predict Table 3 in repetitions of the study, and test whether the paper's is one of them."""
+    lengths = predictive(pool, design, repetitions, root_seed)
+    joint = joint_table(lengths, paper)
+    for row in joint.itertuples():
+        log(f"{row.entries}: p = {row.p:.3g}, without any effect {row.null_p:.3g}")
+    return predictive_table(lengths, paper), joint, lengths_dataset(lengths)
+
+
+@product("tables/claims.csv", "tables/claim_margins.csv")
+def judge_claims(
+    study: Curves,
+    pool: Curves,
+    paper: pd.DataFrame,
+    design: Design,
+    repetitions: int,
+    root_seed: int,
+    log: Log,
+):
+    """Judge the paper's claims by the model and by the study."""
+    evidence = published.Evidence(study, pool, design, repetitions, root_seed)
+    claims, margins = published.judge_claims(evidence, paper)
+    for row in claims.itertuples():
+        often = "" if pd.isna(row.found_share) else f"; found by {row.found_share:.0%} of studies"
+        log(f"{row.number}: {row.claim}: {row.verdict}{often}")
+    return claims, margins
+
+
+@product("tables/checks.csv")
+def check_results(
+    ensembles: list[Closures], numerics: Numerics, realizations_of: dict[str, int], log: Log
+):
+    """Check the results; `require_checks` makes an error of a failed check."""
+    checks = pd.concat(
+        check(ensemble, numerics, realizations, name)
+        for ensemble, (name, realizations) in zip(ensembles, realizations_of.items(), strict=True)
+    )
+    for row in checks.itertuples():
+        verdict = "passed" if row.passed else "FAILED"
+        log(f"{verdict}: {row.ensemble}: {row.check}: {row.found} ({row.required})")
+    return checks
+
+
+# after the table is there to be read, also where a check fails
+@product("logs/checks_passed.txt")
+def require_checks(checks: str) -> str:
+    """Fail if a check of the results has failed."""
+    table = read_csv(checks)
+    failed = [
+        f"{row.check} ({row.ensemble}): {row.found}, required {row.required}"
+        for row in table[~table.passed].itertuples()
+    ]
+    if failed:
+        raise SystemExit(f"{checks}: results fail their checks: {'; '.join(failed)}")
+    return f"{len(table)} checks passed\n"
+
+
+@product(
+    *(f"tables/{name}" for name in ("table_1_rocks.csv", "table_2_cases.csv")),
+    *(f"tables/table_3_indifference.{format}" for format in ("tex", "md")),
+    early=True,
+)
+def write_tables(
+    intervals: pd.DataFrame,
+    closures: pd.DataFrame,
+    elasticities: pd.DataFrame | None,
+    rocks: dict[str, StudyRock],
+):
+    """Write Tables 1 to 3 in the paper's layout."""
+    titles = {name: rock.title for name, rock in rocks.items()}
+    return (
+        rock_table(rocks, closures),
+        case_table(rocks, closures),
+        table_3_latex(intervals, titles),
+        table_3_markdown(intervals, titles, elasticities),
+    )
+
+
+@product("tables/configuration.json")
+def state_configuration(keys: dict) -> str:
+    """State all keys of the study, of which study.nc has those that may change closures."""
+    return configuration_text(keys)
+
+
+@product("tables/conclusions.csv", apart=True)
+def conclude(
+    claims: pd.DataFrame,
+    jrc_range: pd.DataFrame | None,
+    readings: pd.DataFrame | None,
+    choices: pd.DataFrame | None,
+    margins: pd.DataFrame | None,
+    log: Log,
+):
+    """Tabulate the evidence for each conclusion of the paper."""
+    tables = {"jrc_range": jrc_range, "readings": readings, "choices": choices, "margins": margins}
+    for name in (name for name, table in tables.items() if table is None):
+        log(f"{name}: of the default study only; the columns are empty")
+    return conclusion_table(claims, **tables)

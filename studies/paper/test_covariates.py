@@ -1,0 +1,89 @@
+"""Covariates belong to the joints that were closed, and are alike in all cases of a study."""
+
+import numpy as np
+import pytest
+
+from jointclosure.engine.surfaces import walls_of
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.walls.roughness import z2_of_jrc
+from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.covariates import (
+    Covariates,
+    as_dataset,
+    covariates_of_pair,
+    from_dataset,
+    known_covariates,
+    measure_covariates,
+)
+from studies.frame.ensemble.slices import surface_settings
+from studies.paper.world import world
+from tests.studied import study_of
+
+SMALL = {
+    "study": {"rocks": ["slate", "dolerite"], "realizations": 4, "pool": None},
+    "grid": {"cells_x": 24, "cells_y": 20},
+}
+
+
+def test_covariates_are_those_of_the_walls_that_were_closed():
+    configuration = study_of(SMALL)
+    values = measure_covariates(world(configuration), configuration.grid, configuration.surface)
+    for i, case in enumerate(cases_of(configuration)):
+        walls = list(walls_of(surface_settings(configuration, case, range(4))))
+        z2 = z2_of_jrc(case.jrc, configuration.grid.spacing, configuration.surface.hurst)
+        for j, (upper, lower) in enumerate(walls):
+            expected = covariates_of_pair(upper, lower, z2)
+            np.testing.assert_array_equal(values[i, j], expected)
+            # of 480 cells 1 % end between the fourth and fifth highest, 5 % at the 24th
+            highest = np.sort((upper + lower).ravel())[::-1]
+            depth, at_five = highest[0] - highest[[3, 4]], highest[0] - highest[23]
+            assert depth[0] <= z2 * expected[0] <= depth[1]
+            assert z2 * expected[1] == pytest.approx(at_five, rel=1e-12)
+
+
+@pytest.mark.parametrize("normalise", ["wall", "expectation"])
+def test_covariates_of_one_noise_are_the_same_at_every_jrc(normalise):
+    changes = {"study": {"draws": "common"}, "surface": {"normalise": normalise}}
+    configuration = study_of(SMALL, changes)
+    study = world(configuration)
+    values = measure_covariates(study, configuration.grid, configuration.surface)
+    for rock in ("slate", "dolerite"):
+        own = values[(study.rock == rock).values]
+        assert len(set(study.jrc.values[(study.rock == rock).values])) == 3
+        np.testing.assert_allclose(own, np.broadcast_to(own[0], own.shape), rtol=1e-10)
+
+
+def test_means_are_known_within_the_error_that_they_tell():
+    configuration = study_of(SMALL)
+    stated = [
+        known_covariates(400, seed, configuration.grid, configuration.surface) for seed in (1, 2)
+    ]
+    off = stated[0].means - stated[1].means
+    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in stated))
+    assert np.all(np.abs(off) < 4.0 * error)
+    assert np.all(off != 0.0)
+    assert np.all(error < 0.05 * stated[0].means)
+
+
+def test_scanned_walls_have_no_covariates():
+    configuration = study_of(SMALL)
+    study = world(configuration)
+    scanned = study.assign_coords(jrc=study.jrc.where(study.rock != "slate"))
+    values = measure_covariates(scanned, configuration.grid, configuration.surface)
+    np.testing.assert_array_equal(np.isnan(values).all(axis=(1, 2)), (study.rock == "slate").values)
+
+
+def test_covariates_come_back_from_their_file(tmp_path):
+    configuration = study_of(SMALL)
+    study = world(configuration)
+    known = known_covariates(20, 1, configuration.grid, configuration.surface)
+    values = measure_covariates(study, configuration.grid, configuration.surface)
+    write_netcdf(as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
+    again = from_dataset(read_netcdf(tmp_path / "covariates.nc"))
+    np.testing.assert_array_equal(again.values, values)
+    for one, other in zip(again.known, known, strict=True):
+        np.testing.assert_array_equal(one, other)
+    first, later = again.of_cycle(1), again.of_cycle(2)
+    assert (first.values.shape[-1], later.values.shape[-1]) == (2, 1)
+    assert first.known.means.tolist() == known.means[:2].tolist()
+    assert later.known.covariance.tolist() == [[known.covariance[2, 2]]]

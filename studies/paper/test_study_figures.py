@@ -1,0 +1,173 @@
+"""Figures are drawn from made-up studies; what they show is looked at by people."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.joint.empirical import barton_bandis
+from jointclosure.measured.curves import fit_table, parsed_curve
+from jointclosure.storage.text import read_csv
+from studies.paper.plotting import study as plotting
+from studies.paper.plotting.measured import Measurements
+from tests.studied import ROOT, study_of
+
+ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+
+
+@pytest.fixture
+def study():
+    """Four surfaces; the third is the mean of the others on the first cycle, the last failed."""
+    stress = np.array([0.0, 1e6, 2e6])
+    curve = np.array([0.0, 1.0, 1.5])
+    scale = np.array([0.8, 1.2, 1.0, 9.0])
+    loading = 1e-4 * scale[:, None] * curve
+    unloading = loading + 1e-5
+    net = np.stack([loading, unloading], axis=1)[None, :, None].repeat(2, axis=2)
+    bulk = np.broadcast_to(2e-5 * stress / 2e6, net.shape)
+    dimensions = ("case", "realization", "cycle", "branch", "stress")
+    per_cycle = np.full((1, 4, 2), 1.5e-4)
+    return xr.Dataset(
+        {
+            "closure": (dimensions, net + bulk),
+            "bulk_indentation": (dimensions, bulk),
+            "status": (("case", "realization"), np.array([[0, 0, 2, 16]], dtype=np.int16)),
+            "max_closure_net": (("case", "realization", "cycle"), per_cycle),
+            "max_closure_seated_net": (("case", "realization", "cycle"), per_cycle - 5e-5),
+            "residual_closure": (("case", "realization", "cycle"), 0 * per_cycle),
+            "residual_closure_seated_net": (
+                ("case", "realization", "cycle"), np.full((1, 4, 2), 7e-6),
+            ),
+        },
+        coords={
+            "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
+            "realization": range(4), "cycle": [1, 2], "branch": ["loading", "unloading"],
+            "stress": stress,
+        },
+    )  # fmt: skip
+
+
+def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
+    assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
+
+
+def test_closures_are_drawn_since_seating_for_every_success(study):
+    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
+    axes = figure.axes[0]
+    assert "net closure since 0.5 MPa" in axes.get_xlabel()
+    assert axes.get_ylabel() == "normal stress (MPa)"
+    thick = [line for line in axes.lines if line.get_linewidth() == 2.0]
+    later = [line for line in figure.axes[1].lines if line.get_linewidth() == 2.0]
+    assert len(thick) == len(later) == 2  # loading and unloading, the second cycle in a panel
+    np.testing.assert_allclose(thick[0].get_xdata()[[0, -1]], [0.0, 0.15 - 0.05])
+    assert thick[0].get_ydata()[0] == 0.5
+    for unloading in (thick[1], later[1]):  # ends at seating, with the residual closure
+        np.testing.assert_allclose(
+            (unloading.get_xdata()[0], unloading.get_ydata()[0]), (7e-3, 0.5)
+        )
+
+
+def test_the_papers_figure_is_gross_and_counts_from_first_touch(study):
+    figure = plotting.closure_figure(study, {"one": ROCK}, None, 1.5)
+    axes = figure.axes[0]
+    assert "gross closure since the start of the cycle" in axes.get_xlabel()
+    line, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
+    assert (unloading.get_xdata()[0], unloading.get_ydata()[0]) == (0.0, 0.0)
+    assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 0.0)
+    bulk = 0.02  # mm at the maximum
+    np.testing.assert_allclose(line.get_xdata()[-1], 0.15 + bulk)
+
+
+@pytest.mark.parametrize("seating", [None, 5e5])
+def test_the_barton_bandis_law_starts_where_the_closures_do(study, seating):
+    """It counts from zero stress; since seating its closure there is subtracted."""
+    figure = plotting.closure_figure(study, {"one": ROCK}, seating, 1.5)
+    first = seating or 0.0
+    for cycle, axes in enumerate(figure.axes, start=1):
+        (law,) = [line for line in axes.lines if line.get_color() == "0.2"]
+        assert (law.get_xdata()[0], law.get_ydata()[0]) == (0.0, 1e-6 * first)
+        drawn = barton_bandis(ROCK.jrc, ROCK.intact.compressive_strength, 1.5, cycle)
+        reached = 1e3 * (drawn.closure(2e6) - drawn.closure(first))
+        np.testing.assert_allclose(law.get_xdata()[-1], reached)
+        assert law.get_xdata().size > 100  # it is a curve between the stresses of the study
+
+
+def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():
+    axes = plotting.equivalent_stress().axes[0]
+    maxima, fit = axes.lines
+    np.testing.assert_allclose(
+        np.interp(maxima.get_xdata(), fit.get_xdata(), fit.get_ydata()),
+        maxima.get_ydata(),
+        atol=2e-4,
+    )
+
+
+MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
+
+
+def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study):
+    curves = {"one": parsed_curve(MEASURED, "lab.csv")}
+    fits = fit_table(study, curves, 5e5)
+    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
+    axes = figure.axes[0]
+    (measured,) = [line for line in axes.lines if line.get_color() == "k"]
+    np.testing.assert_allclose(measured.get_xdata(), [0.0, 0.05, 0.09, 0.08], atol=1e-12)
+    np.testing.assert_allclose(measured.get_ydata(), [0.5, 1.0, 2.0, 1.0])
+    best = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(best) == 2  # loading and unloading of the one cycle that was measured
+    (row,) = fits.itertuples()
+    assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "measured curve" in labels
+    assert "surface that fits cycle 1 best" in labels
+
+
+@pytest.mark.parametrize(("jrc", "drawn"), [(8, True), (4, False), (16, False), (0, False)])
+def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
+    figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, 5e5, 1.5)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert any("Barton-Bandis" in label for label in labels) == drawn
+    unchecked = any("constants of cycle 2 unchecked" in label for label in labels)
+    assert unchecked == drawn
+    for axes in figure.axes:
+        dotted = [line for line in axes.lines if line.get_color() == "0.2"]
+        assert len(dotted) == (1 if drawn else 0)
+
+
+def parameters_of(number):
+    """The stored Table 3 and maximum closures of the paper's study with so many properties."""
+    folder = ROOT / "docs/results/paper"
+    chosen = ["jrc", "youngs_modulus", "compressive_strength", "poisson_ratio"][:number]
+    tables = (read_csv(folder / f"{name}.csv") for name in ("table_3_indifference", "max_closure"))
+    intervals, closures = (table[table.parameter.isin([*chosen, "base"])] for table in tables)
+    return intervals, closures
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
+    intervals, _ = parameters_of(number)
+    figure = plotting.interval_figure(intervals, study_of().rocks)
+    crosses = [
+        line
+        for axes in figure.axes
+        for line in axes.lines
+        if (line.get_marker(), line.get_color()) == ("x", "C1")
+    ]
+    assert len(crosses) == (intervals.in_paper & intervals.paper_length.isna()).sum()
+    figure.canvas.draw()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+
+
+def test_trends_have_the_errors_of_their_means():
+    _, closures = parameters_of(4)
+    rocks = study_of().rocks
+    cases = sorted(set(closures.case))
+    values = {name: ("case", np.linspace(1.0, 2.0, len(cases))) for name in set(closures.parameter)}
+    study = xr.Dataset(values, coords={"case": cases})
+    figure = plotting.trend_figure(closures, study, rocks)
+    bars = [line for axes in figure.axes for line in axes.collections]
+    assert len(bars) == len(rocks) * len(figure.axes)
+    heights = [s[1, 1] - s[0, 1] for bar in bars for s in bar.get_segments()]
+    errors = closures.max_closure_mean_mm_standard_error
+    np.testing.assert_allclose([min(heights), max(heights)], [2 * errors.min(), 2 * errors.max()])

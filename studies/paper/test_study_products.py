@@ -1,0 +1,161 @@
+"""Products of a study: made of what they read, and again only when that changes."""
+
+import inspect
+import typing
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from studies.frame.products.frame import Product
+from studies.frame.products.needs import NEEDS, SETTINGS, Plan
+from studies.paper import tables
+from studies.paper.products import PRODUCTS
+from tests.studied import ROOT, checked_study
+
+PASSED = {
+    "ensemble": "cases",
+    "check": "least force",
+    "required": "not negative",
+    "found": "0",
+    "passed": True,
+}
+FAILED = {
+    "ensemble": "pool",
+    "check": "volume",
+    "required": "at most 1e-12",
+    "found": "2e-9 of it",
+    "passed": False,
+}
+CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}}}}
+
+
+def plan(*changes: dict) -> Plan:
+    return Plan(checked_study(*changes), "code")
+
+
+def settings(*changes: dict) -> dict[str, dict]:
+    study = plan(*changes)
+    return {name: study.settings(product) for name, product in PRODUCTS.items()}
+
+
+@pytest.fixture(scope="module")
+def unchanged():
+    return settings()
+
+
+RANDOM = {"find_indifference_intervals", "predict_table_3", "judge_claims", "measure_covariates"}
+TITLED = {"write_tables", "draw_figures", "draw_pool_figures"}
+
+
+@pytest.mark.parametrize(
+    ("change", "made_again"),
+    [
+        ({"statistics": {"bootstrap_resamples": 77}}, {"find_indifference_intervals"}),
+        ({"statistics": {"repetitions": 777}}, {"predict_table_3", "judge_claims"}),
+        ({"statistics": {"control_variates": 777}}, {"measure_covariates"}),
+        ({"output": {"wall_strength_ratio": 7.0}}, {"draw_figures"}),
+        ({"numerics": {"force_tolerance": 1e-8}}, {"check_results"}),
+        ({"study": {"root_seed": 77}}, RANDOM | {"draw_figures"}),
+        ({"study": {"pool": 77}}, {"check_results"}),
+        ({"rocks": {"slate": {"title": "Another slate"}}}, TITLED),
+        (CURVE, TITLED | {"fit_measured"}),
+        ({"choices": {"peak_modulus_ratio": 0.1}}, set()),
+        ({"study": {"cycles": 3}}, set()),
+        ({"study": {"realizations_per_job": 7}}, {"draw_figures"}),
+    ],
+    ids=lambda value: str(value) if isinstance(value, dict) else "",  # sets have no order
+)
+def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
+    unchanged, change, made_again
+):
+    after = settings(change)
+    changed = {name for name in PRODUCTS if after[name] != unchanged[name]}
+    assert changed == made_again | {"state_configuration"}
+
+
+@pytest.mark.parametrize("product", PRODUCTS.values(), ids=list(PRODUCTS))
+def test_every_name_that_a_product_reads_is_a_file_or_a_setting_with_a_type(product: Product):
+    hints = typing.get_type_hints(product.make)
+    assert not set(NEEDS) & set(SETTINGS)
+    for name in product.reads:
+        assert name in NEEDS or name in SETTINGS
+        assert name in hints
+    assert inspect.getdoc(product.make)
+
+
+@pytest.mark.parametrize("changes", [{}, {"flow": True} | CURVE, {"study": {"pool": None}}])
+def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(changes, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    study = plan(changes)
+    planned = [product for product in PRODUCTS.values() if product.when(study)]
+    made = [study.file(name) for product in planned for name in product.files(study)]
+    assert len(set(made)) == len(made)
+    ensembles = [study.file("study.nc"), study.file("pool.nc")]
+    for product in planned:
+        for name, paths in study.inputs(product).items():
+            for path in [paths] if isinstance(paths, str) else paths:
+                exists = not path.startswith("results/") and Path(path).is_file()
+                assert path in [*made, *ensembles] or name == "surfaces" or exists
+
+
+def write(name: str, inputs: dict, outputs: list[Path]) -> list[str]:
+    """Write a product without settings; the lines of its log."""
+    lines: list[str] = []
+    PRODUCTS[name].write(inputs, {}, list(map(str, outputs)), lines.append)
+    return lines
+
+
+def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
+    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
+    pd.DataFrame([PASSED, FAILED]).to_csv(table, index=False)
+    with pytest.raises(SystemExit) as ended:
+        write("require_checks", {"checks": str(table)}, [note])
+    assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
+    assert "least force" not in str(ended.value)
+    assert not note.exists()
+
+
+def test_checks_that_passed_leave_a_note(tmp_path):
+    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
+    pd.DataFrame([PASSED, PASSED]).to_csv(table, index=False)
+    assert write("require_checks", {"checks": str(table)}, [note]) == [f"wrote {note}"]
+    assert note.read_text() == "2 checks passed\n"
+
+
+def test_the_pool_is_checked_as_well_as_the_cases(monkeypatch):
+    monkeypatch.setattr(
+        tables,
+        "check",
+        lambda data, numerics, number, name: pd.DataFrame(
+            [PASSED | {"ensemble": name, "found": f"{number} in {data}"}]
+        ),
+    )
+    study = plan({"study": {"realizations": 20, "pool": 48}})
+    product = PRODUCTS["check_results"]
+    files = [Path(file).name for file in study.inputs(product)["ensembles"]]
+    rows = product.make(files, **study.settings(product), log=lambda line: None)
+    assert rows.ensemble.tolist() == ["cases", "pool"]
+    assert rows.found.tolist() == ["20 in study.nc", "48 in pool.nc"]
+
+
+def test_parts_are_written_in_the_order_of_the_files_or_by_their_names(tmp_path):
+    frames = {name: pd.DataFrame({name: [1]}) for name in ("first", "second")}
+    paths = [tmp_path / "second.csv", tmp_path / "first.csv"]
+
+    def written(make) -> list[str]:
+        Product(make, list, bool, False, False).write({}, {}, map(str, paths), print)
+        return [path.read_text().split()[0] for path in paths]
+
+    assert written(lambda: tuple(frames.values())) == ["first", "second"]
+    assert written(lambda: frames) == ["second", "first"]
+    with pytest.raises(ValueError, match="zip"):
+        written(lambda: (frames["first"],))
+
+
+def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    beside = ("jrc_range", "readings", "choices", "margins")
+    for name, expected in (("paper", 4), ("mine", 0)):
+        inputs = plan({"study": {"name": name}}).inputs(PRODUCTS["conclude"])
+        assert sum(bool(inputs[key]) for key in beside) == expected

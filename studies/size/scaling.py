@@ -1,0 +1,183 @@
+"""Scalings by which closures, residual closures and stiffness of one size predict another.
+
+Candidates are products of powers: of patch length and spacing, of the longest wave of a patch, and
+of measures of its pristine walls. A scaling is fitted to half of the realisations and tested on the
+others; it also predicts the largest patch from fits without it.
+"""
+
+import itertools
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
+from jointclosure.statistics.drawn_studies import jackknife_error
+from jointclosure.statistics.standard_errors import rounded
+from studies.size.table import GEOMETRY, logs_of
+
+SCALINGS: dict[str, tuple[str, ...]] = {
+    "none": (),
+    "patch length": ("patch",),
+    "spacing": ("spacing",),
+    "patch length, spacing": ("patch", "spacing"),
+    "longest wave, spacing": ("wave", "spacing"),
+    "rms height": ("rms_height",),
+    "rms height, spacing": ("rms_height", "spacing"),
+    "rms height, rms slope": ("rms_height", "rms_slope"),
+    "depth of 5 %": ("depth_5",),
+    "depth of 5 %, spacing": ("depth_5", "spacing"),
+}
+"""Candidates, and the variables whose powers they are."""
+JUDGED = (
+    "max_closure",
+    "max_closure_net",
+    "max_closure_seated_net",
+    "residual_closure_seated_net",
+    "stiffness_net",
+)
+FEWEST = 6
+"""Smallest number of realisations with a quantity at every size for which a scaling is tested."""
+BETWEEN = ("sizes", "sizes and spectra")
+"""Joints that a scaling should make equal: sizes of one spectrum, or of all spectra."""
+
+
+class Stacked(NamedTuple):
+    """Logarithms over (condition, realisation) of a response, and of predictors by name.
+
+    ``spectrum``, ``patch``, ``spacing`` (condition,) are the coordinates of conditions.
+    """
+
+    response: np.ndarray
+    predictors: dict[str, np.ndarray]
+    spectrum: np.ndarray
+    patch: np.ndarray
+    spacing: np.ndarray
+
+    def of(self, scaling: tuple[str, ...]) -> np.ndarray:
+        """Return the predictors (k, condition, realisation) of a scaling."""
+        shape = (len(scaling), *self.response.shape)
+        return np.array([self.predictors[name] for name in scaling]).reshape(shape)
+
+
+def stacked(
+    run: xr.Dataset, roll_offs: Mapping[str, float | None], name: str, cycle: int
+) -> Stacked:
+    """Stack the logarithms of a quantity of a rock's joints.
+
+    Realisations that lack a condition are left out.
+    """
+    response = _flat(logs_of(run, name, cycle))
+    closed = np.isfinite(response).any(axis=1)
+    complete = np.isfinite(response[closed]).all(axis=0)
+    labels = np.meshgrid(*(run[name].values for name in _OVER), indexing="ij")
+    spectrum, patch, spacing = (values.ravel()[closed] for values in labels)
+    roll_off = np.array([roll_offs[name] or np.inf for name in spectrum])
+    kept = np.ix_(closed, complete)
+    shape = response[kept].shape
+    flat = {"patch": patch, "spacing": spacing, "wave": np.minimum(patch, roll_off)}
+    predictors = {
+        name: np.broadcast_to(np.log(values)[:, None], shape) for name, values in flat.items()
+    }
+    predictors |= {name: _flat(logs_of(run, name))[kept] for name in GEOMETRY}
+    return Stacked(response[kept], predictors, spectrum, patch, spacing)
+
+
+_OVER = ("spectrum", "patch", "spacing")
+
+
+def _flat(logs: xr.DataArray) -> np.ndarray:
+    """Reshape logarithms to (condition, realisation)."""
+    return logs.transpose(*_OVER, "realization").values.reshape(-1, logs.sizes["realization"])
+
+
+def collapse_table(
+    runs: Mapping[str, xr.Dataset], roll_offs: Mapping[str, float | None]
+) -> pd.DataFrame:
+    """Compute by how much each scaling reduces the spread between sizes.
+
+    By ``reading``, ``cycle``, ``between`` (`BETWEEN`) and ``scaling``: ``realizations``;
+    ``exponents`` with their errors as text; on realisations that were not fitted
+    ``removed_percent`` of the mean square spread with its ``removed_error``, and the
+    ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
+    and spacings of the error in the largest patch, predicted by fits without it, with
+    its ``largest_off_error``. NaN where fewer than `FEWEST` realisations have the quantity at
+    every size. ``roll_offs`` [m] are by spectrum, None for none.
+    """
+    rows = []
+    for rock, run in runs.items():
+        for reading, cycle in itertools.product(JUDGED, run.cycle.values.tolist()):
+            joints = stacked(run, roll_offs, reading, cycle)
+            for between, scaling in itertools.product(BETWEEN, SCALINGS):
+                groups = joints.spectrum if between == "sizes" else np.zeros(joints.spectrum.size)
+                rows.append(
+                    {"rock": rock, "reading": reading, "cycle": cycle}
+                    | {"between": between, "scaling": scaling}
+                    | _row(joints, groups, SCALINGS[scaling])
+                )
+    return pd.DataFrame(rows)
+
+
+_NUMBERS = (
+    "removed_percent",
+    "removed_error",
+    "left_percent",
+    "largest_off_percent",
+    "largest_off_error",
+)
+
+
+def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
+    """Fit and test a scaling between the conditions of each group."""
+    surfaces = joints.response.shape[1]
+    if surfaces < FEWEST:
+        return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(_NUMBERS, np.nan)
+    fit = collapse_of(
+        centred(joints.of(names), groups),
+        centred(joints.response, groups),
+    )
+    every = np.arange(surfaces)
+    off, *left_out = (
+        _off(joints, groups, names, chosen)
+        for chosen in (every, *(np.delete(every, surface) for surface in every))
+    )
+    numbers = (fit.removed, fit.removed_error, fit.left, off, jackknife_error(left_out))
+    powers = zip(names, fit.exponents, fit.errors, strict=True)
+    return {
+        "realizations": surfaces,
+        "exponents": "; ".join(f"{name} {rounded(value, error)}" for name, value, error in powers),
+    } | dict(zip(_NUMBERS, (100.0 * number for number in numbers), strict=True))
+
+
+def _off(
+    joints: Stacked, groups: np.ndarray, names: tuple[str, ...], surfaces: np.ndarray
+) -> float:
+    """Compute the rms error [logarithm] of the largest patch as predicted by the next smaller one.
+
+    Exponents are fitted to every second surface without the largest patch, and tested on the
+    others.
+    """
+    lengths = np.unique(joints.patch)
+    smaller = joints.patch < lengths[-1]
+    pairs = [
+        (large, small)
+        for large in np.flatnonzero(~smaller)
+        for small in np.flatnonzero(joints.patch == lengths[-2])
+        if joints.spectrum[large] == joints.spectrum[small]
+        and joints.spacing[large] == joints.spacing[small]
+    ]
+    large, small = np.array(pairs).T
+    predictors, squares = joints.of(names), []
+    for half in (0, 1):
+        fitted, tested = surfaces[half::2], surfaces[1 - half :: 2]
+        few = np.ix_(np.flatnonzero(smaller), fitted)
+        powers = exponents_of(
+            centred(predictors[:, few[0], few[1]], groups[smaller]),
+            centred(joints.response[few], groups[smaller]),
+        )
+        scaled = joints.response[:, tested]
+        scaled = scaled - np.tensordot(powers, predictors[..., tested], axes=1)
+        squares.append(np.mean((scaled[large] - scaled[small]).mean(axis=1) ** 2))
+    return float(np.sqrt(np.mean(squares)))

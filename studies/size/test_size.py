@@ -1,0 +1,212 @@
+"""The scale effect: nested patches, ratios, exponents, scalings, Barton and Bandis."""
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.engine.points import close_points
+from jointclosure.engine.walls import nested
+from jointclosure.joint.empirical import barton_bandis, scaled_to
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.stiffness import closures_at, landing_stress
+from jointclosure.walls.roughness import rms_slope, z2_of_jrc
+from studies.frame.config.files import read_plain
+from studies.size import EXPERIMENT, sizes_of
+from studies.size.scaling import collapse_table, stacked
+from studies.size.table import (
+    GEOMETRY,
+    READ,
+    barton_bandis_table,
+    exponent_table,
+    runs_of,
+    size_table,
+)
+from tests.studied import ROOT, checked_study, study_of
+
+TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")
+BASE = (3e-3, 0.25e-3)
+ROLL_OFFS = {"flat": 1.5e-3, "free": None}
+
+
+def points_of(spectrum, patch, spacing, **study):
+    """Points of patches of a size, by their position."""
+    jobs = EXPERIMENT.design(checked_study(TINY, {"study": study})).jobs
+    return [
+        point
+        for point in jobs[f"slate.{spectrum}"]
+        if (point.coordinates["patch"], point.coordinates["spacing"]) == (patch, spacing)
+    ]
+
+
+def walls_of(point):
+    """Walls of the first realisation of a point."""
+    return next(nested(point.settings.surfaces, **point.options))
+
+
+@pytest.fixture(scope="module")
+def joints():
+    jobs = EXPERIMENT.design(checked_study(TINY, {"study": {"realizations": 4}})).jobs
+    return close_points([point for job in jobs.values() for point in job], EXPERIMENT.quantities)
+
+
+@pytest.fixture(scope="module")
+def run(joints):
+    return runs_of(joints, list(ROLL_OFFS))["slate"]
+
+
+def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
+    (whole,) = points_of("free", 6e-3, 0.25e-3)
+    for wall in walls_of(whole):
+        assert wall.shape == (24, 24)
+        # at the spacing of the study they have the slope of their JRC, but for their plane
+        assert rms_slope(wall, 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6), rel=0.01)
+    fine, coarse = (walls_of(points_of("free", 1.5e-3, h)[1])[0] for h in (0.125e-3, 0.25e-3))
+    assert (fine.shape, coarse.shape) == ((12, 12), (6, 6))
+    of_whole = walls_of(whole)[0][6:12, 6:12]
+    # but for their planes they are the same heights
+    for other in (fine[::2, ::2], of_whole):
+        plane = other - coarse
+        assert np.ptp(np.diff(plane, axis=0)) < 1e-12
+        assert np.ptp(np.diff(plane, axis=1)) < 1e-12
+    assert np.ptp(coarse - (of_whole - of_whole.mean())) > 0.0
+
+
+def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
+    """Later loadings do not land, and are read to the maximum."""
+    (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
+    conditions = point.settings.conditions()
+    largest = float(conditions.max_normal_stress)
+    closed = close_walls(*walls_of(point), conditions)
+    ends = landing_stress(closed, 1), float(closed.normal_stress.max())
+    assert 0.5 * largest < ends[0] < 0.95 * largest
+    for cycle, end in enumerate(ends, start=1):
+        levels = np.array([0.5 * largest, end])
+        chord = np.diff(levels) / np.diff(closures_at(closed, levels)[cycle - 1, 0])
+        read = run.stiffness_net.sel(
+            spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
+        )
+        assert float(read) == pytest.approx(chord[0])
+
+
+def test_what_is_too_many_cells_is_not_closed(run):
+    sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
+    assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
+    closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
+    assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
+
+
+def test_spectra_are_closed_on_the_same_noise():
+    flat, free = (walls_of(points_of(name, 6e-3, 0.25e-3)[0])[0] for name in ROLL_OFFS)
+    assert np.corrcoef(flat.ravel(), free.ravel())[0, 1] > 0.3
+    assert np.corrcoef(np.diff(flat).ravel(), np.diff(free).ravel())[0, 1] > 0.8
+
+
+def test_larger_patches_close_more(run):
+    table = size_table({"slate": run}, BASE).set_index(["spectrum", "cycle"])
+    for spectrum in ROLL_OFFS:
+        own = table.loc[(spectrum, 1)]
+        at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
+        assert at_base.max_closure_net_mm_ratio.is_monotonic_increasing
+
+
+def test_ratios_are_of_pairs_of_the_same_walls(run):
+    parameters = EXPERIMENT.design(checked_study(TINY)).parameters
+    table = size_table({"slate": run}, BASE)
+    row = table[
+        (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
+    ].iloc[0]  # fmt: skip
+    closure = run.max_closure.sel(spectrum="free", cycle=1, spacing=0.25e-3)
+    pairs = np.log(closure.sel(patch=6e-3)).mean("position").values
+    pairs = pairs - np.log(closure.sel(patch=3e-3)).mean("position").values
+    ratio = np.exp(pairs.mean())
+    assert row.max_closure_mm_ratio == pytest.approx(ratio)
+    assert row.max_closure_mm_error == pytest.approx(ratio * pairs.std(ddof=1) / 2.0)
+    base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
+    assert (base.max_closure_mm_ratio == 1.0).all()
+    assert (base.max_closure_mm_error == 0.0).all()
+    figure = EXPERIMENT.draw("size", {"size": table}, parameters)
+    assert isinstance(figure, matplotlib.figure.Figure)
+    assert len(figure.axes) == 10
+    assert len(figure.axes[0].containers) == 2
+    (legend,) = figure.legends
+    spectra = [text.get_text() for text in legend.get_texts()]
+    assert spectra == ["H 0.8, roll-off 1.5 mm", "H 0.6, no roll-off"]
+
+
+def power_law(power, bend=0.0, surfaces=6):
+    """A run whose readings go as powers of the patch, bent or not, and of the rms height."""
+    random = np.random.default_rng(3)
+    patch, spacing = np.array([1e-3, 2e-3, 4e-3]), np.array([1e-4, 2e-4])
+    over = ("spectrum", "patch", "spacing", "position", "realization")
+    own = np.exp(0.3 * random.standard_normal((1, 1, 1, 1, surfaces)))
+    size = np.log(patch / patch[0])[None, :, None, None, None]
+    scatter = np.exp(1e-3 * random.standard_normal((2, 3, 2, 1, surfaces)))
+    values = 1e-4 * own * scatter * np.exp(power * size + bend * size**2)
+    geometry = {name: (over, 1e-4 * np.exp(0.5 * size) * scatter) for name in GEOMETRY}
+    readings = {name: ((*over, "cycle"), np.stack([values, values], -1)) for name in READ}
+    return xr.Dataset(
+        readings | geometry | {"status": (over, 0.0 * values)},
+        coords={"spectrum": list(ROLL_OFFS), "patch": patch, "spacing": spacing, "cycle": [1, 2]},
+    )
+
+
+def test_an_exponent_is_found_and_what_is_no_power_is_told():
+    table = exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
+    straight = table[(table.reading == "max_closure") & (table.of == "patch")]
+    assert straight.exponent.values == pytest.approx(0.7, abs=4 * straight.error.max())
+    assert (straight.error < 0.01).all()
+    assert (straight.p > 1e-3).all()
+    bent = exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
+    bent = bent[(bent.reading == "max_closure") & (bent.of == "patch")]
+    # the slope of size^2 between neighbours rises by 2 ln 2 times the bend
+    assert bent.change.values == pytest.approx(0.2 * np.log(2.0), abs=0.01)
+    assert (bent.p < 1e-3).all()
+
+
+def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
+    table = collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
+    table = table[(table.reading == "max_closure") & (table.cycle == 1)].set_index(
+        ["between", "scaling"]
+    )
+    for between in ("sizes", "sizes and spectra"):
+        own = table.loc[between]
+        assert own.loc["none", "removed_percent"] == 0.0
+        assert own.loc["spacing", "removed_percent"] < 5.0
+        for scaling in ("patch length", "rms height"):
+            assert own.loc[scaling, "removed_percent"] > 99.0
+            assert own.loc[scaling, "largest_off_percent"] < 0.3
+        assert own.loc["none", "largest_off_percent"] == pytest.approx(70.0 * np.log(2), abs=0.3)
+        # closure goes as (rms height)^(0.7/0.5)
+        assert own.loc["rms height", "exponents"].startswith("rms_height 1.4")
+
+
+def test_no_scaling_is_judged_by_few_realisations():
+    few = power_law(0.7, surfaces=8)
+    few["max_closure"][..., 5:, :] = np.nan
+    table = collapse_table({"rock": few}, ROLL_OFFS).set_index("reading")
+    assert (table.realizations[["max_closure"]] == 5).all()
+    assert table.removed_percent[["max_closure"]].isna().all()
+    assert table.removed_percent[["max_closure_net"]].notna().all()
+
+
+def test_the_longest_wave_ends_at_the_roll_off():
+    joints = stacked(power_law(0.7), ROLL_OFFS, "max_closure", 1)
+    longest = {name: set() for name in ROLL_OFFS}
+    for spectrum, wave in zip(joints.spectrum, joints.predictors["wave"][:, 0], strict=True):
+        longest[spectrum].add(round(1e3 * np.exp(wave), 9))
+    assert longest == {"flat": {1.0, 1.5}, "free": {1.0, 2.0, 4.0}}
+
+
+def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
+    jrc, strength = scaled_to(0.4, 10.0, 100e6, 0.1)
+    assert jrc == pytest.approx(10.0 * 4.0**-0.2)
+    assert strength == pytest.approx(100e6 * 4.0**-0.3)
+    assert scaled_to(0.1, 10.0, 100e6, 0.1) == (10.0, 100e6)
+    table = barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
+    row = table[(table.reading == "kni_net") & (table.to_mm == 6) & (table.cycle == 1)].iloc[0]
+    small = barton_bandis(6.5, 159e6, 1.5, 1)
+    large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1)
+    assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
+    assert 0.0 < row.barton_bandis < 1.0
+    assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}

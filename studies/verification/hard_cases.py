@@ -1,0 +1,416 @@
+"""Hard cases: joints that are closed, and checked by requirements that hold for any joint.
+
+A case is an entry of ``config/hard_cases.yaml``, merged with that file's defaults. `run_case`
+closes its joint with a solver that passes every state at rest to the oracle
+(`studies.verification.oracle`), and lists every requirement that does not hold.
+"""
+
+import copy
+import json
+import math
+import time
+import warnings
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
+from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, rock_of
+from jointclosure.parameters.units import to_si
+from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
+from jointclosure.solvers.fast import BAND
+from jointclosure.solvers.joint import CONVERGED, Joint, Settled
+from jointclosure.solvers.registry import solver_named
+from studies.frame.config.schema import problems
+from studies.verification import oracle
+from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys
+from studies.verification.hard_walls import hard_walls
+from studies.verification.requirements import EXTRA, broken_requirements, limits_of
+
+_LARGEST_JUDGED = 2500
+"""Number of contacts above which only every tenth state is judged, because the oracle is dense."""
+_LARGEST_CURVE = 20_000
+"""Number of cells above which only the first, middle and last point of an elastic curve are
+judged."""
+_LENGTHS = ("displacement_step", "breakage_step")
+
+
+class Outcome(NamedTuple):
+    """Outcome of a case: the dataset (None if refused), and measurements."""
+
+    case: dict
+    dataset: xr.Dataset | None
+    target: float
+    status: str
+    message: str
+    seconds: float
+    warned: list[str]
+    judge: "Judge"
+
+
+class Judge:
+    """Oracle applied to many states of one joint.
+
+    ``worst`` stores, for each field of `oracle.Verdict`, the value closest to its limit or furthest
+    beyond it, and ``limits`` this limit: both may differ from state to state. ``states`` counts the
+    judged states.
+    """
+
+    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
+        self._given, self._tolerances = given, tolerances
+        self.worst: dict[str, float] = {}
+        self.limits: dict[str, float] = {}
+        self.states = 0
+
+    def __call__(self, state: oracle.State) -> None:
+        verdict = oracle.judge(self._given, state)
+        numbers = verdict._asdict()
+        limits = limits_of(verdict, self._given.effects, self._tolerances)
+        for name, value in numbers.items():
+            limit = limits.get(name, 0.0)
+            if name not in self.worst or _closer(value, limit, self.worst[name], self.limits[name]):
+                self.worst[name], self.limits[name] = value, limit
+        self.states += 1
+
+
+def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
+    """Return whether a value is worse relative to its limit than another one."""
+    if np.isinf(limit):  # only reported
+        return value > worst
+    if limit > 0.0 and its_limit > 0.0:
+        return not value / limit <= worst / its_limit
+    return not value - limit <= worst - its_limit
+
+
+class JudgedSolver:
+    """Solver whose states at rest are all judged."""
+
+    def __init__(self, inner, judge: Judge):
+        self._inner, self._show = inner, judge
+        self._seen = 0
+        self.elastic_curve = self._elastic_curve if inner.elastic_curve else None
+        self.predict = inner.predict
+
+    def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
+        """Settle as the solver, and judge the state."""
+        settled = self._inner.settle(joint, closure, breakage_step)
+        self._judge(joint, settled)
+        return settled
+
+    def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
+        # a curve keeps only the forces of its last point: each point is solved again, and judged
+        # with closure and total force of the whole curve; only a few points of large joints
+        settled = self._inner.elastic_curve(joint, targets)
+        self._judge(joint, settled[-1])
+        last = joint.force.copy()
+        parts = list(range(1, len(settled)))
+        if joint.upper.size > _LARGEST_CURVE:
+            parts = sorted({1, targets.size // 2} & set(parts))
+        for part in parts:
+            self._inner.elastic_curve(joint, targets[:part])
+            self._judge(joint, settled[part - 1])
+        joint.force[:] = last
+        return settled
+
+    def _judge(self, joint: Joint, settled: Settled) -> None:
+        self._seen += 1
+        large = settled.contacts > _LARGEST_JUDGED and self._seen % 10 != 1
+        if settled.outcome != CONVERGED or large:
+            return
+        self._show(
+            oracle.State(
+                joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
+            )
+        )
+
+
+def merged_cases(study: dict) -> dict[str, dict]:
+    """Return cases by name, each merged over the defaults, in SI.
+
+    A case with several ways of breakage is one case for each, named after it.
+
+    Parameters
+    ----------
+    study : dict
+        The contents of ``config/hard_cases.yaml``.
+
+    Raises
+    ------
+    InputError
+        If a case is not valid (`studies.verification.hard_case_keys`), two cases have one
+        name, or a case is compared with one that does not exist.
+    """
+    _refuse(problems(HardCasesKeys, study))
+    cases = {}
+    for case in study["cases"]:
+        alone = _over_defaults(case, study["defaults"])
+        _refuse(f"{case.get('name')}: {line}" for line in problems(CaseKeys, alone))
+        for method in case.get("breakage", study["defaults"]["breakage"]):
+            whole = _over_defaults(case, study["defaults"])
+            whole["numerics"]["breakage"] = method
+            name = case["name"] if method == "fixed_step" else f"{case['name']}_{method}"
+            if name in cases:
+                raise InputError(f"hard cases: only one must have the name {name!r}")
+            cases[name] = to_si(whole) | {"name": name}
+    for name, case in cases.items():
+        compared = case["must"].get("same_as")
+        if compared is None:
+            continue
+        alike = f"{compared['case']}_{case['numerics']['breakage']}"
+        compared["case"] = alike if alike in cases else compared["case"]
+        if compared["case"] not in cases:
+            raise InputError(
+                f"hard cases: {name} is compared with {compared['case']!r}, which does not exist"
+            )
+    return cases
+
+
+def _over_defaults(case: dict, defaults: dict) -> dict:
+    whole = copy.deepcopy(defaults | case)
+    for part in ("walls", "rock", "effects", "choices", "numerics"):
+        if isinstance(whole.get(part), dict) and isinstance(defaults.get(part), dict):
+            whole[part] = defaults[part] | whole[part]
+    return whole
+
+
+def _refuse(lines: Iterable[str]) -> None:
+    problems = list(lines)
+    if problems:
+        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in problems))
+
+
+def run_case(case: dict) -> Outcome:
+    """Close and judge a case's joint and measure the time; the result is kept for the process.
+
+    Parameters
+    ----------
+    case : dict
+        As from `merged_cases`.
+    """
+    return _run(json.dumps(case, sort_keys=True))
+
+
+def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
+    """List the requirements that do not hold for a case, one line each."""
+    failed = broken_requirements(outcome, tolerances_of(outcome.case))
+    if outcome.dataset is not None and not failed:
+        for name, asked in outcome.case["must"].items():
+            other = run_case(cases[asked["case"]]) if name == "same_as" else None
+            failed += EXTRA[name](outcome, asked, other)
+    return failed
+
+
+def row_of(outcome: Outcome, failed: list[str]) -> dict:
+    """Return the row of the table for a case."""
+    case, data = outcome.case, outcome.dataset
+    return {
+        "name": case["name"],
+        "group": case["group"],
+        "hard": case["hard"],
+        "must_hold": case["must_hold"],
+        "expected": case["expect"],
+        "status": outcome.status,
+        "holds": not failed,
+        "failed": "; ".join(failed),
+        **_measured(outcome),
+        "steps": data.sizes.get("step", 1) if data is not None else 0,
+        "states_judged": outcome.judge.states,
+        **{
+            f"oracle_{name}": outcome.judge.worst.get(name, math.nan)
+            for name in oracle.Verdict._fields
+        },
+        "warnings": "; ".join(outcome.warned),
+        "message": outcome.message,
+        "budget_s": case["seconds"],
+        "seconds": round(outcome.seconds, 3),
+        "within_budget": outcome.seconds <= case["seconds"],
+    }
+
+
+def _measured(outcome: Outcome) -> dict[str, float]:
+    """Return the closures of a case for its row; NaN without cycles."""
+    data, target = outcome.dataset, outcome.target
+    cycles = data is not None and "max_closure" in data
+
+    def reading(value: Callable[[xr.Dataset], float]) -> float:
+        return float(value(data)) if data is not None and cycles else math.nan
+
+    return {
+        "max_closure_1_m": reading(lambda closed: closed.max_closure[0]),
+        "max_closure_last_m": reading(lambda closed: closed.max_closure[-1]),
+        "residual_closure_last_m": reading(lambda closed: closed.residual_closure[-1]),
+        "target_Pa": target,
+        "max_stress_Pa": math.nan if data is None else float(np.max(data.normal_stress.values)),
+        "unbreakable_share": reading(
+            lambda closed: (closed.locked_share + closed.flat_share).max()
+        ),
+        "unloading_excess_over_target": reading(lambda closed: closed.unloading_excess.max())
+        / target,
+        "breakage_steps": int(data.breakage_steps) if data is not None and cycles else 0,
+    }
+
+
+def curve_of(outcome: Outcome) -> pd.DataFrame:
+    """Return the closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
+    data = outcome.dataset
+    if data is None or "step" not in data.sizes:
+        return pd.DataFrame(columns=["case", "cycle", "branch", "closure_m", "normal_stress_Pa"])
+    return pd.DataFrame(
+        {
+            "case": outcome.case["name"],
+            "cycle": data.cycle.values,
+            "branch": data.branch.values,
+            "closure_m": data.closure.values,
+            "normal_stress_Pa": data.normal_stress.values,
+        }
+    )
+
+
+def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
+    """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
+    return kernels_of(
+        (
+            Effects(**case["effects"]),
+            Choices()._replace(**case["choices"]),
+            Numerics()._replace(**case["numerics"]),
+        )
+        for case in cases
+        if case["expect"] != "refused"
+    )
+
+
+def compile_for(case: dict) -> None:
+    """Compile the kernels that a case needs before its time is measured."""
+    if case["expect"] != "refused":
+        choices, numerics = Choices(peaks=case["choices"]["peaks"]), case["numerics"]
+        effects = Effects(**case["effects"])
+        _compile_once(effects, choices, numerics["solver"], numerics["breakage"])
+
+
+_compile_once = lru_cache(maxsize=None)(compile_kernels)
+
+
+def status_names(status: int) -> str:
+    """Return the names of the bits of a status, or success."""
+    return " ".join(name for bit, name in FLAGS.items() if status & bit) or "success"
+
+
+@lru_cache(maxsize=None)
+def _run(frozen: str) -> Outcome:
+    case = json.loads(frozen)
+    compile_for(case)
+    setting = _setting(case)
+    upper, lower = setting.pop("walls")
+    given = oracle.Joint(
+        upper - height_datum(upper),
+        lower - height_datum(lower),
+        setting["spacing"],
+        setting["rock"],
+        setting["effects"],
+        setting["choices"],
+    )
+    judge = Judge(given, tolerances_of(case))
+    dataset, message, target = None, "", math.nan
+    start = time.perf_counter()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            if case["closure"] is not None:
+                dataset = equilibrium(
+                    upper, lower, closure=case["closure"], unusual_values=True, **setting
+                )
+            else:
+                target = _target(case, upper, lower, setting)
+                dataset = simulate_by(
+                    lambda name: JudgedSolver(solver_named(name), judge),
+                    upper,
+                    lower,
+                    Conditions(
+                        max_normal_stress=target,
+                        cycles=case["cycles"],
+                        seating_stress=0.0,
+                        unusual_values=True,
+                        **setting,
+                    ),
+                )
+            status = status_names(int(dataset.status))
+        except InputError as error:
+            status, message = "refused", str(error)
+    seconds = time.perf_counter() - start
+    if case["closure"] is not None and dataset is not None and int(dataset.status) < FAILURE:
+        total = float(dataset.normal_stress) * upper.size * setting["spacing"] ** 2
+        force = dataset.force.values
+        judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
+    warned = [f"{w.category.__name__}: {w.message}" for w in caught]
+    return Outcome(case, dataset, target, status, message, seconds, warned, judge)
+
+
+def _setting(case: dict) -> dict:
+    """Return walls and arguments of `simulate` of a case, with lengths and stresses scaled."""
+    lengths, stresses = case["scale_lengths"], case["scale_stresses"]
+    walls = case["walls"]
+    spacing = case["spacing"]
+    made = hard_walls(
+        walls["kind"], walls["cells"], spacing, walls["height"], walls["jrc"], walls["seed"]
+    )
+    pair = [
+        walls["factor"] * lengths * wall + offset
+        for wall, offset in zip(made, walls["offset"], strict=True)
+    ]
+    rocks = [
+        rock_of(
+            {
+                name: value * stresses if OF_ROCK[name].si_unit == "Pa" else value
+                for name, value in rock.items()
+            }
+        )
+        for rock in (case["rock"], case["lower_rock"] or case["rock"])
+    ]
+    if case["swapped"]:
+        pair, rocks = pair[::-1], rocks[::-1]
+    numerics = {
+        name: value * lengths if name.endswith(_LENGTHS) else value
+        for name, value in case["numerics"].items()
+    }
+    choices = dict(case["choices"])
+    if choices["largest_radius"] is not None:
+        choices["largest_radius"] *= lengths
+    return {
+        "walls": pair,
+        "spacing": spacing * lengths,
+        "rock": (rocks[0], rocks[1]),
+        "effects": Effects(**case["effects"]),
+        "choices": Choices()._replace(**choices),  # the simulation refuses what is out of range
+        "numerics": Numerics()._replace(**numerics),
+    }
+
+
+def _target(case: dict, upper, lower, setting: dict) -> float:
+    """Return the maximum stress [Pa], which may be that at the end of the first step."""
+    if not case["target_is_first_step"]:
+        return case["max_normal_stress"] * case["scale_stresses"]
+    step = setting["numerics"].displacement_step
+    elastic = equilibrium(upper, lower, closure=step, unusual_values=True, **setting)
+    return float(elastic.normal_stress)
+
+
+def tolerances_of(case: dict) -> dict[str, float]:
+    """Return the limits of the oracle's numbers, by name."""
+    numerics = Numerics()._replace(**case["numerics"])
+    residual = numerics.force_tolerance
+    by_stress = not case["effects"]["breakage"] and case["closure"] is None
+    if by_stress and solver_named(numerics.solver).elastic_curve:
+        residual = min(residual, ELASTIC_TOLERANCE)
+    return {
+        "residual": residual,
+        "strength": 0.5 * BAND * numerics.tolerance if numerics.breakage == "resolved" else 0.0,
+        "target": numerics.stress_tolerance,
+    }

@@ -1,0 +1,106 @@
+"""Every hard case is a test; what the judging itself must notice is in test_oracle."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jointclosure as jc
+from jointclosure.storage.text import read_csv
+from studies.frame.config.files import read_plain
+from studies.verification.hard_cases import failed_requirements, merged_cases, run_case
+from studies.verification.ratchet import ERRORS, FLOOR, grown_errors
+
+ROOT = Path(__file__).parents[2]
+STUDY = read_plain(ROOT / "config/hard_cases.yaml")
+CASES = merged_cases(STUDY)
+STORED = read_csv(ROOT / "docs/results/hard_cases/hard_case_errors.csv").set_index("name")
+
+
+def marked(name):
+    marks = [pytest.mark.slow] if CASES[name]["slow"] else []
+    return pytest.param(name, marks=marks)
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in CASES])
+def test_a_hard_case_holds(name):
+    """Its requirements hold, and no error is more than four times that of the stored table."""
+    outcome = run_case(CASES[name])
+    assert failed_requirements(outcome, CASES) == []
+    if outcome.judge.states:
+        assert grown_errors(STORED.loc[name], outcome.judge.worst) == []
+
+
+def test_an_error_that_grows_is_named_unless_it_is_rounding():
+    fields = [field for names in ERRORS.values() for field in names]
+    stored = dict.fromkeys(ERRORS, 1e-11) | {"processor": "", "versions": ""}
+    present = dict.fromkeys(fields, 3.9e-11)
+    assert grown_errors(stored, present) == []
+    grown = grown_errors(stored, present | {"residual": 4.1e-11, "load": float("nan")})
+    assert [line.split()[0] for line in grown] == ["residual", "load"]
+    small = stored | {"load": 0.0}
+    assert grown_errors(small, present | {"load": 3.9 * FLOOR}) == []
+    assert grown_errors(small, present | {"load": 4.1 * FLOOR})
+
+
+def test_every_answered_case_has_stored_errors():
+    answered = {name for name, case in CASES.items() if case["expect"] == "answer"}
+    assert answered <= set(STORED.index) <= set(CASES)
+
+
+def test_there_are_at_least_40_cases_with_what_is_hard_and_what_must_hold():
+    own = {case["name"].removesuffix("_resolved") for case in CASES.values()}
+    assert len(own) >= 40
+    assert all(case["hard"] and case["must_hold"] for case in CASES.values())
+
+
+def test_all_18_scenes_are_among_them():
+    scenes = {tuple(c["effects"].items()) for n, c in CASES.items() if n.startswith("scene_")}
+    assert len(scenes) == 18
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"wals": {}}, "did you mean walls"),
+        ({"expect": "fine"}, "expect = 'fine'"),
+        ({"must": {"same_as": {"case": "none", "within": 0}}}, "compared with 'none'"),
+    ],
+)
+def test_a_wrong_case_is_refused_by_name(change, named):
+    one = {"name": "one", "group": "some", "hard": "something", "must_hold": "something"} | change
+    with pytest.raises(jc.InputError, match=named):
+        merged_cases(STUDY | {"cases": [*STUDY["cases"], one]})
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"expect": "target_jumped"}, "expected target_jumped"),
+        (
+            {"max_normal_stress": 5e6, "must": {"closure": {"value": 1e-4, "within": 0.1}}},
+            "closure",
+        ),
+        ({"must": {"same_as": {"case": "swapped_walls", "within": 1e-3}}}, "differs from"),
+        ({"must": {"nothing_breaks": False}}, "0 breakage steps"),
+        ({"must": {"contact_fraction": {"least": 0.9, "most": 1.0}}}, "contact fraction"),
+        ({"max_normal_stress": 1e12}, "status refused"),
+    ],
+)
+def test_what_does_not_hold_is_named(change, named):
+    failed = failed_requirements(run_case(CASES["base_elastic"] | change), CASES)
+    assert any(named in line for line in failed), failed
+
+
+@pytest.mark.parametrize(("holds", "code"), [("True", 0), ("False", 1)])
+def test_cases_that_hold_are_counted_and_slow_ones_named(tmp_path, holds, code):
+    table = tmp_path / "hard_cases.csv"  # formulas, as the last row, have no budget
+    rows = f"a,{holds},load,True,1,2\nb,True,,False,3,2\nc,True,,,1,\n"
+    table.write_text("name,holds,failed,within_budget,seconds,budget_s\n" + rows)
+    script = ROOT / "workflow/scripts/count_hard_cases.py"
+    done = subprocess.run([sys.executable, script, table], capture_output=True, text=True)
+    assert done.returncode == code, done.stderr
+    assert "b took 3.0 s of 2.0 s" in done.stdout or "b took 3 s of 2.0 s" in done.stdout
+    assert "a took" not in done.stdout
+    assert "c took" not in done.stdout

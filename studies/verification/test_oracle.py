@@ -1,0 +1,147 @@
+"""The oracle notices: a sound state passes, and one thing made wrong in it does not."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.solvers.joint import Joint
+from jointclosure.solvers.registry import solver_named
+from studies.verification import oracle
+from studies.verification.hard_cases import Judge
+from tests.joints import DOLERITE, SPACING
+
+NUMERICS = jc.Numerics(force_tolerance=1e-8)
+TOLERANCES = {"residual": 1e-8, "strength": 0.0, "target": 1e-3}
+
+
+@pytest.fixture(scope="module")
+def settled():
+    """A joint at rest after breakage: what it was, and its state."""
+    return at_rest(jc.Choices())
+
+
+def at_rest(choices):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    effects = jc.Effects()
+    joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
+    for closure in np.arange(1, 21) * 12.5e-6:
+        answer = solver_named("fast").settle(joint, float(closure), 5e-6)
+    given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)
+    state = oracle.State(joint.upper, joint.lower, joint.force, answer.closure, answer.total_force)
+    return given, state
+
+
+def complaints(given, state):
+    judge = Judge(given, TOLERANCES)
+    judge(state)
+    return {name for name, limit in judge.limits.items() if not judge.worst[name] <= limit}
+
+
+def changed(field, index, by):
+    field = field.copy()
+    field[index] += by
+    return field
+
+
+def test_a_sound_state_passes(settled):
+    assert complaints(*settled) == set()
+
+
+def test_a_state_with_flat_valleys_is_sound_where_it_is_judged_so_and_nowhere_else():
+    given, state = at_rest(jc.Choices(concave="flat", largest_radius=20e-3))
+    assert complaints(given, state) == set()
+    assert np.abs(state.upper - given.upper).max() > 1e-6  # it broke
+    as_peaks = given._replace(choices=jc.Choices(largest_radius=20e-3))
+    assert "residual" in complaints(as_peaks, state)
+
+
+def test_a_force_a_millionth_too_large_is_noticed(settled):
+    given, state = settled
+    at = np.unravel_index(state.force.argmax(), state.force.shape)
+    force = changed(state.force, at, 1e-6 * state.force.sum())
+    assert complaints(given, state._replace(force=force)) >= {"residual", "load"}
+
+
+def test_a_force_that_was_never_there_is_noticed(settled):
+    given, state = settled
+    at = np.unravel_index((state.upper + state.lower).argmin(), state.force.shape)
+    force = changed(state.force, at, 1e-6 * state.force.sum())
+    assert "without_overlap" in complaints(given, state._replace(force=force))
+
+
+def test_a_contact_left_out_is_noticed(settled):
+    given, state = settled
+    at = np.unravel_index(state.force.argmax(), state.force.shape)
+    force = changed(state.force, at, -state.force[at])
+    assert "without_force" in complaints(given, state._replace(force=force))
+
+
+def test_a_pulling_contact_is_noticed(settled):
+    given, state = settled
+    at = np.unravel_index(state.force.argmax(), state.force.shape)
+    force = changed(state.force, at, -1.001 * state.force[at])
+    assert "negative_force" in complaints(given, state._replace(force=force))
+
+
+def test_a_wrong_total_is_noticed(settled):
+    given, state = settled
+    wrong = state._replace(total_force=state.total_force * (1 + 1e-9))
+    assert complaints(given, wrong) == {"load"}
+
+
+@pytest.mark.parametrize("wall", ["upper", "lower"])
+def test_a_volume_that_is_lost_is_noticed(settled, wall):
+    given, state = settled
+    at = np.unravel_index((state.upper + state.lower).argmin(), state.force.shape)
+    volume = np.abs(getattr(given, wall) - getattr(given, wall).min()).sum()
+    lower = changed(getattr(state, wall), at, -1e-11 * volume)
+    assert complaints(given, state._replace(**{wall: lower})) == {"volume"}
+
+
+def test_a_peak_that_grew_is_noticed(settled):
+    given, state = settled
+    at = np.unravel_index(given.upper.argmax(), given.upper.shape)
+    grown = changed(state.upper, at, np.ptp(given.upper))
+    assert "raised" in complaints(given, state._replace(upper=grown))
+
+
+def test_a_lower_strength_is_noticed(settled):
+    given, state = settled
+    weaker = DOLERITE._replace(compressive_strength=0.9 * DOLERITE.compressive_strength)
+    assert complaints(given._replace(rock=weaker), state) == {"strength"}
+    pair = given._replace(rock=(DOLERITE, weaker))
+    assert complaints(pair, state) == {"strength"}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"effects": jc.Effects(interaction=False)},
+        {"effects": jc.Effects(substrate=False, interaction=False)},
+        {"effects": jc.Effects(soft_peaks=False)},
+        {"choices": jc.Choices(base_radius_in_cells=0.51)},
+        {"choices": jc.Choices(peak_modulus_ratio=0.06)},
+        {"spacing": 1.01 * SPACING},
+        {"rock": DOLERITE._replace(youngs_modulus=78.001e9)},
+    ],
+    ids=str,
+)
+def test_forces_of_another_model_are_noticed(settled, change):
+    given, state = settled
+    assert "residual" in complaints(given._replace(**change), state)
+
+
+def test_nan_is_noticed(settled):
+    given, state = settled
+    force = changed(state.force, (3, 3), np.nan)
+    assert complaints(given, state._replace(force=force))
+
+
+def test_influence_agrees_near_and_far_and_with_the_printed_form():
+    table = oracle.influence((3, 40), 1.0, 0.5, 1.0)
+    zeta, r = np.arange(1.0, 40.0), 0.5
+    bracket = (2 * r**2 - zeta**2) * np.arcsin(r / zeta) + r * np.sqrt(zeta**2 - r**2)
+    np.testing.assert_allclose(table[0, 1:], 3 / (4 * np.pi * r**3) * bracket, rtol=1e-9)
+    np.testing.assert_allclose(
+        table[0, 1:], (1 + 0.1 * (r / zeta) ** 2) / (np.pi * zeta), rtol=3e-3
+    )

@@ -1,0 +1,170 @@
+"""What other programs take of a joint, read back."""
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure.cli import main as cli
+from jointclosure.cli.exchange import (
+    OPENING_SLOPE,
+    fracture_mesh,
+    geos_aperture_table,
+    itasca_tables,
+    porepy_parameters,
+)
+from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.storage.meshes import write_vtu
+from jointclosure.storage.netcdf import read_netcdf
+from tests.joints import DOLERITE, SPACING, on_softer_half_spaces
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """What the command writes of a small joint."""
+    folder = tmp_path_factory.mktemp("joint")
+    words = ["--rock", "dolerite", "--cells", "24x20", "--stress", 5, "--tables", folder / "t"]
+    assert cli.main(["simulate", *map(str, words), "--output", str(folder / "joint.nc")]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def history(folder):
+    return read_netcdf(folder / "joint.nc")
+
+
+def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
+    text = (folder / "t/joint_stiffness.dat").read_text()
+    table = pd.read_csv(folder / "t/stiffness.csv").dropna()
+    table = table[~table.landing]
+    found = dict(re.findall(r"^table '([\w-]+)' add (.*)$", text, re.M))
+    assert set(found) == {f"kn-cycle-{c}-{b}" for c in (1, 2) for b in ("loading", "unloading")}
+    for (cycle, branch), own in table.groupby(["cycle", "branch"]):
+        pairs = re.findall(r"\(([^,]+),([^)]+)\)", found[f"kn-cycle-{cycle}-{branch}"])
+        read = np.array(pairs, dtype=float)
+        np.testing.assert_allclose(read[:, 0], 1e6 * own.normal_stress_MPa, rtol=1e-6)
+        np.testing.assert_allclose(read[:, 1], 1e9 * own.normal_stiffness_net_MPa_per_mm, rtol=1e-6)
+        assert (np.diff(read[:, 0]) > 0.0).all()
+
+
+def test_porepy_closes_as_the_joint_does(folder, history):
+    """Its fracture closes from the elastic opening by Bandis' hyperbola."""
+    solid = json.loads((folder / "t/porepy.json").read_text())
+    assert solid == porepy_parameters(history)
+    stiffness, opening = (
+        solid[name] for name in ("fracture_normal_stiffness", "maximum_elastic_fracture_opening")
+    )
+    traction = float(history.normal_stress.max()) - 0.5e6
+    closes = opening * traction / (stiffness * opening + traction)
+    cycle = cycle_table(history).iloc[1]
+    assert closes == pytest.approx(1e-3 * cycle.max_closure_seated_net_mm, rel=0.1)
+    assert solid["residual_aperture"] > 0.0
+    # its aperture is that of the joint, under load too: both are of the net closure
+    aperture = solid["residual_aperture"] + opening - closes
+    assert aperture == pytest.approx(1e-3 * cycle.mean_aperture_at_max_mm, rel=0.01)
+    fits = fitted_laws(history)
+    assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
+
+
+def test_porepy_itself_takes_the_constants(folder):
+    porepy = pytest.importorskip("porepy")
+    exported = json.loads((folder / "t/porepy.json").read_text())
+    solid = porepy.SolidConstants(**exported)
+    assert {name: getattr(solid, name) for name in exported} == exported
+
+
+def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):
+    """Softer half-spaces change no number of theirs: what they take is net."""
+    history = history.assign_attrs(numerics="{}")  # no landing, whose steps are gross
+    softer = on_softer_half_spaces(history)
+    one, other = porepy_parameters(history), porepy_parameters(softer)
+    assert other == pytest.approx(one, rel=1e-4)
+    np.testing.assert_allclose(
+        geos_aperture_table(softer), geos_aperture_table(history), rtol=1e-6, atol=1e-12
+    )
+    tables = [re.findall(r"[\d.]+e[+-]\d+", itasca_tables(each)) for each in (history, softer)]
+    np.testing.assert_allclose(*(np.array(table, float) for table in tables), rtol=1e-6)
+
+
+def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_taken():
+    walls = jc.wall_pair(8.0, (24, 20), SPACING, seed=1)
+    about = {"spacing": SPACING, "rock": DOLERITE, "seating_stress": 0.5e6}
+    joint = jc.simulate(*walls, **about, max_normal_stress=[4e6, 0.0, 4e6, 1e6, 4e6])
+    before = joint.sel(step=joint.cycle <= 2)
+    assert porepy_parameters(joint) == porepy_parameters(before)
+    np.testing.assert_array_equal(geos_aperture_table(joint), geos_aperture_table(before))
+    above = joint.sel(step=joint.cycle == 3)
+    with pytest.raises(jc.InputError, match="no loading begins at or below the seating stress"):
+        porepy_parameters(above)
+
+
+def test_geos_takes_the_table(folder, history):
+    """What its validateApertureTable asks for: the last coordinate 0, the last slope below 1."""
+    function = ElementTree.parse(folder / "t/geos.xml").getroot()
+    assert function.tag == "TableFunction"
+    gap = np.loadtxt(folder / "t" / function.get("coordinateFiles").strip("{ }"))
+    aperture = np.loadtxt(folder / "t" / function.get("voxelFile"))
+    assert gap[-1] == 0.0
+    assert (np.diff(gap) > 0.0).all()
+    assert (np.diff(aperture) > 0.0).all()
+    assert (aperture[-1] - aperture[-2]) / (gap[-1] - gap[-2]) < 1.0
+    # seating lies between two steps, by a cubic here and by a chord there
+    cycle = cycle_table(history).iloc[1]
+    assert -gap[0] == pytest.approx(1e-3 * cycle.max_closure_seated_net_mm, rel=0.1)
+    # as each wall keeps its volume, the mean aperture falls by the net closure
+    np.testing.assert_allclose(aperture[:-2] - gap[:-2], aperture[-1], rtol=1e-6)
+    at_max = float(history.mean_aperture[int(np.flatnonzero(history.cycle.values == 2)[0]) :].min())
+    assert aperture[0] == pytest.approx(at_max, rel=1e-6)
+
+
+def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
+    alone = jc.Effects(interaction=False, breakage=False, gouge=False)
+    history = jc.simulate(
+        *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, effects=alone,
+        seating_stress=0.2e6,
+    )  # fmt: skip
+    gap, aperture = geos_aperture_table(history)  # without interaction the slope is 1
+    slopes = np.diff(aperture) / np.diff(gap)
+    assert slopes[-1] == pytest.approx(OPENING_SLOPE, rel=1e-6)
+    np.testing.assert_allclose(slopes[:-2], 1.0, rtol=1e-6)
+    assert slopes[-2] == pytest.approx(1.0, rel=1e-2)
+    assert gap[-1] == 0.0
+
+
+def test_a_table_of_a_blocked_joint_is_refused_in_a_line(small_joint):
+    history = jc.simulate(
+        *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6
+    )
+    blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
+    with pytest.raises(jc.InputError, match="mean aperture must be positive"):
+        geos_aperture_table(blocked)
+
+
+def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    upper, lower = small_joint
+    opening = float((upper + lower).max())
+    write_vtu(*fracture_mesh(upper, lower, opening, SPACING), tmp_path / "a.vtu")
+    read = meshio.read(tmp_path / "a.vtu")
+    ny, nx = upper.shape
+    triangles = read.cells_dict["triangle"]
+    assert triangles.shape == (2 * (ny - 1) * (nx - 1), 3)
+    corners = read.points[triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (across[:, 2] > 0.0).all()  # all face up, and cover the joint once
+    covered = 0.5 * across[:, 2].sum()
+    assert covered == pytest.approx((ny - 1) * (nx - 1) * SPACING**2)
+    gap = opening - upper - lower
+    np.testing.assert_allclose(read.points[:, 2], (lower + 0.5 * gap).ravel())
+    aperture = read.cell_data_dict["aperture"]["triangle"]
+    np.testing.assert_allclose(aperture, gap.ravel()[triangles].mean(axis=1), atol=1e-15)
+    touching = read.cell_data_dict["contact"]["triangle"]
+    assert 1 <= touching.sum() <= 6  # the one cell of first touch
+    assert set(np.flatnonzero(touching)) == {
+        i for i, t in enumerate(triangles) if gap.argmin() in t
+    }

@@ -1,0 +1,263 @@
+"""Range of a closed joint over what the model leaves open."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy
+
+import jointclosure as jc
+from jointclosure.engine.budget import (
+    ALL,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    NUMBERS,
+    QUANTITIES,
+    TOGETHER,
+    Budget,
+    Source,
+    ranges_of,
+    shares_of,
+)
+from jointclosure.engine.uncertainty import (
+    DRAWS,
+    PLAUSIBLE,
+    SEED,
+    random_shares,
+    sources_of,
+    uncertainty_budget,
+    variants_of,
+)
+from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.simulation import close_walls
+from studies.frame.config.files import read_plain
+from tests.joints import DOLERITE, SPACING
+from tests.studied import ROOT
+
+CONDITIONS = jc.Conditions(SPACING, DOLERITE, 2e6, 1, 0.2e6)
+CLOSURE = next(iter(QUANTITIES))
+
+
+def test_shares_are_those_of_squared_changes():
+    changes = {"a": np.array([-1.0, 1.0]), "b": np.array([0.0, 2.0]), "c": np.array([np.nan])}
+    shares = shares_of(changes)
+    assert (shares["a"], shares["b"], shares["c"]) == pytest.approx((2 / 6, 4 / 6, 0.0))
+    signed = shares_of({"a": np.array([-3.0]), "b": np.array([-4.0, 1.0])})
+    assert signed["a"] == pytest.approx(9 / 26)
+    assert np.isnan(shares_of({"a": np.array([0.0])})["a"])  # nothing has a share in no range
+
+
+def range_of(widths, scatter=0.0, seed=0):
+    """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
+    sources = {name: Source((0.0, 1.0), True) for name in widths}
+    shares, further = (random_shares(sources, n, seed) for n in (DRAWS, 10_000))
+    widest = np.array(list(widths.values()))
+    noise = scatter * np.random.default_rng(seed).standard_normal(DRAWS)
+    logs = [0.0, *(end for width in widest for end in (-width, width))]
+    logs += list((2.0 * shares - 1.0) @ widest + noise)
+    names = ["", *(name for name in widths for _ in "ab"), *[ALL] * DRAWS]
+    values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    results = pd.DataFrame({"cycle": 1, "source": names} | values)
+    return ranges_of(results, sources, shares, further).iloc[0]
+
+
+def lower_end(*of):
+    return float(np.log(range_of(*of).low / 2.0))
+
+
+def test_shares_name_what_no_source_does_alone():
+    linear, noise = range_of({"a": 1.0, "b": 2.0}), range_of({"a": 0.0}, 1.0)
+    assert (linear.a, linear.b, linear[TOGETHER]) == pytest.approx((0.2, 0.8, 0.0), abs=1e-6)
+    assert noise[TOGETHER] == pytest.approx(1.0)
+    mixed = range_of({"a": 1.0}, np.sqrt(1.0 / 3.0))  # as much variance by noise as by the source
+    assert mixed.a + mixed[TOGETHER] == pytest.approx(1.0)
+    assert 0.2 < mixed[TOGETHER] < 0.8
+
+
+def test_the_range_holds_nine_in_ten_of_the_random_results():
+    assert lower_end({"a": 1.0}) == pytest.approx(-0.9, abs=1e-3)
+    both = lower_end({"a": 1.0, "b": 1.0})  # the sum of both has a triangular density
+    assert both == pytest.approx(-2.0 + np.sqrt(0.4), abs=0.03)
+    noise = [lower_end({"a": 0.0}, 1.0, seed) for seed in range(40)]
+    assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
+
+
+def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
+    """As in each joint, though departures from the sum of the sources are of few joints."""
+    sources = {"a": Source((0.0, 1.0), True)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        net = np.exp(random.standard_normal(DRAWS + 3))
+        values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
+        values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
+        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
+        ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
+        assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
+        assert (ends.low >= 0.0).all()
+
+
+def test_a_stated_source_and_a_wider_one_widen_the_range():
+    for seed in range(5):
+        few, two, wider = (
+            lower_end(widths, 0.1, seed)
+            for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
+        )
+        assert few > two > wider
+
+
+def test_random_values_of_a_source_do_not_depend_on_other_sources():
+    few, many = random_shares(["b", "a"], 19, 0), random_shares(["a", "c", "b"], 19, 0)
+    np.testing.assert_array_equal(few, many[:, [2, 0]])
+
+
+def test_random_values_of_two_sources_are_hardly_correlated():
+    sources = sources_of(CONDITIONS.checked(), (40, 40))
+    shares = random_shares(sources, DRAWS, SEED)
+    halves = np.column_stack(
+        [
+            column if source.continuous else np.floor(column * len(source.values))
+            for column, source in zip(shares.T, sources.values(), strict=True)
+        ]
+    )
+    for values in (shares, halves):
+        correlations = np.corrcoef(values.T) - np.eye(len(sources))
+        assert np.abs(correlations).max() < 0.4  # of random seeds the median is 0.5
+
+
+def test_joints_beside_which_the_best_value_lies_are_described():
+    columns = ["source", "value", "cycle", "status"]
+    rows = [["", "", 1, 0, 1.0], *([ALL, f"values {k}", 1, 0, 1.2 + 0.1 * k] for k in range(9))]
+    results = pd.DataFrame([row[:4] for row in rows], columns=columns)
+    results = results.assign(**{name: [row[4] for row in rows] for name in QUANTITIES})
+    index = pd.MultiIndex.from_product([[1], QUANTITIES], names=["cycle", "quantity"])
+
+    def described(best, together):
+        row = {"best": best, "median": 1.6, "low": 1.0, "high": 2.0}
+        row |= {TOGETHER: together, "alignment": 0.5}
+        lines = Budget(results, pd.DataFrame(row, index), ()).sentences()
+        return "median is 1.6" in " ".join(lines), "2.0, has values 8" in " ".join(lines)
+
+    assert described(1.0, 0.9) == (True, True)
+    assert described(1.6, 0.1) == (False, False)
+
+
+def budget_of(best, drawn):
+    """A budget of one source without effect: results (n,) are those of the random joints."""
+    sources = {"alignment": Source((0.0, 1.0), True)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 100))
+    names = ["", "alignment", "alignment", *[ALL] * DRAWS]
+    values = dict.fromkeys(QUANTITIES, np.array([best] * 3 + list(drawn)))
+    results = pd.DataFrame({"source": names, "value": "", "cycle": 1, "status": 0} | values)
+    return Budget(results, ranges_of(results, sources, shares, further), ())
+
+
+def test_the_median_leads_where_the_best_value_lies_outside_its_range():
+    drawn = np.geomspace(0.4, 0.6, DRAWS)
+    inside, below = budget_of(0.45, drawn), budget_of(0.3, drawn)
+    assert inside.text(1, CLOSURE).startswith("0.45 (")
+    assert below.text(1, CLOSURE).startswith("0.49 (0.4")
+    assert "the best value, 0.30, lies outside the range" in str(below)
+    assert "lies outside" not in str(inside)
+
+
+def test_a_result_that_is_0_in_all_variants_is_not_given_as_certain():
+    absent, given = budget_of(0.0, np.zeros(DRAWS)), budget_of(0.0, np.linspace(0.0, 1.0, DRAWS))
+    assert absent.text(1, CLOSURE) == "not modelled"
+    assert "cycle 1: not modelled, as it is 0 in the model" in str(absent)
+    assert "(0 to" not in str(absent)
+    assert "not modelled" not in str(given)
+
+
+def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
+    budget = uncertainty_budget(*small_joint, CONDITIONS)
+    drawn = budget.results[budget.results.source == ALL]
+    assert len(drawn) == DRAWS
+    assert drawn.value.is_unique
+    for name in QUANTITIES:
+        best, median, low, high = budget.ranges.loc[(1, name), NUMBERS]
+        assert best == budget.results[name].iloc[0]
+        assert low < median < high
+    printed = str(budget)
+    assert budget.text(1, CLOSURE) in printed
+    assert budget.sentences()[-1] in printed
+
+
+def test_random_values_fill_their_ranges():
+    conditions = CONDITIONS.checked()
+    sources = sources_of(conditions, (20, 24), {"youngs_modulus": (50e9, 90e9)})
+    drawn = [v for v in variants_of(conditions, sources, 40) if v.source == ALL]
+    ratios = np.sort([v.conditions.choices.peak_modulus_ratio for v in drawn])
+    low, high = PLAUSIBLE["peak_modulus_ratio"]
+    expected = low * (high / low) ** ((np.arange(40) + 0.5) / 40)
+    np.testing.assert_allclose(ratios, expected, rtol=0.1)  # one in each part of equal probability
+    moduli = [v.conditions.rock[0].youngs_modulus for v in drawn]
+    assert 50e9 <= min(moduli) < 52e9 < 88e9 < max(moduli) <= 90e9
+    for values in ([v.step for v in drawn], [v.conditions.choices.peaks for v in drawn]):
+        assert [values.count(value) for value in set(values)] == [20, 20]
+    assert {v.shift for v in drawn} == {(0, 0), (0, 1), (0, -1), (1, 0), (-1, 0)}
+
+
+def test_each_source_is_varied_alone_to_its_plausible_values(small_joint):
+    budget = uncertainty_budget(*small_joint, CONDITIONS, {"youngs_modulus": (50e9, 90e9)})
+    results = budget.results.set_index(["source", "value"])[CLOSURE]
+    alone = {
+        ("", ""): CONDITIONS,
+        ("peak_modulus_ratio", "0.2"): CONDITIONS._replace(
+            choices=jc.Choices(peak_modulus_ratio=0.2)
+        ),
+        ("breakage", "resolved"): CONDITIONS._replace(numerics=jc.Numerics(breakage="resolved")),
+        ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(
+            rock=DOLERITE._replace(youngs_modulus=50e9)
+        ),
+    }
+    for variant, conditions in alone.items():
+        closed = close_walls(*small_joint, conditions.checked())
+        assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
+    assert budget.omitted == ("poisson_ratio", "compressive_strength")
+    low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]
+    assert low < results["", ""] < high
+
+
+def test_variants_shift_and_thin_out_the_walls_themselves(small_joint):
+    upper, lower = small_joint
+    sources = sources_of(CONDITIONS, upper.shape)
+    variants = {(v.source, v.value): v for v in variants_of(CONDITIONS, sources)}
+    coarse = variants["spacing", "every 2. cell"]
+    np.testing.assert_array_equal(coarse.walls(upper, lower)[0], upper[::2, ::2])
+    assert coarse.conditions.spacing == 2 * SPACING
+    for y, x in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        one, two = variants["alignment", f"{(y, x)} cells (y, x)"].walls(upper, lower)
+        rolled = np.roll(upper, (-y, -x), (0, 1))
+        kept = [slice(max(-s, 0), n - max(s, 0)) for s, n in zip((y, x), upper.shape, strict=True)]
+        np.testing.assert_array_equal(one, rolled[tuple(kept)])
+        np.testing.assert_array_equal(two, lower[tuple(kept)])
+    elastic = CONDITIONS._replace(effects=jc.Effects(True, True, False, False, False))
+    assert set(sources_of(elastic, upper.shape)) == {"spacing", "alignment", "base_radius_in_cells"}
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"strength": (1.0, 2.0)}, "'strength': must be one of"),
+        ({"youngs_modulus": (2e9, 1e9)}, "lowest value must come first"),
+        ({"compressive_strength": (1e6, 2e6)}, "must contain that of the joint"),
+        ({"peak_modulus_ratio": (0.1, 0.2)}, "must contain that of the joint, 0.05"),
+        ({"youngs_modulus": (1e9,)}, "must be \\(lowest, highest\\)"),
+        ({"peak_modulus_ratio": (0.1, 2.0)}, "peak_modulus_ratio = 2.0"),
+        ({"spacing": (SPACING, 1.2 * SPACING)}, "must begin at the spacing"),
+    ],
+)
+def test_ranges_that_cannot_be_are_refused_by_name(ranges, message):
+    with pytest.raises(jc.InputError, match=message):
+        sources_of(CONDITIONS, (20, 24), ranges)
+
+
+def test_what_is_plausible_is_what_the_global_sensitivity_study_varies():
+    inputs = read_plain(ROOT / "config/global_sensitivity.yaml")["global_sensitivity"]["inputs"]
+    studied = {
+        about["key"].removeprefix("choices."): about.get("between", about.get("values"))
+        for about in inputs.values()
+        if about["key"].startswith("choices.")
+    }
+    del studied["largest_radius_mm"]  # it has no share of the variance of a closure
+    assert {name: list(values) for name, values in PLAUSIBLE.items()} == studied

@@ -1,0 +1,235 @@
+"""Curves, stiffness and laws of a closed joint, held against what they must be."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.cli.exchange import itasca_tables
+from jointclosure.joint.curves import area_of, curve_table, cycle_table
+from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
+from jointclosure.joint.stiffness import (
+    closures_at,
+    landing_stress,
+    secant_stiffness,
+    stiffness_table,
+)
+from tests.joints import DOLERITE, SPACING, on_softer_half_spaces
+
+SEATING, LARGEST = 0.5, 10.0
+
+
+@pytest.fixture(scope="module")
+def closed():
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    about = {"max_normal_stress": 5e6, "seating_stress": 0.5e6}
+    return jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, **about)
+
+
+def following(law, *parameters):
+    """A joint of one loading, and back, that follows a law in MPa and mm."""
+    stress = np.linspace(SEATING, LARGEST, 400)
+    closure = LAWS[law].closure(stress, SEATING, *parameters)
+    closure = np.concatenate([[closure[0] - 0.01], closure]) - closure[0] + 0.01
+    stress = np.concatenate([[0.0], stress])
+    up, down = stress.size, stress.size - 1
+    there = np.concatenate([np.arange(up), np.arange(down)[::-1]])
+    return xr.Dataset(
+        {
+            "closure": ("step", 1e-3 * closure[there]),
+            "bulk_indentation": ("step", 0.0 * there),
+            "normal_stress": ("step", 1e6 * stress[there]),
+            "mean_aperture": ("step", 1e-3 * (1.0 - closure[there])),
+            "contact_fraction": ("step", stress[there] / 100.0),
+        },
+        coords={
+            "cycle": ("step", np.ones(there.size, int)),
+            "branch": ("step", np.repeat(["loading", "unloading"], [up, down])),
+            "y": np.arange(3) * 1e-3,
+            "x": np.arange(5) * 1e-3,
+        },
+        attrs={"seating_stress_Pa": 1e6 * SEATING},
+    )
+
+
+TRUE = {
+    "hyperbolic": (12.0, 0.3),
+    "semi_logarithmic": (-0.301029995663981, 6.0),
+    "power": (0.09, 0.4),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_joint_that_follows_a_law_gives_its_parameters_back(law):
+    fits = fitted_laws(following(law, *TRUE[law]))
+    for name, value in zip(LAWS[law].parameters, TRUE[law], strict=True):
+        assert parameter(fits, 1, "loading", name) == pytest.approx(value, rel=2e-3)
+    own = fits[(fits.law == law) & (fits.branch == "loading")].iloc[0]
+    assert own.r_squared > 0.9999
+    assert (own.holds_from_MPa, own.holds_to_MPa) == pytest.approx((SEATING, LARGEST), rel=1e-6)
+
+
+def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
+    """kn = kni (1 + (sigma - s)/(Vm kni))^2: Bandis et al. 1983, Eq. 8."""
+    kni, vm = TRUE["hyperbolic"]
+    table = stiffness_table(following("hyperbolic", kni, vm))
+    above = table.normal_stress_MPa - SEATING
+    exact = kni * (1.0 + above / (vm * kni)) ** 2
+    np.testing.assert_allclose(table.normal_stiffness_net_MPa_per_mm, exact, rtol=0.02)
+
+
+def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
+    """There the joint looks as stiff as on unloading; by other steps, or without any, it lands."""
+    table = stiffness_table(closed)
+    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    stress, closure = 1e-6 * closed.normal_stress.values[here], closed.closure.values[here]
+    last_whole = stress[1:][np.diff(closure) > 0.999 * 12.5e-6][-1]
+    assert SEATING < last_whole < 5.0
+    np.testing.assert_array_equal(first.landing, first.to_MPa > last_whole)
+    steps = curve_table(closed)
+    loading = steps[(steps.cycle == 1) & (steps.branch == "loading")]
+    upper = loading.normal_stress_MPa.shift(-1, fill_value=loading.normal_stress_MPa.iloc[-1])
+    np.testing.assert_array_equal(loading.landing, upper > last_whole)
+    for chords in (table, steps):
+        assert not chords[(chords.cycle == 2) | (chords.branch == "unloading")].landing.any()
+    marked = first[first.landing].normal_stress_MPa
+    itasca = itasca_tables(closed).split("'kn-cycle-1-loading'")[1].split("table")[0]
+    assert itasca.count("(") == (~first.landing).sum()
+    assert f"({1e6 * marked.iloc[-1]:.6e}" not in itasca
+
+
+def test_chords_before_a_landing_know_nothing_of_it(closed):
+    """A cubic through all steps would bring the stiffness of the landing into the chord before."""
+    end = landing_stress(closed, 1)
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    kept = np.flatnonzero(here)[closed.normal_stress.values[here] <= end]
+    levels = np.linspace(0.9 * end, end, 4)
+    without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
+    np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
+
+
+def test_a_secant_ends_where_the_landing_begins(closed):
+    end = landing_stress(closed, 1)
+    levels = np.array([2e6, end, 5e6])
+    closures = closures_at(closed, levels)[:, 0]
+    first = (end - 2e6) / (closures[0, 1] - closures[0, 0])
+    assert secant_stiffness(closed, 1, 2e6, 5e6) == pytest.approx(first)
+    assert first < (5e6 - 2e6) / (closures[0, 2] - closures[0, 0])
+    second = (5e6 - 2e6) / (closures[1, 2] - closures[1, 0])
+    assert secant_stiffness(closed, 2, 2e6, 5e6) == pytest.approx(second)
+    assert np.isnan(secant_stiffness(closed, 1, end, 5e6))
+
+
+def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
+    """Net of bulk indentation no step is a whole one: the landing is that of the closure."""
+    end = landing_stress(closed, 1)
+    levels = np.array([2e6, end])
+    bulk = closures_at(closed, levels, GROSS) - closures_at(closed, levels, NET)
+    assert (bulk > 0.0).all()
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    at_end = closed.bulk_indentation.values[here][closed.normal_stress.values[here] == end]
+    assert bulk[0, 0, 1] == pytest.approx(at_end[0])
+    rise = np.diff(closures_at(closed, levels, NET)[0, 0])[0]
+    stiffness = secant_stiffness(closed, 1, 2e6, 5e6, NET)
+    assert stiffness == pytest.approx((end - 2e6) / rise)
+    assert stiffness > secant_stiffness(closed, 1, 2e6, 5e6, GROSS)
+    fitted = law_curves(closed, NET)[1, "loading"][1]
+    levels = 1e6 * law_curves(closed)[1, "loading"][0][[0, -1]]
+    closures = closures_at(closed, levels, NET)[0, 0]
+    assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"numerics": jc.Numerics(breakage="resolved")},
+        {"effects": jc.Effects(breakage=False, gouge=False)},
+    ],
+)
+def test_loading_without_fixed_steps_marks_no_landing(other):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    joint = jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=5e6, cycles=1, **other
+    )
+    assert not stiffness_table(joint).landing.any()
+
+
+def test_curves_agree_with_the_history(closed):
+    table = curve_table(closed)
+    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    assert first.closure_gross_mm.iloc[-1] == pytest.approx(1e3 * float(closed.max_closure[0]))
+    assert area_of(closed) == pytest.approx(20 * 24 * SPACING**2)
+    seated = 1e3 * closed.max_closure_seated.values
+    np.testing.assert_allclose(cycle_table(closed).max_closure_seated_mm, seated)
+    stays = 1e3 * closed.residual_closure_seated.values
+    np.testing.assert_allclose(cycle_table(closed).residual_closure_seated_mm, stays)
+    unloading = table[(table.cycle == 1) & (table.branch == "unloading")]
+    back = np.interp(
+        SEATING, *unloading[["normal_stress_MPa", "closure_gross_since_seating_mm"]].values[::-1].T
+    )
+    assert stays[0] == pytest.approx(back)
+    # void volume falls by the area times the closure, less what the half-spaces give way
+    lost = first.void_volume_mm3.iloc[0] - first.void_volume_mm3.iloc[-1]
+    area = 1e6 * area_of(closed)
+    assert lost == pytest.approx(area * first.closure_net_mm.iloc[-1], rel=1e-9)
+    for kind in ("net", "gross"):
+        rising, closure = (
+            first[f"{name}_mm"] for name in (f"normal_stiffness_{kind}_MPa_per", f"closure_{kind}")
+        )
+        inner = first.normal_stress_MPa.diff(2) / closure.diff(2)
+        np.testing.assert_allclose(rising.values[1:-1], inner.values[2:])
+
+
+def test_softer_half_spaces_change_gross_columns_alone(closed):
+    """The joint's own closure knows nothing of how far the intact rock gives way."""
+    closed = closed.assign_attrs(numerics="{}")  # no landing, whose steps are gross
+    softer = on_softer_half_spaces(closed)
+    for table in (curve_table, cycle_table, stiffness_table):
+        one, other = table(closed), table(softer)
+        net = [name for name in one if "_net" in name]
+        gross = [name.replace("_net", "" if table is cycle_table else "_gross") for name in net]
+        for name in gross:  # at one stress the half-spaces are where they were
+            assert (one[name] != other[name]).any() != name.startswith("residual_closure")
+        pd.testing.assert_frame_equal(
+            one.drop(columns=gross), other.drop(columns=gross), rtol=1e-5, atol=1e-9
+        )
+    curves = law_curves(softer)
+    for key, (stress, closure) in law_curves(closed).items():
+        np.testing.assert_array_equal(curves[key][0], stress)
+        np.testing.assert_allclose(curves[key][1], closure, rtol=1e-6, atol=1e-9)
+    for cycle in (1, 2):
+        stiffness = secant_stiffness(closed, cycle, 2e6, 4e6)
+        assert secant_stiffness(softer, cycle, 2e6, 4e6) == pytest.approx(stiffness)
+
+
+def test_what_stays_at_seating_is_most_of_the_first_cycle_and_little_of_the_second(closed):
+    cycles = cycle_table(closed)
+    for share in (cycles.residual_share_net, cycles.residual_share):
+        assert 0.2 < share[0] < 1.0
+        assert abs(share[1]) < 0.5 * share[0]
+    assert cycles.residual_share_net[0] > cycles.residual_share[0]
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
+    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    effects = jc.Effects(breakage=breakage, gouge=False)
+    about = {"spacing": SPACING, "rock": DOLERITE}
+    closed = jc.simulate(upper, lower, max_normal_stress=3e6, cycles=1, effects=effects, **about)
+    start = float(closed.mean_aperture[0])
+    assert start == pytest.approx((upper + lower).max() - (upper + lower).mean())
+    if breakage:  # what vanished opens the joint again
+        end = (
+            (upper + lower).max()
+            - closed.closure[-1]
+            - (closed.upper_final + closed.lower_final).mean()
+        )
+        assert float(closed.mean_aperture[-1]) == pytest.approx(float(end))
+        assert float(closed.mean_aperture[-1]) > start - float(closed.closure[-1])
+    else:
+        peak = int(np.argmax(closed.normal_stress.values))
+        state = jc.equilibrium(upper, lower, closure=float(closed.closure[peak]), **about)
+        assert float(closed.mean_aperture[peak]) == pytest.approx(-float(state.overlap.mean()))

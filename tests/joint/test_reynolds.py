@@ -1,0 +1,254 @@
+"""The hydraulic aperture against what is known exactly, and against bounds."""
+
+import numpy as np
+import pytest
+import scipy
+
+from jointclosure.inputs import InputError
+from jointclosure.joint import reynolds
+from jointclosure.joint.reynolds import (
+    AT_LEAST,
+    BLOCKED,
+    CLOSED,
+    DIRECTIONS,
+    FLOWS,
+    NOT_SOLVED,
+    SIDES,
+    flow_along,
+)
+from studies.verification.published_flow import PUBLISHED_FLUXES, published_gap
+
+
+def random_field(seed: int, shape=(40, 60), contact=0.1) -> np.ndarray:
+    """Apertures (y, x) [m], smooth over some cells, of which a share is in contact."""
+    heights = np.random.default_rng(seed).normal(size=shape)
+    for axis in (0, 1):
+        for _ in range(4):
+            heights = heights + np.roll(heights, 1, axis)
+    return 1e-4 * np.maximum(heights - np.quantile(heights, contact), 0.0)
+
+
+def along_first_axis(field: np.ndarray, direction: str) -> np.ndarray:
+    return field.T if direction == "x" else field
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_parallel_plates_have_their_own_aperture(direction):
+    flow = flow_along(np.full((7, 13), 3e-4), direction)
+    assert flow.hydraulic_aperture == pytest.approx(3e-4, rel=1e-13)
+    fall = (np.arange(13 if direction == "x" else 7) + 0.5) / (13 if direction == "x" else 7)
+    pressure = along_first_axis(flow.pressure, direction)
+    assert np.allclose(pressure, 1.0 - fall[:, None], rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
+def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
+    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""
+    phase = 2.0 * np.pi * (np.arange(256) + 0.5) / 256
+    gap = np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
+    along = 2e-4 * ((1.0 - contrast**2) ** 2.5 / (1.0 + 0.5 * contrast**2)) ** (1.0 / 3.0)
+    across = 2e-4 * (1.0 + 1.5 * contrast**2) ** (1.0 / 3.0)
+    assert flow_along(gap, "x").hydraulic_aperture == pytest.approx(along, rel=1e-12)
+    assert flow_along(gap, "y").hydraulic_aperture == pytest.approx(across, rel=1e-12)
+    assert flow_along(gap.T, "y").hydraulic_aperture == pytest.approx(along, rel=1e-12)
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+@pytest.mark.parametrize("seed", range(5))
+def test_a_random_field_lies_between_strips_that_do_not_mix_and_sections_that_mix_fully(
+    seed, direction
+):
+    """Cutting faces along the flow can only lower it, shorting sections only raise it."""
+    field = random_field(seed, contact=0.0) + 1e-6
+    cubes = along_first_axis(field, direction) ** 3
+    low = np.mean(1.0 / np.mean(1.0 / cubes, axis=0)) ** (1.0 / 3.0)
+    high = (1.0 / np.mean(1.0 / np.mean(cubes, axis=1))) ** (1.0 / 3.0)
+    found = flow_along(field, direction).hydraulic_aperture
+    assert 1.001 * low < found < 0.999 * high
+
+
+def test_a_smooth_gap_converges_with_the_square_of_the_spacing():
+    def found(cells: int) -> float:
+        x, y = np.meshgrid(*2 * [(np.arange(cells) + 0.5) / cells])
+        gap = 1.0 + 0.5 * np.sin(2.0 * np.pi * (x + 0.7 * y)) * np.cos(3.0 * y + x)
+        return flow_along(gap, "x").hydraulic_aperture
+
+    coarse, middle, fine = (found(cells) for cells in (40, 80, 160))
+    order = np.log2((coarse - middle) / (middle - fine))
+    assert order == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+@pytest.mark.parametrize("contact", [0.0, 0.1, 0.3])
+def test_what_flows_in_flows_out_of_every_cell_and_pressure_stays_between_the_sides(
+    contact, direction
+):
+    field = random_field(3, contact=contact)
+    flow = flow_along(field, direction)
+    assert flow.status == FLOWS
+    assert flow.imbalance < 1e-11
+    reached = flow.pressure[np.isfinite(flow.pressure)]
+    assert reached.min() >= 0.0
+    assert reached.max() <= 1.0
+    assert np.isnan(flow.pressure[field == 0.0]).all()
+    cubes = along_first_axis(field, direction) ** 3
+    pressure = along_first_axis(flow.pressure, direction)
+    last = np.nansum(2.0 * cubes[-1] * pressure[-1])
+    length, width = cubes.shape
+    assert flow.hydraulic_aperture == pytest.approx((last * length / width) ** (1 / 3), rel=1e-12)
+
+
+def test_a_wall_of_contacts_blocks_one_direction_and_not_the_other():
+    field = np.full((20, 30), 1e-4)
+    field[:, 11] = 0.0
+    assert flow_along(field, "x")[:2] == (0.0, BLOCKED)
+    beside = flow_along(field, "y")
+    assert beside.status == FLOWS
+    assert beside.hydraulic_aperture == pytest.approx(1e-4 * (29 / 30) ** (1 / 3), rel=1e-12)
+    assert flow_along(np.zeros((5, 5)), "x")[:2] == (0.0, BLOCKED)
+
+
+def test_one_open_cell_lets_flow_through_and_a_corner_does_not():
+    field = np.full((20, 20), 1e-4)
+    field[:, 9] = 0.0
+    field[10, 9] = 1e-4
+    assert flow_along(field, "x").hydraulic_aperture > 0.0
+    field[10, 10] = 0.0  # the open cell now meets what is behind it at corners only
+    assert flow_along(field, "x")[:2] == (0.0, BLOCKED)
+
+
+def test_voids_that_lead_nowhere_change_nothing():
+    field = random_field(1, contact=0.2)
+    enclosed = field.copy()
+    enclosed[10:17, 20:27] = 0.0
+    without = flow_along(enclosed, "x")
+    enclosed[12:15, 22:25] = 1e-2
+    scaled = flow_along(enclosed, "x")
+    assert scaled.hydraulic_aperture == pytest.approx(without.hydraulic_aperture, rel=1e-9)
+    assert np.isnan(scaled.pressure[12:15, 22:25]).all()
+
+
+def test_a_gap_of_less_than_rounding_beside_a_wide_one_counts_as_closed():
+    narrow = (0.2 * CLOSED) ** (1.0 / 3.0)
+    for part, status in ((0.5, AT_LEAST), (3.0, FLOWS)):
+        field = np.ones((12, 12))
+        field[:, 6] = part * narrow
+        assert flow_along(field, "x").status == status
+    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(
+        12 ** (1.0 / 3.0) * 3.0 * narrow, rel=1e-6
+    )
+
+
+def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
+    """A cell of 30 nm is solved, those of 15 nm beside it are left out, as cells of 1 mm adjoin."""
+    field = np.full((20, 6), 1e-3)
+    field[:, 3] = 15e-9
+    field[7, 3] = 30e-9
+    flow = flow_along(field, "x")
+    assert flow.status == AT_LEAST
+    narrow = np.mean(field[:, 3] ** 3) * 6.0  # all of the pressure falls along the narrow cells
+    assert flow.hydraulic_aperture < 0.9 * np.cbrt(narrow)
+    field[:, 3] = 0.0
+    field[7, 3] = 30e-9
+    assert flow_along(field, "x").status == FLOWS
+    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(flow.hydraulic_aperture)
+
+
+def test_a_dead_end_behind_a_narrow_face_leaves_the_flow_exact():
+    field = np.full((9, 12), 1e-3)
+    field[3:6, 5] = 0.0
+    field[3:6, 7] = 0.0
+    field[3, 6] = field[5, 6] = 0.0
+    field[4, 7] = 10e-9
+    flow = flow_along(field, "x")
+    field[4, 7] = 0.0
+    assert flow[:2] == flow_along(field, "x")[:2]
+    assert flow.status == FLOWS
+
+
+def test_barriers_of_many_magnitudes_keep_their_serial_average():
+    field = np.ones((40, 40))
+    for column, aperture in ((10, 1e-3), (11, 1e-6), (12, 1e-4)):
+        field[:, column] = aperture
+    serial = np.mean(field[0] ** -3) ** (-1.0 / 3.0)
+    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(serial, rel=1e-10)
+
+
+def test_the_hydraulic_aperture_scales_with_the_apertures():
+    field = random_field(7)
+    once, scaled = (flow_along(factor * field, "y") for factor in (1.0, 8.0))
+    assert scaled.hydraulic_aperture == 8.0 * once.hydraulic_aperture
+
+
+def test_a_flow_that_does_not_balance_is_not_told(monkeypatch):
+    field = random_field(5)
+    found = flow_along(field, "x").imbalance
+    monkeypatch.setattr(reynolds, "LARGEST_IMBALANCE", 0.5 * found)
+    flow = flow_along(field, "x")
+    assert flow.status == NOT_SOLVED
+    assert np.isnan(flow.hydraulic_aperture)
+
+
+def test_a_singular_system_is_not_solved_and_no_crash(monkeypatch):
+    def singular(*arguments, **settings):
+        raise RuntimeError("Factor is exactly singular")
+
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", singular)
+    flow = flow_along(random_field(5), "x")
+    assert flow.status == NOT_SOLVED
+    assert np.isnan(flow.hydraulic_aperture)
+
+
+@pytest.mark.parametrize(
+    "cells", [256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
+)
+def test_a_published_flow_with_periodic_sides_is_reproduced(cells):
+    flow = flow_along(published_gap(cells), "y", "periodic")
+    assert flow.hydraulic_aperture**3 == pytest.approx(PUBLISHED_FLUXES[cells], rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(14, 11), (15, 10), (2, 5), (1, 6)])
+def test_a_flow_with_periodic_sides_does_not_depend_on_where_the_sides_are(shape):
+    field = random_field(4, shape, contact=0.0) + 1e-6
+    flow = flow_along(field, "x", "periodic")
+    shifted = flow_along(np.roll(field, shape[0] // 2, axis=0), "x", "periodic")
+    assert flow.status == FLOWS
+    assert shifted.hydraulic_aperture == pytest.approx(flow.hydraulic_aperture, rel=1e-12)
+
+
+def test_a_channel_across_the_sides_flows_only_where_they_are_joined():
+    field = np.zeros((6, 8))
+    field[0, :5] = field[-1, 4:] = 1e-4
+    assert flow_along(field, "x").status == BLOCKED
+    assert flow_along(field, "x", "periodic").status == FLOWS
+
+
+def test_joined_sides_do_not_hinder_what_closed_ones_let_through():
+    field = random_field(2)
+    closed, periodic = (flow_along(field, "x", sides).hydraulic_aperture for sides in SIDES)
+    assert periodic > closed
+
+
+def test_pressures_are_those_of_a_dense_solution():
+    """Every other cell is eliminated by hand: the pressures are compared with a plain matrix."""
+    field = random_field(6, (9, 7)) + 1e-6
+    cubes = (field / field.max()) ** 3
+    cells = np.arange(field.size).reshape(field.shape)
+    matrix, load = np.zeros((field.size, field.size)), np.zeros(field.size)
+    along = zip(cells[:, :-1].flat, cells[:, 1:].flat, strict=True)
+    across = zip(cells.flat, np.roll(cells, -1, axis=0).flat, strict=True)
+    for a, b in (*along, *across):
+        face = 2.0 / (1.0 / cubes.flat[a] + 1.0 / cubes.flat[b])
+        matrix[[a, b], [a, b]] += face
+        matrix[[a, b], [b, a]] -= face
+    for side in (0, -1):
+        matrix[cells[:, side], cells[:, side]] += 2.0 * cubes[:, side]
+    load[cells[:, 0]] = 2.0 * cubes[:, 0]
+    pressure = flow_along(field, "x", "periodic").pressure
+    assert pressure.ravel() == pytest.approx(np.linalg.solve(matrix, load), rel=1e-10)
+
+
+@pytest.mark.parametrize(("key", "given"), [("direction", ("z",)), ("sides", ("x", "open"))])
+def test_an_unknown_direction_or_side_is_refused(key, given):
+    with pytest.raises(InputError, match=f"{key} = '{given[-1]}'"):
+        flow_along(np.ones((3, 3)), *given)

@@ -1,0 +1,126 @@
+"""Every kernel with the JIT on and off: the same tests, and the same numbers.
+
+The tests named in `BOTH` run in the suite with the JIT on. Here they run
+without, in a process of their own; together they must call every kernel that
+there is. And small joints closed by interpreted kernels must come out as by
+compiled ones.
+"""
+
+import ast
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.compilation.sources import PACKAGE
+from jointclosure.parameters import well_posed_scenes
+from tests.joints import DOLERITE, SPACING
+
+ROOT = Path(__file__).parents[2]
+BOTH = (
+    "tests/mechanics",
+    "tests/statistics",
+    "tests/solvers/test_elastic.py",
+    "tests/compilation/test_kernels.py::test_small_joints_close_in_every_scene",
+    "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy_and_ends_at_the_solution",
+)
+
+
+DECORATORS = ("kernel", "large_kernel")
+
+
+def all_kernels() -> set[str]:
+    """Module and name of every function that is decorated as a kernel."""
+    found = set()
+    for file in PACKAGE.rglob("*.py"):
+        module = ".".join(("jointclosure", *file.relative_to(PACKAGE).with_suffix("").parts))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and any(
+                isinstance(mark, ast.Name) and mark.id in DECORATORS for mark in node.decorator_list
+            ):
+                found.add(f"{module}.{node.name}")
+    return found
+
+
+def interpreted(*arguments: str, **environment: str) -> None:
+    """Run Python with the JIT off; fails with its output where it fails."""
+    answer = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=ROOT,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stdout[-4000:] + answer.stderr[-4000:]
+
+
+def small_joints() -> dict:
+    """Closures, stresses and walls of a tiny joint in every scene, by every method."""
+    walls = jc.wall_pair(8.0, (5, 5), SPACING, seed=6, roll_off=None)
+    answers = {}
+    for effects in well_posed_scenes():
+        for peaks in ("pristine", "current"):
+            for solver, breakage in (
+                ("fast", "fixed_step"),
+                ("fast", "resolved"),
+                ("reference", "fixed_step"),
+            ):
+                closed = jc.simulate(
+                    *walls,
+                    spacing=SPACING,
+                    rock=DOLERITE,
+                    max_normal_stress=5e5,
+                    seating_stress=0.0,
+                    cycles=1,
+                    effects=effects,
+                    choices=jc.Choices(peaks=peaks),
+                    numerics=jc.Numerics(
+                        solver=solver, breakage=breakage, curve_points=2, stress_tolerance=0.05
+                    ),
+                )
+                names = ("closure", "normal_stress", "upper_final", "lower_final", "status")
+                answers[effects, peaks, solver, breakage] = [closed[n].values for n in names]
+    return answers
+
+
+def test_small_joints_close_in_every_scene():
+    for stated, (closure, stress, upper, lower, status) in small_joints().items():
+        assert int(status) < 16, stated
+        assert stress.max() == pytest.approx(5e5, rel=0.05) or int(status) & 1
+        assert np.isfinite(closure).all()
+        assert np.isfinite(upper + lower).all()
+
+
+@pytest.mark.slow
+def test_every_kernel_is_called_by_tests_that_pass_with_and_without_the_jit(tmp_path):
+    calls = tmp_path / "calls.txt"
+    interpreted(
+        *("-m", "pytest", "-q", "-p", "tests.kernel_calls", "-p", "no:cacheprovider", *BOTH),
+        KERNEL_CALLS=str(calls),
+    )
+    kernels = all_kernels()
+    assert len(kernels) > 50  # the search found them
+    assert kernels - set(calls.read_text().split()) == set()
+
+
+@pytest.mark.slow
+def test_compiled_and_interpreted_kernels_give_the_same_joints(tmp_path):
+    """To 1e-7: functions of libm may differ by a rounding, equilibrium is solved to 1e-8."""
+    file = tmp_path / "joints.pickle"
+    interpreted(
+        "-c",
+        "import pickle, sys; from tests.solvers.test_kernels import small_joints; "
+        "pickle.dump(small_joints(), open(sys.argv[1], 'wb'))",
+        str(file),
+    )
+    compiled = small_joints()
+    for stated, values in pickle.loads(file.read_bytes()).items():
+        for one, other in zip(values, compiled[stated], strict=True):
+            scale = np.abs(other).max()
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * scale, err_msg=str(stated))

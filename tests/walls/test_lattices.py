@@ -1,0 +1,234 @@
+"""Points on a regular grid are that grid, whatever their order, gaps and repeats."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import jointclosure as jc
+from jointclosure.inputs.remarks import cautions
+from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.scans import read_scan
+from tests.joints import SPACING
+from tests.walls.test_formats import STEP_MM, points_of, write_stl
+from tests.walls.test_forms import RANDOM
+
+SHAPE = (20, 26)
+
+
+@pytest.fixture(scope="module")
+def wall():
+    """Heights (y, x) [mm]."""
+    return 1e3 * jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0]
+
+
+def read_points(path, points, digits=6):
+    np.savetxt(path, points, fmt=f"%.{digits}f")
+    return read_scan(path, units="mm")
+
+
+def test_the_vertices_of_an_stl_that_are_a_grid_are_that_grid(wall, tmp_path):
+    found = read_scan(tmp_path / "a.stl", **write_stl(tmp_path / "a.stl", wall))
+    plain = read_points(tmp_path / "a.xyz", points_of(wall))
+    assert isinstance(found, Scan)
+    assert found.spacing == plain.spacing == (SPACING, SPACING)
+    np.testing.assert_allclose(found.heights, plain.heights, atol=1e-9)
+
+
+@pytest.mark.parametrize("missing", [[0], [137], [3, 77, 78, 79, 300]])
+def test_a_grid_with_few_missing_points_is_that_grid(missing, wall, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", np.delete(points_of(wall), missing, axis=0))
+    expected = 1e-3 * wall
+    expected.flat[missing] = np.nan
+    assert scan.spacing == (SPACING, SPACING)
+    np.testing.assert_allclose(scan.heights, expected, atol=1e-9)
+    assert f"{len(missing)} of 520 nodes of the points' grid have no point" in scan.remarks
+
+
+def test_a_round_scan_without_its_corners_is_its_grid(wall, tmp_path):
+    points = points_of(wall)
+    inside = np.hypot(*(points[:, :2] - points[:, :2].mean(axis=0)).T) < 3.0
+    scan = read_points(tmp_path / "a.xyz", points[inside])
+    assert scan.spacing == (SPACING, SPACING)
+    assert np.isfinite(scan.heights).sum() == inside.sum()
+
+
+def test_repeated_points_are_one_point(wall, tmp_path):
+    points = points_of(wall)
+    scan = read_points(tmp_path / "a.xyz", np.vstack([points, points[40:43]]))
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
+    assert "3 repeated points were skipped" in scan.remarks
+
+
+def test_places_that_are_written_rounded_are_those_of_a_grid(wall, tmp_path):
+    points = points_of(wall) * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
+    scan = read_points(tmp_path / "a.xyz", points, digits=2)
+    assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
+    assert scan.heights.shape == SHAPE
+
+
+def test_scattered_and_staggered_points_are_no_grid(wall, tmp_path):
+    random = np.random.default_rng(1)
+    points = points_of(wall)
+    scattered = points + np.append(
+        STEP_MM * random.random((len(points), 2)), 0.0 * points[:, :1], 1
+    )
+    staggered = points.copy()
+    staggered[:, 0] += 0.5 * STEP_MM * (np.round(points[:, 1] / STEP_MM) % 2)
+    rounded = np.column_stack([np.round(6.0 * random.random((500, 2)), 2), random.random(500)])
+    for cloud in (scattered, staggered, rounded):
+        scan = read_points(tmp_path / "a.xyz", cloud)
+        assert isinstance(scan, Cloud)
+        assert "no regular grid" in " ".join(cautions(scan.remarks))
+
+
+def off_its_node(points, step):
+    points[137, 0] += 0.075 * step
+
+
+def a_lost_field(points, step):
+    points[137] = [*points[137, 1:], np.nan]  # y and height, as read in the places of x and y
+
+
+def a_point_between(points, step):
+    points[137, :2] += 0.5 * step
+
+
+def a_shifted_profile(points, step):
+    points[3 * 26 : 4 * 26, 0] += 0.25 * step + 1e-6
+
+
+def rounded_places(points, step):
+    points[:, :2] = np.round(points[:, :2] / (0.4 * step)) * 0.4 * step
+
+
+def jitter(points, step):
+    points[:, :2] += 0.02 * step * np.random.default_rng(4).standard_normal((len(points), 2))
+
+
+DAMAGES = {
+    off_its_node: (1, "1 of 520 points lie off the nodes"),
+    a_lost_field: (1, "1 of 520 nodes of the points' grid have no point"),
+    a_point_between: (1, "1 of 520 points lie off the nodes"),
+    a_shifted_profile: (26, "26 of 520 points lie off the nodes"),
+    rounded_places: (0, "points were moved to the nodes of their grid, by an rms "),
+    jitter: (0, "points were moved to the nodes of their grid, by an rms 2.9 % of its step"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
+@pytest.mark.parametrize("step", [STEP_MM, 0.4])
+def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
+    damage, step, wall, tmp_path
+):
+    points = points_of(wall) * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
+    damage(points, step)
+    scan = read_points(tmp_path / "a.xyz", points)
+    lost, remark = DAMAGES[damage]
+    assert scan.spacing == pytest.approx((1e-3 * step,) * 2, rel=5e-3)
+    assert scan.origin == pytest.approx((-30e-3, 7.5e-3), abs=0.15e-3 * step)
+    assert remark in " ".join(scan.remarks)
+    known = np.isfinite(scan.heights)
+    assert scan.heights.shape == SHAPE
+    assert known.sum() == known.size - lost
+    np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
+
+
+@st.composite
+def damaged_lines(draw, lines):
+    """Numbers of fewer than 1 % of the lines, with what these are after damage."""
+    damaged = {}
+    count = draw(st.integers(1, (len(lines) - 1) // 100))
+    numbers = draw(st.sets(st.integers(0, len(lines) - 1), min_size=count, max_size=count))
+    for number in numbers:
+        words = lines[number].split(",")
+        place = draw(st.integers(0, 2))
+        word = words[place]
+        at = draw(st.integers(0, len(word) - 1))
+        changed = [
+            word[:at] + word[at + 1 :],
+            word[:at] + draw(st.sampled_from("0123456789.-e, ")) + word[at + 1 :],
+            repr(float(word) + draw(st.floats(-2.0, 2.0))),
+            repr(draw(st.floats(allow_nan=True, allow_infinity=True))),
+            draw(st.sampled_from(["", "nan", "abc", "-9999", "1e30", "--"])),
+        ]
+        words[place] = draw(st.sampled_from(changed))
+        lost = draw(st.sampled_from([words, words[:place] + words[place + 1 :], words * 2, []]))
+        damaged[number] = ",".join(lost)
+    return damaged
+
+
+@RANDOM
+@given(st.data(), st.sampled_from([",", " ", ";"]))
+def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_error(
+    wall, tmp_path, data, mark
+):
+    points = points_of(wall) + np.array([7.5, -30.0, 0.0])
+    lines = [",".join(f"{value:.6f}" for value in point) for point in points]
+    damaged = data.draw(damaged_lines(lines))
+    lines = [damaged.get(number, line) for number, line in enumerate(lines)]
+    (tmp_path / "a.csv").write_text("\n".join(line.replace(",", mark) for line in lines))
+    try:
+        scan = read_scan(tmp_path / "a.csv", units="mm")
+    except jc.InputError:
+        return
+    assert isinstance(scan, Scan)
+    assert scan.spacing == pytest.approx((SPACING, SPACING), rel=1e-6)
+    first = (np.array(scan.origin) - [-30e-3, 7.5e-3]) / SPACING
+    row, column = np.round(first).astype(int)
+    np.testing.assert_allclose(first, [row, column], atol=1e-5)
+    y, x = np.divmod(np.delete(np.arange(520), list(damaged)), 26)
+    inside = (y >= row) & (x >= column)
+    inside[inside] &= (y[inside] - row < len(scan.heights)) & (
+        x[inside] - column < scan.heights.shape[1]
+    )
+    found = np.full(len(y), np.nan)
+    found[inside] = scan.heights[y[inside] - row, x[inside] - column]
+    known = np.isfinite(found)
+    np.testing.assert_allclose(found[known], 1e-3 * wall[y, x][known], atol=1e-9)
+    assert (~known).sum() <= len(damaged)  # places that a damaged line has too
+
+
+def test_the_distances_along_x_and_y_may_differ(wall, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", points_of(wall) * [1.0, 3.0, 1.0] + [5e3, -7.0, 0.0])
+    assert scan.spacing == pytest.approx((3.0 * SPACING, SPACING), rel=1e-12)
+    assert scan.origin == pytest.approx((-7e-3, 5.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("gridded", [True, False])
+def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, wall, tmp_path):
+    points = points_of(wall)
+    if not gridded:
+        points[:, :2] += 0.25 * np.random.default_rng(2).random((len(points), 2))
+    other = points + np.array([0.0, 0.0, 0.4])
+    few = read_points(tmp_path / "few.xyz", np.vstack([points, other[100:103]]))
+    assert few.remarks[0] == "3 places with several heights were treated as missing"
+    known = np.isfinite(few.heights).sum() if gridded else len(few.points)
+    assert known == len(points) - 3
+    with pytest.raises(jc.InputError, match=r"many\.xyz: 520 of 520 places have several heights"):
+        read_points(tmp_path / "many.xyz", np.vstack([points, other]))
+
+
+def solid(wall):
+    """A closed block below a wall: its bottom has other vertices than its top."""
+    trimesh = pytest.importorskip("trimesh")
+    ny, nx = wall.shape
+    top = points_of(wall)
+    block = trimesh.creation.box(
+        bounds=[[0.0, 0.0, -2.0], [(nx - 1) * STEP_MM, (ny - 1) * STEP_MM, -1.0]]
+    )
+    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + nx], axis=1),
+            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
+        ]
+    )
+    return trimesh.util.concatenate([trimesh.Trimesh(top, faces, process=False), block])
+
+
+def test_a_solid_is_no_wall(wall, tmp_path):
+    path = tmp_path / "a.stl"
+    path.write_bytes(solid(wall).export(file_type="stl"))
+    with pytest.raises(jc.InputError, match=r"a\.stl: the surface overlaps itself: .* covers? 3 "):
+        read_scan(path, units="mm")

@@ -1,0 +1,247 @@
+"""What states the places of heights agrees and gives one wall, or is refused by its names."""
+
+import struct
+import zipfile
+
+import netCDF4
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+import jointclosure as jc
+from jointclosure.walls.scans import contents, read_scan
+from tests.walls.test_forms import RANDOM
+
+SIZES = {"m": 1e-3, "mm": 1.0, "um": 1e3}
+WALL = 0.3 * np.random.default_rng(2).normal(size=(9, 12))
+STEPS = 0.3, 0.4  # along y and x [mm]
+
+
+def write(path, arrays, dimensions=("y", "x")):
+    """Write arrays by name in the form of a file's suffix, and the heights ``Z`` among them."""
+    if path.suffix == ".npz":
+        np.savez(path, **arrays)
+    elif path.suffix == ".mat":
+        scipy.io.savemat(path, arrays)
+    else:
+        variables = {}
+        for name, values in arrays.items():
+            values = np.asarray(values)
+            along = dimensions[: values.ndim]
+            if values.ndim == 1:
+                along = (dimensions[name[0].lower() == "x"],)
+            variables[name] = (along, values)
+        xr.Dataset(variables).to_netcdf(path, engine="netcdf4")
+
+
+def statements(steps, shape):
+    """Forms in which a file states the spacing (dy, dx) [mm] of heights of a shape (y, x)."""
+    y, x = (5.0 + step * np.arange(n) for step, n in zip(steps, shape, strict=True))
+    forms = {
+        "numbers": {"dy": steps[0], "dx": steps[1]},
+        "vectors": {"y": y, "x": x},
+        "matrices": {"Y": y[:, None] + 0.0 * x, "X": x + 0.0 * y[:, None]},
+    }
+    if steps[0] == steps[1]:
+        forms |= {"spacing": {"spacing": steps[0]}, "h": {"h": steps[0]}}
+    return forms
+
+
+@st.composite
+def stated(draw):
+    """Suffix, steps, and forms that state them, each with its unit."""
+    steps = draw(st.sampled_from([(0.3, 0.3), STEPS, (1.0 / 3.0, 1.0 / 3.0)]))
+    forms = statements(steps, WALL.shape)
+    chosen = draw(st.lists(st.sampled_from(sorted(forms)), min_size=1, unique=True))
+    units = [draw(st.sampled_from(sorted(SIZES))) for _ in chosen]
+    suffix = draw(st.sampled_from([".npz", ".mat", ".nc"]))
+    return suffix, steps, dict(zip(chosen, units, strict=True))
+
+
+def named(forms, units, scale=None):
+    """Arrays of forms with their units in their names, one form scaled by a factor."""
+    return {
+        f"{name}_{unit}": values * SIZES[unit] * (scale or {}).get(form, 1.0)
+        for form, unit in units.items()
+        for name, values in forms[form].items()
+    }
+
+
+@RANDOM
+@given(stated(), st.booleans(), st.booleans())
+def test_statements_that_agree_in_any_unit_are_one_wall(tmp_path, stated, argument, falling):
+    suffix, steps, units = stated
+    path, heights, given = tmp_path / f"a{suffix}", WALL, {}
+    forms = statements(steps, WALL.shape)
+    if falling and set(units) & {"vectors", "matrices"}:
+        heights = WALL[::-1]
+        forms["vectors"]["y"] = forms["vectors"]["y"][::-1]
+        forms["matrices"]["Y"] = forms["matrices"]["Y"][::-1]
+    if argument and steps[0] == steps[1]:
+        given["spacing"] = 1e-3 * steps[0]
+    write(path, {"Z_um": 1e3 * heights} | named(forms, units))
+    scan = read_scan(path, **given)
+    np.testing.assert_allclose(scan.heights, 1e-3 * WALL, rtol=1e-9)
+    assert scan.spacing == pytest.approx([1e-3 * step for step in steps], rel=1e-6)
+    if set(units) & {"vectors", "matrices"}:
+        assert scan.origin == pytest.approx((5e-3, 5e-3), rel=1e-6)
+
+
+@RANDOM
+@given(stated(), st.sampled_from([0.5, 0.9, 1.02, 2.0, 1e3]), st.data())
+def test_a_statement_that_differs_is_refused_with_names_and_values(tmp_path, stated, factor, data):
+    suffix, steps, units = stated
+    path, given = tmp_path / f"a{suffix}", {}
+    form = data.draw(st.sampled_from(sorted(units)))
+    arrays = named(statements(steps, WALL.shape), units, {form: factor})
+    if len(units) == 1:
+        assume(steps[0] == steps[1])
+        given["spacing"] = 1e-3 * steps[0]
+    write(path, {"Z_um": 1e3 * WALL} | arrays)
+    with pytest.raises(jc.InputError) as error:
+        read_scan(path, **given)
+    wrong = [name for name in arrays if name.split("_")[0] in statements(steps, WALL.shape)[form]]
+    words = str(error.value).replace(",", " ").split()
+    assert given or set(wrong) & set(words)
+    assert not given or f"spacing = {steps[0]:g} mm: the file states" in str(error.value)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat"])
+def test_names_without_units_are_in_those_that_are_stated(suffix, tmp_path):
+    y, x = (step * np.arange(n) for step, n in zip(STEPS, WALL.shape, strict=True))
+    write(tmp_path / f"a{suffix}", {"Z": WALL, "x": x, "y": y, "dx": 0.4})
+    assert read_scan(tmp_path / f"a{suffix}", units="mm").spacing == pytest.approx((3e-4, 4e-4))
+    write(tmp_path / f"b{suffix}", {"Z": WALL, "x": x, "y": y, "dx_um": 400.0})
+    with pytest.raises(jc.InputError, match=r"x 0.3 x 0.4; dx_um 400 um; must be the same"):
+        read_scan(tmp_path / f"b{suffix}", units="mm")
+
+
+X, Y = 0.4 * np.arange(12), 0.3 * np.arange(9)
+FOLDED, ORDER = np.abs(X - 2.0), [0, 2, 1, 4, 3, 5, 6, 7, 9, 8, 11, 10]
+FILES = {
+    "dx alone": ({"dx": 0.4}, {}, (0.4, 0.4)),
+    "one coordinate": ({"x": X}, {}, "states a spacing along x only"),
+    "one coordinate and a spacing": ({"x": X}, {"spacing": 4e-4}, (0.4, 0.4)),
+    "one coordinate and another spacing": ({"x": X}, {"spacing": 3e-4}, "the file states 0.4"),
+    "one coordinate and dy": ({"x": X, "dy": 0.3}, {}, (0.3, 0.4)),
+    "one uneven coordinate": ({"x": X**2}, {}, "x: must be evenly spaced"),
+    "returning coordinates": ({"x": FOLDED, "y": Y}, {}, "places have several heights"),
+    "places of another array": (
+        {"x": X[1:], "y": Y},
+        {},
+        r"x \((1 x )?11\): must be places of Z \(9 x",
+    ),
+    "two places": (
+        {"x": X, "y": Y, "X": X + 0.0 * Y[:, None] + 1.0},
+        {},
+        "x 0 to 4.4, X 1 to 5.4: must be the same places",
+    ),
+    "spacing of zero": ({"spacing": 0.0}, {}, "spacing = 0: must be one number, positive"),
+    "two spacings": ({"spacing": np.array([0.3, 0.4])}, {}, "spacing = 0.3 x 0.4: must be one"),
+}
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat", ".nc"])
+@pytest.mark.parametrize("case", FILES)
+def test_what_places_heights_is_used_whole_or_refused(case, suffix, tmp_path):
+    arrays, given, expected = FILES[case]
+    path = tmp_path / f"a{suffix}"
+    dimensions = ("row", "column") if case != "places of another array" else ("y", "x")
+    if suffix == ".nc" and case in ("places of another array", "two spacings"):
+        pytest.skip("a dimension has one length")
+    write(path, {"Z": WALL} | arrays, dimensions)
+    if isinstance(expected, tuple):
+        scan = read_scan(path, units="mm", **given)
+        assert scan.spacing == pytest.approx([1e-3 * step for step in expected])
+        np.testing.assert_allclose(scan.heights, 1e-3 * WALL)
+    else:
+        with pytest.raises(jc.InputError, match=expected):
+            read_scan(path, units="mm", **given)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat", ".nc"])
+def test_coordinates_in_any_order_place_the_heights(suffix, tmp_path):
+    path = tmp_path / f"a{suffix}"
+    write(path, {"Z": WALL[:, ORDER], "x": X[ORDER], "y": Y}, ("row", "column"))
+    np.testing.assert_allclose(read_scan(path, units="mm").heights, 1e-3 * WALL)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("bounds", [{"valid_range": (-1, 1)}, {"valid_max": 1, "valid_min": -1}])
+def test_heights_that_are_not_valid_by_the_cf_conventions_are_missing(bounds, packed, tmp_path):
+    heights = np.clip(WALL, -0.9, 0.9)
+    heights[2, 3], heights[4, 5] = 9.0, -7.0
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        for name, n in zip("yx", heights.shape, strict=True):
+            file.createDimension(name, n)
+        z = file.createVariable("z_mm", "i2" if packed else "f8", ("y", "x"))
+        for key, value in bounds.items():
+            value = 1000 * np.array(value) if packed else np.array(value)
+            z.setncattr(key, value.astype(z.dtype))
+        if packed:
+            z.scale_factor = 1e-3
+        z.set_auto_mask(False)
+        z[:] = heights
+    scan = read_scan(tmp_path / "a.nc", spacing=3e-4)
+    np.testing.assert_array_equal(np.isnan(scan.heights), np.abs(heights) > 1.0)
+    np.testing.assert_allclose(np.nan_to_num(scan.heights[0]), 1e-3 * heights[0], atol=6e-7)
+
+
+def test_a_rotated_surfer_grid_is_refused(tmp_path):
+    grid = struct.pack("<2i8d", 3, 3, 0.0, 0.0, 0.3, 0.3, 0.0, 1.0, 30.0, 1e30)
+    parts = {b"DSRB": struct.pack("<i", 1), b"GRID": grid, b"DATA": WALL[:3, :3].tobytes()}
+    path = tmp_path / "a.grd"
+    path.write_bytes(b"".join(n + struct.pack("<i", len(p)) + p for n, p in parts.items()))
+    with pytest.raises(jc.InputError, match="rotation = 30 degrees: must be 0"):
+        read_scan(path, units="mm")
+
+
+def declared(kind, shape):
+    """The head of an array of a type and a shape, without its values."""
+    return {"descr": kind, "fortran_order": False, "shape": shape}
+
+
+def test_items_that_are_large_by_their_bytes_are_refused_before_they_are_loaded(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        for name, head in (("Z", ("|V300000000", (3, 3))), ("h", ("<f8", (2, 3, 10**8)))):
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array_header_1_0(file, declared(*head))
+    with pytest.raises(jc.InputError, match=r"Z: values of type \|V300000000: must be real"):
+        read_scan(tmp_path / "a.npz", units="mm", spacing=3e-4)
+    with pytest.raises(jc.InputError, match="h: declares 2 x 3 x 100000000 values of 8 bytes"):
+        read_scan(tmp_path / "a.npz", variable="h", units="mm", spacing=3e-4)
+
+
+def test_of_a_matlab_file_only_what_is_needed_is_loaded(tmp_path, monkeypatch):
+    large = np.zeros((60, 1000))
+    content = {"Z_mm": WALL, "h_mm": 0.3, "other": large, "S": {"Z_mm": large, "h_mm": 0.3}}
+    scipy.io.savemat(tmp_path / "a.mat", content, do_compression=True)
+    monkeypatch.setattr(contents, "LARGEST_ARRAY", 100_000)
+    loaded, load = [], scipy.io.loadmat
+
+    def counted(path, variable_names):
+        loaded.extend(variable_names)
+        return load(path, variable_names=variable_names)
+
+    monkeypatch.setattr(scipy.io, "loadmat", counted)
+    np.testing.assert_allclose(read_scan(tmp_path / "a.mat", variable="Z_mm").heights, 1e-3 * WALL)
+    assert sorted(loaded) == ["Z_mm", "h_mm"]
+    for variable, size in (
+        ("other", "60 x 1000 values of 8"),
+        ("S.Z_mm", r"480\d\d\d values of 1"),
+    ):
+        with pytest.raises(jc.InputError, match=f"declares {size} bytes: must be at most 0.1 MB"):
+            read_scan(tmp_path / "a.mat", variable=variable)
+    assert sorted(loaded) == ["Z_mm", "h_mm"]
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.asc", "a.stl", "a.grd", "a.sur", "a"])
+def test_a_file_too_large_to_be_read_as_a_whole_is_one_error(name, tmp_path):
+    with (tmp_path / name).open("wb") as file:  # sparse: it takes no room on the disk
+        file.write(b"0 0 0\n" if name != "a.grd" else b"DSAA 10 10 ")
+        file.truncate(20_000_000_000)
+    with pytest.raises(jc.InputError, match=rf"{name}: 20 GB: must be at most 2 GB"):
+        read_scan(tmp_path / name, units="mm")

@@ -1,0 +1,626 @@
+"""Two scans of one joint are brought together as its walls were."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+import jointclosure as jc
+from jointclosure.engine.settings import Walls
+from jointclosure.inputs.remarks import cautions
+from jointclosure.walls.mating import (
+    best_shift,
+    mating,
+    slope_correlation_over_shifts,
+)
+from jointclosure.walls.measured import Cloud, Scan, paper_spacing
+from jointclosure.walls.mismatch import Mismatch, measured_mismatch
+from jointclosure.walls.outliers import points_of, spikes, without_plateaus, without_spikes
+from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.registration import ORIENTATIONS, registered
+from jointclosure.walls.roughness import detrended
+from jointclosure.walls.scans import read_scan
+from studies.frame.ensemble.measured_walls import prepared_walls
+from tests.joints import SPACING, TWO_WALLS
+from tests.same_bits import PROCESSORS, printed
+
+SHAPE = (64, 72)
+AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
+
+
+@pytest.fixture(scope="module")
+def joint():
+    """Upper and lower wall, heights towards each other, correlated by 0.9."""
+    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9, roll_off=None)
+
+
+def scanned(wall, name, tilt=0.0):
+    """The scan that, laid as an orientation says, is the upper wall in the lower one's frame."""
+    orientation = ORIENTATIONS[name]
+    y, x = np.indices(wall.shape) * SPACING
+    field = -wall + np.tan(np.radians(tilt)) * (0.6 * x + 0.8 * y)
+    steps = tuple(slice(None, None, -1 if axis else 1) for axis in orientation.mirrored)
+    return Scan(orientation.sign * field[steps], (SPACING, SPACING))
+
+
+def grid(wall):
+    return Scan(wall, (SPACING, SPACING))
+
+
+@pytest.mark.parametrize("name", ORIENTATIONS)
+def test_the_orientation_of_the_upper_scan_is_found_and_undone(name, joint):
+    upper, lower = joint
+    found = registered(scanned(upper, name), grid(lower), cut_spikes=False)
+    assert found.orientation == name
+    assert found.fits[0].correlation > 2.5 * found.fits[1].correlation
+    assert found.shift == pytest.approx((0.0, 0.0), abs=1e-12)
+    np.testing.assert_allclose(found.upper, upper, atol=1e-12)
+    np.testing.assert_allclose(found.lower, lower, atol=1e-12)
+    assert any(f"found: {name}" in line for line in found.report)
+
+
+@pytest.mark.parametrize("name", ["common_frame", "turned_about_x", "rotated"])
+def test_a_tilt_of_a_scan_is_removed_and_told(name, joint):
+    upper, lower = joint
+    found = registered(scanned(upper, name, 4.0), grid(lower), cut_spikes=False)
+    assert found.orientation == name
+    np.testing.assert_allclose(found.upper, upper, atol=2e-6)
+    printed = next(line for line in found.report if "inclined" in line)
+    assert "inclined to each other by 4.0" in printed
+    assert "common to both walls, inclined by 2.0" in printed
+
+
+def test_a_shift_is_found_and_the_same_places_meet():
+    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9, roll_off=None)
+    first, second = upper[7:, 11:], lower[:-9, :-4]
+    found = registered(scanned(first, "turned_about_y"), grid(second), cut_spikes=False)
+    assert found.orientation == "turned_about_y"
+    # laid over each other the first cells meet; those of the upper scan belong further on
+    assert found.shift == pytest.approx((7 * SPACING, 11 * SPACING), abs=1e-12)
+    np.testing.assert_allclose(found.upper, detrended(upper[7:-9, 11:-4]), atol=1e-12)
+    np.testing.assert_allclose(found.lower, detrended(lower[7:-9, 11:-4]), atol=1e-12)
+    assert found.overlap == pytest.approx(94 * 105 / (100 * 108), abs=0.02)
+
+
+def test_scans_in_one_frame_stay_where_they_are_unless_they_are_to_mate():
+    upper, lower = jc.wall_pair(9.0, (64, 78), SPACING, seed=4, correlation=0.9, roll_off=None)
+    first, second = upper[:, 6:], lower[:, :-6]
+    stay = registered(scanned(first, "common_frame"), grid(second), cut_spikes=False)
+    assert stay.shift == (0.0, 0.0)
+    assert stay.mating_shift == pytest.approx((0.0, 6 * SPACING), abs=1e-12)
+    np.testing.assert_allclose(stay.upper, detrended(first), atol=1e-12)
+    mated = registered(scanned(first, "common_frame"), grid(second), shift="mated")
+    assert mated.shift == stay.mating_shift
+    assert mated.correlation > 0.85
+    assert mated.aperture.mean() < stay.aperture.mean()
+    placed = scanned(first, "common_frame")._replace(origin=(0.0, 6 * SPACING))
+    true = registered(placed, grid(second)._replace(origin=(0.0, 0.0)))
+    np.testing.assert_allclose(true.upper, mated.upper, atol=1e-12)
+
+
+def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
+    rng = np.random.default_rng(5)
+    waves = rng.normal(size=(60, 2)) * 2500.0
+    phases = rng.random(60) * 2.0 * np.pi
+
+    def heights(places):
+        return 1e-5 * np.cos(places @ waves.T + phases).sum(axis=1)
+
+    places = rng.random((2, 14000, 2)) * 25e-3
+    true = np.array([0.31e-3, -0.83e-3])  # of the upper cloud, along x and y
+    lower = np.column_stack([places[0], heights(places[0])])
+    upper = np.column_stack([places[1], heights(places[1] + true) + 1e-3])
+    found = registered(Cloud(upper), Cloud(lower), shift="mated")
+    assert found.orientation == "common_frame"
+    assert found.shift[::-1] == pytest.approx(tuple(true), abs=0.15 * found.spacing)
+    assert found.correlation > 0.99
+
+
+@pytest.mark.parametrize("name", ["common_frame", "turned_about_y"])
+def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls(name):
+    """Steps of both scans: sixths and halves of the paper's spacing, from other first points."""
+    upper, lower = jc.wall_pair(9.0, (390, 402), SPACING / 6, 4, correlation=0.99, roll_off=None)
+    coarse = registered(scanned(upper[::6, ::6], name), grid(lower[::6, ::6]))
+    fine = scanned(upper, name).heights
+    if name == "common_frame":  # first points beside the nodes of the other wall
+        fine, origin = fine[3:, 2:], (3 * SPACING / 6, 2 * SPACING / 6)
+    else:
+        fine, origin = fine[:, 5:], (0.0, 0.0)  # its first point is the last node
+    dense = Scan(fine, (SPACING / 6, SPACING / 6), origin)
+    other = Scan(lower[::3, ::3], (SPACING / 2, SPACING / 2), (0.0, 0.0))
+    pair = registered(dense, other)
+    assert (pair.orientation, pair.spacing) == (name, SPACING)
+    assert sum("points are" in line for line in pair.report) == 2
+    inside = np.s_[1:, 1:] if name == "common_frame" else np.s_[:, :]
+    rows, columns = pair.upper.shape
+    for wall, expected in ((pair.upper, coarse.upper), (pair.lower, coarse.lower)):
+        expected = expected[inside][:rows, :columns]
+        assert min(expected.shape) > 60
+        np.testing.assert_allclose(detrended(wall), detrended(expected), atol=1e-9)
+
+
+@pytest.mark.parametrize(("distance", "cell"), [(5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)])
+def test_the_joint_has_a_spacing_near_that_of_the_paper_or_of_a_coarser_scan(distance, cell):
+    assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+
+
+def test_another_spacing_of_fine_scans_can_be_stated():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING / 4, 4, correlation=0.99, roll_off=None)
+    scans = [Scan(wall, (SPACING / 4, SPACING / 4)) for wall in (-upper, lower)]
+    pair = registered(*scans, SPACING / 4)
+    np.testing.assert_allclose(pair.lower, lower, atol=1e-12)
+    assert not any("points are" in line for line in pair.report)
+
+
+def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
+    printed = []
+    for seed in range(6):
+        upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
+        try:
+            registered(scanned(upper, "towards"), grid(lower), cut_spikes=False)
+        except jc.InputError as error:
+            printed.append(str(error))
+    assert len(printed) >= 5  # one in ten may fit by chance
+    assert all("orientation of the upper wall is not clear: slopes" in words for words in printed)
+    assert all("state the orientation" in words for words in printed)
+    found = registered(
+        scanned(upper, "towards"), grid(lower), orientation="towards", shift="scanned"
+    )
+    np.testing.assert_allclose(found.upper, upper, atol=1e-12)
+
+
+def test_the_wrong_orientation_is_refused_unless_it_is_meant_and_closes_more(joint):
+    upper, lower = joint
+    scans = scanned(upper, "common_frame"), grid(lower)
+    right = registered(*scans)
+    with pytest.raises(jc.InputError, match=r"orientation = 'towards': common_frame fits clearly"):
+        registered(*scans, orientation="towards")
+    wrong = registered(*scans, orientation="towards", unusual_values=True)
+    assert wrong.aperture.mean() > 1.5 * right.aperture.mean()
+    of_orientation = [line for line in cautions(wrong.report) if "orientation" in line]
+    assert of_orientation[0].startswith("Warning: the stated orientation towards")
+    assert not any("orientation" in line for line in cautions(right.report))
+
+
+@pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
+def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, word, joint):
+    upper, lower = joint
+    scan = scanned(upper, "common_frame")
+    scans = scan._replace(heights=scan.heights + distance), grid(lower)
+    if word == "below":
+        with pytest.raises(jc.InputError, match=r"lies below the lower one in \S+ % of the cells"):
+            registered(*scans)
+    report = registered(*scans, unusual_values=word == "below").report
+    assert f"lies 1 mm {word} the lower one" in report[-1]
+    assert (report[-1] in cautions(report)) == (word == "below")
+
+
+def test_the_aperture_is_zero_at_first_touch_and_nowhere_less(joint):
+    found = registered(scanned(joint[0], "common_frame"), grid(joint[1]))
+    assert found.aperture.min() == 0.0 == found.aperture[found.first_touch]
+    np.testing.assert_allclose(
+        found.aperture + found.upper + found.lower, (found.upper + found.lower).max(), atol=1e-15
+    )
+
+
+def test_a_spike_is_cut_told_and_does_not_touch_first(joint):
+    upper, lower = joint
+    spiked = lower.copy()
+    spiked[40, 50] += 3e-3
+    scan = scanned(upper, "common_frame")
+    whole, kept = (registered(scan, grid(spiked), cut_spikes=cut) for cut in (True, False))
+    assert kept.first_touch == (40, 50)
+    assert kept.aperture.mean() > 2e-3
+    assert whole.first_touch != (40, 50)
+    assert any("lower wall: 1 of 4608 points are spikes" in line for line in whole.report)
+    # the height in its place is that between its neighbours
+    expected = registered(scan, grid(lower))
+    assert abs(whole.aperture.mean() - expected.aperture.mean()) < 1e-4
+
+
+def counted(pair):
+    """The cells in holes of the upper and the lower wall of which a pair warns."""
+    (line,) = (line for line in pair.warnings if "were taken out of contact" in line)
+    return tuple(map(int, re.search(r"\((\d+) of the upper, (\d+) of the lower\)", line).groups()))
+
+
+def is_open(pair):
+    """Whether the cells around a hole touch before it does."""
+    rim = ndimage.binary_dilation(pair.holes, np.ones((3, 3))) & ~pair.holes
+    return pair.aperture[pair.holes].min() > pair.aperture[rim].min()
+
+
+@st.composite
+def damaged(draw):
+    """A mated joint, z upwards, and cells (wall, y, x) off its edges, few enough to be filled."""
+    seed = draw(st.integers(0, 1000))
+    step = draw(st.sampled_from([2e-6, 1e-5, 0.0]))
+    walls = jc.wall_pair(8.0, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
+    upper, lower = np.round(np.array(walls) / step) * step if step else walls
+    cells = np.zeros((2, 44, 52), bool)
+    for wall, y, x, more in draw(
+        st.lists(
+            st.tuples(*(st.integers(0, most) for most in (1, 34, 42, 1))), min_size=1, max_size=2
+        )
+    ):
+        cells[wall, y + 1 : y + 7 + more, x + 1 : x + 8] = True
+    return 1e-3 - upper, lower, cells
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(damaged(), st.sampled_from(["missing", "mean", "minimum", "value", "tilted", "noisy"]))
+def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_contact(joint, kind):
+    *walls, cells = joint
+    clean = registered(*map(grid, walls), **AS_SCANNED)
+    assert not any("holes" in line or "plateaus" in line for line in clean.report)
+    for wall, damage in zip(walls, cells, strict=True):
+        values = {"missing": np.nan, "minimum": wall.min(), "value": 2e-3}
+        wall[damage] = values.get(kind, wall[5, 5])
+        if kind == "tilted":  # a filled scan was levelled
+            wall += 5e-6 * np.arange(52)
+        elif kind == "noisy":
+            wall[damage] += 1e-9 * np.sin(np.arange(damage.sum()))
+    found = registered(*map(grid, walls), **AS_SCANNED)
+    # cells beside a patch may have its height by chance, and a patch of the other wall none
+    more = np.array(counted(found)) - cells.sum(axis=(1, 2))
+    assert (more >= 0).all()
+    assert (more <= (0 if kind == "missing" else 8)).all()
+    assert found.holes[cells.any(axis=0)].all()
+    assert is_open(found)
+    assert sum("plateaus" in line for line in found.warnings) == (
+        0 if kind == "missing" else cells.any(axis=(1, 2)).sum()
+    )
+
+
+def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patch(joint):
+    steps = np.indices(SHAPE)[1] // 12 * 1e-4
+    for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
+        kept = without_plateaus(grid(wall))
+        assert np.isfinite(kept.heights).all()
+    assert "used as heights" in kept.remarks[0]
+    patched = joint[1].copy()
+    patched[20:26, 30:38] = patched[3, 3]
+    about = Walls("top", "bottom", "mm", None, None, "refuse", 0.05, ())
+    scans = {"upper": grid(joint[0]), "lower": grid(patched)}
+    with pytest.raises(jc.InputError, match=r"bottom: .* have no height.* 48 of 4608 .* plateaus"):
+        prepared_walls(scans, about, SPACING, "yu_vayssade_linear_0.25mm")
+
+
+def test_a_hole_beside_what_the_other_scan_did_not_see_is_left_out_with_it(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    upper[30:36, 62:71] = np.nan
+    lower[:, 70:] = np.nan
+    scans = scanned(upper, "common_frame"), grid(lower)
+    found = registered(*scans, **AS_SCANNED)
+    assert found.upper.shape == (64, 70)
+    assert np.isfinite(found.upper + found.lower).all()
+    assert counted(found) == (48, 0)
+
+
+@pytest.mark.parametrize("place", [np.s_[30], np.s_[:, 41], np.s_[:6, 20:26], np.s_[40:46, 66:]])
+def test_a_missing_profile_and_a_hole_at_the_edge_are_out_of_contact_and_cut_nothing(place, joint):
+    lower = joint[1].copy()
+    lower[place] = np.nan
+    found = registered(scanned(joint[0], "common_frame"), grid(lower), **AS_SCANNED)
+    assert found.upper.shape == SHAPE
+    assert counted(found) == (0, np.isnan(lower).sum())
+    assert found.holes[place].all()
+
+
+@pytest.mark.parametrize("flat", ["upper", "lower"])
+def test_a_hole_of_a_rough_wall_does_not_touch_a_flat_one(flat, joint):
+    wall = joint[1].copy()
+    hole = np.s_[20:28, 30:38]
+    wall[hole] = np.nan
+    walls = ("flat", grid(wall)) if flat == "upper" else (grid(wall), "flat")
+    found = registered(*walls, orientation="towards" if flat == "lower" else None)
+    assert counted(found) == ((0, 64) if flat == "upper" else (64, 0))
+    assert not getattr(found, flat).any()
+    assert found.holes[hole].all()
+    assert is_open(found)
+
+
+def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_refused(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[5:20, 30:50] = np.nan
+    found = registered(scanned(upper, "common_frame"), grid(lower))
+    assert found.upper.size < 0.8 * upper.size
+    assert not found.holes.any()
+    assert any(line.startswith("Warning: 300 cells in holes of a scan") for line in found.warnings)
+    assert any("left out" in line and "% of the smaller scan" in line for line in found.warnings)
+    lower[np.random.default_rng(1).random(SHAPE) < 0.3] = np.nan
+    with pytest.raises(jc.InputError, match=r"walls overlap in .* \d{4} cells lie in holes"):
+        registered(scanned(upper, "common_frame"), grid(lower))
+
+
+def test_a_hole_between_scattered_points_is_as_large_as_in_a_grid(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[30:38, 40:48] = np.nan
+    points = points_of(grid(lower))
+    points[:, :2] += np.random.default_rng(1).uniform(-0.2, 0.2, (len(points), 2)) * SPACING
+    found = registered(scanned(upper, "common_frame"), Cloud(points), SPACING)
+    assert 50 <= counted(found)[1] <= 80
+
+
+@pytest.mark.parametrize(("size", "places"), [(8, [(20, 24)]), (3, [(8, 8), (30, 40), (12, 30)])])
+def test_a_hole_does_not_carry_the_load_of_the_joint(size, places):
+    """Closures are those without the hole; holes filled between their rims changed them by 10 %."""
+    ratios = []
+    for seed in range(3):
+        walls = jc.wall_pair(10, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
+        closures = []
+        for damage in (False, True):
+            lower = walls[1].copy()
+            for y, x in places if damage else []:
+                lower[y : y + size, x : x + size] = np.nan
+            with warnings.catch_warnings(record=True) as warned:
+                warnings.simplefilter("always")
+                scans = grid(1e-3 - walls[0]), grid(lower)
+                joint = jc.close(*scans, rock="granite", max_normal_stress=10e6, single=True)
+            closures.append(joint.history.max_closure_seated.values[0])
+            of_force = [line for line in joint.pair.report if "% of the force" in line]
+            assert len(of_force) == damage
+            assert "snapshot" not in joint.history.dims
+        assert any("out of contact" in str(line.message) for line in warned)
+        assert float(re.search(r"carry (\S+) %", of_force[0])[1]) < 2.0
+        ratios.append(closures[1] / closures[0])
+    assert np.abs(np.log(ratios)).max() < 0.06
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(
+    st.integers(0, 1000),
+    st.floats(2.0, 20.0),
+    st.sampled_from([1e-6, 1e-5, 0.0]),
+    st.sampled_from([10.0, 25.4, 0.1, 1 / 25.4, 1000.0]),
+)
+def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(seed, jrc, step, factor):
+    walls = np.array(jc.wall_pair(jrc, (44, 52), SPACING, seed, correlation=0.9))
+    upper, lower = np.round(walls / step) * step if step else walls
+    scans = grid(1e-3 - upper), grid(lower)
+    found = registered(*scans, **AS_SCANNED)
+    assert not any("unit" in line or "plateaus" in line for line in found.report)
+    both = [scan._replace(heights=factor * scan.heights) for scan in scans]
+    words = rf"in another unit than x and y, by a factor of .*{max(factor, 1 / factor):g}"
+    for pair in ((both[0], scans[1]), (scans[0], both[1])):
+        with pytest.raises(jc.InputError, match=rf"times as steep as .*{words}"):
+            registered(*pair, **AS_SCANNED)
+    try:
+        lines = registered(*both, **AS_SCANNED).warnings
+    except jc.InputError as error:
+        lines = [str(error)]
+    assert re.search(rf"rms slope of .*{words}", " ".join(lines))
+
+
+@pytest.mark.parametrize("factor", [2.0, 2.54, 3.0, 1 / 2.54])
+@pytest.mark.parametrize("mismatch", [0.5e-3, 1e-3, 5e-3])
+def test_a_mated_wall_whose_heights_are_in_another_unit_is_refused(mismatch, factor):
+    walls = jc.wall_pair(10.0, (44, 52), SPACING, 3, mismatch_wavelength=mismatch, roll_off=None)
+    upper, lower = grid(1e-3 - walls[0]), grid(walls[1])
+    registered(upper, lower, **AS_SCANNED)
+    with pytest.raises(jc.InputError, match=r"times those of the other .*inches and cm"):
+        registered(upper._replace(heights=factor * upper.heights), lower, **AS_SCANNED)
+
+
+def test_what_was_not_seen_is_not_in_the_walls(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[:20] = np.nan
+    lower[60, 68:] = np.nan
+    found = registered(scanned(upper, "common_frame"), grid(lower))
+    assert found.upper.shape == found.lower.shape
+    assert found.upper.shape[0] <= 44
+    assert np.isfinite(found.upper).all()
+    assert np.isfinite(found.lower).all()
+
+
+def test_scans_that_lie_apart_are_refused(joint):
+    upper = scanned(joint[0], "common_frame")._replace(origin=(1.0, 0.0))
+    with pytest.raises(jc.InputError, match="walls overlap in 0 x"):
+        registered(upper, grid(joint[1]))
+
+
+def copies(wall):
+    """What one file may be given as twice: as it is, in other words, and moved."""
+    scan = scanned(wall, "common_frame")
+    return {
+        "the same": (scan, scan),
+        "as points": (scan, Cloud(points_of(scan))),
+        "turned over": (scanned(wall, "turned_about_x"), scan),
+        "moved": (scan._replace(origin=(0.0, 3 * SPACING)), scan),
+        "printed": (scan, scan._replace(heights=np.round(scan.heights, 9))),
+    }
+
+
+@pytest.mark.parametrize("kind", copies(np.zeros((4, 4))))
+def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
+    scans = copies(joint[0])[kind]
+    with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
+        registered(*scans, shift="mated", cut_spikes=False)
+    pair = registered(*scans, shift="mated", cut_spikes=False, unusual_values=True)
+    assert abs(pair.correlation) == pytest.approx(1.0)
+    assert np.abs(pair.mating.correlation).max() <= 1.0
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
+    scans = [
+        Scan(factor * scan.heights, (factor * SPACING, factor * SPACING))
+        for scan in (scanned(joint[0], "common_frame"), grid(joint[1]))
+    ]
+    with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
+        registered(*scans, cut_spikes=False)
+    stated = {"spacing": factor * SPACING, "unusual_values": True}
+    assert registered(*scans, cut_spikes=False, **stated).spacing == factor * SPACING
+
+
+def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
+    mates = mating(upper, lower, SPACING)
+    np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
+    assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
+    scores = []
+    for seed in range(20):
+        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed, roll_off=None), SPACING)
+        scores.append(found.correlation * np.sqrt(found.modes))
+    # standard errors are as stated: the scores have a spread of one
+    assert 0.8 < np.std(scores) < 1.25
+    assert abs(np.mean(scores)) < 0.3
+
+
+def test_a_band_of_half_an_octave_is_named_by_its_middle():
+    n, wavelength = 128, 8 * SPACING
+    x = np.arange(n) * SPACING
+    rng = np.random.default_rng(1)
+    noise = 1e-6 * rng.normal(size=(2, n, n))
+    wave = 1e-4 * np.cos(2.0 * np.pi * x / wavelength)
+    found = mating(noise[0] + wave, noise[1] - wave, SPACING)
+    band = int(np.argmin(np.abs(np.log(found.wavelengths / wavelength))))
+    assert found.correlation[band] > 0.99
+    assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
+
+
+def test_correlations_over_shifts_are_those_of_the_definition():
+    rng = np.random.default_rng(3)
+    fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
+    fixed[2, 3] = moved[4, 1] = np.nan
+    found = slope_correlation_over_shifts(fixed, moved, 0.5)
+    slopes = [
+        [np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]] for field in (fixed, moved)
+    ]
+    known = [np.isfinite(fields[0]).sum() for fields in slopes]
+    for down in range(-3, 4):
+        for right in range(-3, 4):
+            sums = np.zeros(3)
+            for one, other in zip(*slopes, strict=True):
+                pairs = np.array([
+                    (one[y, x], other[y - down, x - right])
+                    for y in range(one.shape[0]) for x in range(one.shape[1])
+                    if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
+                ])  # fmt: skip
+                pairs = pairs[np.isfinite(pairs).all(axis=1)]
+                a, b = (pairs - pairs.mean(axis=0)).T
+                sums += [a @ b, a @ a, b @ b]
+            if len(pairs) >= 0.5 * min(known):
+                expected = sums[0] / np.sqrt(sums[1] * sums[2])
+                assert found[down, right] == pytest.approx(expected, abs=1e-12)
+    assert best_shift(np.where(np.isfinite(found), found, -2.0))[1] == np.nanmax(found)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_largest_rectangle_is_the_largest(seed):
+    rng = np.random.default_rng(seed)
+    full = rng.random((7, 9)) < rng.choice([0.5, 0.8, 0.95])
+    best = max(
+        (
+            (b - a) * (d - c)
+            for a in range(7) for b in range(a + 1, 8) for c in range(9) for d in range(c + 1, 10)
+            if full[a:b, c:d].all()
+        ),
+        default=0,
+    )  # fmt: skip
+    found = full[largest_rectangle(full)]
+    assert found.all()
+    assert found.size == best
+
+
+def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
+    wall = joint[0]
+    assert not np.isfinite(spikes(points_of(grid(wall)))).any()
+    spiked = wall.copy()
+    spiked[30, 31] += 2e-3
+    spiked[60, 20] -= 2e-3
+    spiked[60, 21] -= 2.2e-3  # two beside each other
+    left, printed = without_spikes(grid(spiked))
+    np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
+    assert printed.startswith("3 of 4608 points are spikes")
+    cloud, said_of_cloud = without_spikes(Cloud(points_of(grid(spiked))))
+    assert len(cloud.points) == wall.size - 3
+    assert said_of_cloud == printed
+
+
+@pytest.fixture(scope="module")
+def two_walls():
+    """Upper and lower scan of a published fracture, and the walls that they make."""
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    upper, lower = (
+        read_scan(TWO_WALLS / name, units="mm") for name in ("side_b_top.txt", "side_a_bottom.txt")
+    )
+    return upper, lower, registered(upper, lower, 0.5e-3, shift="mated")
+
+
+@pytest.mark.parametrize("name", ["turned_about_x", "rotated"])
+def test_the_walls_of_a_published_fracture_are_laid_together_in_any_orientation(name, two_walls):
+    upper, lower, right = two_walls
+    assert right.orientation == "common_frame"
+    assert right.correlation > 0.9
+    turned = upper.points * [1.0, 1.0, ORIENTATIONS[name].sign]
+    for axis, column in ((0, 1), (1, 0)):
+        if ORIENTATIONS[name].mirrored[axis]:
+            turned[:, column] *= -1.0
+    found = registered(Cloud(turned), lower, 0.5e-3, shift="mated")
+    assert found.orientation == name
+    assert found.correlation == pytest.approx(right.correlation, abs=0.005)
+    assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def small_joint():
+    """Heights (y, x) of both walls in one frame, z upwards."""
+    upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
+    return 1e-3 - upper, lower
+
+
+def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
+    upper, lower = small_joint
+    assert registered(grid(upper), grid(lower), **AS_SCANNED).warnings == []
+    y, x = np.indices(upper.shape) * SPACING
+    steep, wedge = np.tan(np.radians(9.0)) * x, np.tan(np.radians(2.0)) * y
+    aside = Scan(upper[:, 30:], (SPACING, SPACING), (0.0, 30 * SPACING))
+    beside = Scan(lower[:, :39], (SPACING, SPACING), (0.0, 0.0))
+    for pair, warning in (
+        ((grid(upper + steep), grid(lower + steep)), "the common plane is inclined by 9.0 degrees"),
+        ((grid(upper + wedge), grid(lower)), "the walls are inclined to each other by 2.0 degrees"),
+        ((aside, beside), "the walls overlap in 44 % of the smaller scan, less than 50 %"),
+    ):
+        found = registered(*pair, **AS_SCANNED, unusual_values=True)
+        assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+
+
+@pytest.mark.parametrize("shift", ["scanned", "mated"])
+def test_walls_at_their_best_fit_are_not_advised_to_be_moved_there(shift):
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9)
+    lower[:40, :40] = np.nan  # the largest rectangle is less than half of the scan
+    apart = Scan(-upper, (SPACING, SPACING), (0.0, SPACING)), grid(lower)
+    found = registered(*apart, orientation="common_frame", shift=shift, unusual_values=True)
+    (warning,) = (line for line in found.warnings if "walls overlap" in line)
+    assert ("--shift mated moves" in warning) == (shift == "scanned")
+    assert ("even in the position of best fit" in warning) == (shift == "mated")
+
+
+REGISTERED = """
+import hashlib, numpy as np, jointclosure as jc
+from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.outliers import points_of
+from jointclosure.walls.registration import registered
+h = 0.25e-3
+upper, lower = jc.wall_pair(9.0, (64, 72), h, seed=4, correlation=0.9, roll_off=None)
+y, x = np.indices(lower.shape) * h
+upper = -upper + 0.02 * x - 0.01 * y
+lower[30:33, 20:24] = np.nan
+grids = Scan(upper, (h, h), (0.0, 0.0)), Scan(lower, (h, h), (0.0, 0.0))
+apart = [Cloud(points_of(grid) + [0.3e-3 * i, 0.0, 0.0]) for i, grid in enumerate(grids)]
+for scans, spacing in ((grids, h), (grids, 1.4 * h), (apart, h)):
+    pair = registered(*scans, spacing)
+    print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in (pair.upper, pair.lower)))
+"""
+
+
+def test_scans_are_the_same_walls_on_any_processor():
+    here = printed(REGISTERED)
+    for name, environment in PROCESSORS.items():
+        assert printed(REGISTERED, **environment) == here, name

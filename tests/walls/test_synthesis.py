@@ -1,0 +1,285 @@
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.walls.mating import mating
+from jointclosure.walls.roughness import (
+    RELATIONS,
+    detrended,
+    jrc_of_z2,
+    rms_slope,
+    z2_of_jrc,
+)
+from jointclosure.walls.synthesis import Spectrum, gaussian_field, power
+from tests.joints import SPACING
+from tests.same_bits import PROCESSORS, printed
+
+
+@pytest.mark.parametrize("shape", [(40, 40), (17, 33), (1, 50), (50, 1)])
+def test_every_wall_has_exactly_the_slope_of_its_jrc(shape):
+    for wall in jc.wall_pair(8.0, shape, SPACING, seed=1):
+        assert wall.shape == shape
+        assert rms_slope(wall, SPACING) == pytest.approx((8.0 + 4.51) / 60.32, rel=1e-12)
+
+
+def test_walls_are_detrended():
+    for wall in jc.wall_pair(12.0, (30, 40), SPACING, seed=1):
+        np.testing.assert_allclose(wall, detrended(wall), atol=1e-15)
+
+
+def test_expectation_normalises_the_mean_and_not_each_wall():
+    slopes = [
+        rms_slope(jc.wall_pair(8.0, (32, 32), SPACING, seed=s, normalise="expectation")[0], SPACING)
+        for s in range(100)
+    ]
+    assert np.std(slopes) > 0.0
+    # detrending takes a little away
+    mean = np.sqrt(np.mean(np.square(slopes)))
+    assert mean == pytest.approx(z2_of_jrc(8.0, SPACING, 0.8), rel=0.03)
+
+
+def test_a_seed_is_a_surface():
+    one, same, other = (jc.wall_pair(8.0, (9, 9), SPACING, seed=s) for s in (1, 1, 2))
+    np.testing.assert_array_equal(one, same)
+    assert np.abs(one[0] - other[0]).max() > 0.0
+
+
+def test_walls_are_independent_unless_a_correlation_is_given():
+    def correlation(**settings):
+        values = []
+        for seed in range(60):
+            upper, lower = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed, **settings)
+            values.append(np.corrcoef(upper.ravel(), lower.ravel())[0, 1])
+        return np.mean(values)
+
+    assert abs(correlation()) < 0.15
+    assert correlation(correlation=1.0) == pytest.approx(-1.0)
+    assert correlation(correlation=0.8) == pytest.approx(-0.8, abs=0.1)
+
+
+def test_a_shift_moves_the_mated_part():
+    upper, lower = jc.wall_pair(8.0, (20, 60), SPACING, 4, correlation=1.0, shift_in_cells=6)
+    here = np.corrcoef(upper.ravel(), lower.ravel())[0, 1]
+    shifted = np.corrcoef(upper[:, :-6].ravel(), lower[:, 6:].ravel())[0, 1]
+    assert shifted < -0.85
+    assert shifted < here - 0.1
+
+
+@pytest.mark.parametrize("hurst", [0.6, 0.8])
+def test_the_slope_scales_with_the_hurst_exponent(hurst):
+    slopes = {1: [], 4: []}
+    for seed in range(30):
+        wall = jc.wall_pair(8.0, (128, 128), SPACING, seed=seed, hurst=hurst, roll_off=None)[0]
+        for step, values in slopes.items():
+            values.append(rms_slope(wall[::step, ::step], step * SPACING) ** 2)
+    found = 0.5 * np.log(np.mean(slopes[4]) / np.mean(slopes[1])) / np.log(4.0)
+    assert found == pytest.approx(hurst - 1.0, abs=0.12)
+
+
+def waves(spectrum, shape=(32, 48)):
+    """Fourier coefficients of a periodic field, and the wavelengths [cells]."""
+    field = gaussian_field(shape, spectrum, np.random.default_rng(5), oversize=1)
+    frequencies = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1]))
+    with np.errstate(divide="ignore"):
+        return np.fft.rfft2(field), 1.0 / frequencies
+
+
+@pytest.mark.parametrize("rule", ["self_affine", "walk"])
+def test_the_power_is_flat_beyond_the_roll_off_and_unchanged_below_it(rule):
+    plain, length = waves(Spectrum(0.7, rule))
+    rolled, _ = waves(Spectrum(0.7, rule, roll_off=8.0))
+    noise, _ = waves(Spectrum(-1.0))  # k^0: all waves alike
+    gain = np.abs(rolled / np.where(noise == 0.0, 1.0, noise))
+    beyond, below = (length > 8.1) & np.isfinite(length), length < 7.9
+    np.testing.assert_allclose(gain[beyond], 8.0 ** (1.7 if rule == "self_affine" else 1.0), 2e-2)
+    np.testing.assert_allclose(rolled[below & (length < 6.0)], plain[below & (length < 6.0)], 1e-9)
+    assert np.all(np.abs(rolled[beyond]) < np.abs(plain[beyond]))
+    assert rolled[0, 0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_roll_off_beyond_the_longest_wave_changes_nothing():
+    plain = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    rolled = jc.wall_pair(8.0, (20, 24), SPACING, 3, roll_off=0.5)
+    np.testing.assert_array_equal(rolled, plain)
+
+
+class Impulse:
+    """In place of a generator: 1 in one cell, so that a field is a column of its filter."""
+
+    def __init__(self, cell):
+        self.cell = cell
+
+    def standard_normal(self, shape):
+        noise = np.zeros(shape)
+        noise.flat[self.cell] = 1.0
+        return noise
+
+
+def test_a_walk_has_the_law_of_independent_slopes_projected_on_the_nearest_heights():
+    shape = (4, 6)
+    cells = np.arange(24).reshape(shape)
+    # the difference to the next cell along each axis, periodic
+    steps = np.concatenate(
+        [np.eye(24)[np.roll(cells, -1, axis).ravel()] - np.eye(24) for axis in (0, 1)]
+    )
+    nearest = np.linalg.pinv(steps)  # heights from all slopes, by least squares
+    filtered = np.array(
+        [gaussian_field(shape, Spectrum(0.8, "walk"), Impulse(i), 1).ravel() for i in range(24)]
+    )
+    found, expected = filtered.T @ filtered, nearest @ nearest.T
+    np.testing.assert_allclose(found / found[0, 0], expected / expected[0, 0], atol=1e-12)
+
+
+def test_slopes_of_a_walk_are_alike_in_both_directions_and_oppose_their_neighbours():
+    squares, products = np.zeros(2), np.zeros(2)
+    for seed in range(20):
+        wall = jc.wall_pair(8.0, (100, 100), SPACING, seed, rule="walk", roll_off=None)[0]
+        assert rms_slope(wall, SPACING) == pytest.approx((8.0 + 4.51) / 60.32, rel=1e-12)
+        for axis in (0, 1):
+            slopes = np.moveaxis(np.diff(wall, axis=axis), axis, 0)
+            squares[axis] += np.mean(slopes**2)
+            products[axis] += np.mean(slopes[1:] * slopes[:-1])
+    assert squares[0] == pytest.approx(squares[1], rel=0.02)
+    # consistent in two directions they cannot stay independent: a(2)/(2 a(1)) - 1 of the
+    # potential kernel of the square lattice
+    np.testing.assert_allclose(products / squares, 1.0 - 4.0 / np.pi, atol=0.01)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_relations_invert(relation):
+    for jrc in (0.5, 8.0, 20.0):
+        z2 = z2_of_jrc(jrc, 0.4e-3, 0.7, relation)
+        assert jrc_of_z2(z2, 0.4e-3, 0.7, relation) == pytest.approx(jrc, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"jrc": 21.0}, "jrc = 21.0"),
+        ({"shape": (2, 2)}, "shape"),
+        ({"correlation": 2.0}, "correlation = 2.0"),
+        ({"shift_in_cells": -1}, "shift_in_cells = -1"),
+        ({"jrc_relation": "none"}, "jrc_relation = 'none'"),
+        ({"roll_off": 0.4e-3}, "roll_off = 0.0004 m: must be at least two spacings"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, named):
+    good = {"jrc": 8.0, "shape": (9, 9), "spacing": SPACING, "seed": 1}
+    with pytest.raises(jc.InputError, match=named):
+        jc.wall_pair(**(good | change))
+
+
+def test_waves_longer_than_the_mismatch_wavelength_mate_and_shorter_ones_are_independent():
+    wavelength = 16 * SPACING
+    scores = []
+    for seed in range(6):
+        upper, lower = jc.wall_pair(8.0, (160, 160), SPACING, seed, mismatch_wavelength=wavelength)
+        found = mating(upper, lower, SPACING)
+        # a window blurs the edge by half an octave
+        long = found.wavelengths > 1.5 * wavelength
+        short = found.wavelengths < wavelength / 1.5
+        assert found.correlation[long].min() > 0.9
+        scores.append((found.correlation * np.sqrt(found.modes))[short])
+    assert abs(np.mean(scores)) < 0.4
+    assert np.std(scores) < 1.5
+
+
+@pytest.mark.parametrize("wavelength", [0.0, 1e-3, 4e-3])
+def test_each_wall_keeps_its_spectrum_whatever_the_mismatch(wavelength):
+    def powers(**mismatch):
+        """Power over wave number, of walls along an axis, in units of independent walls'."""
+        found = np.zeros((2, 4))
+        for seed in range(40):
+            pair = jc.wall_pair(8.0, (48, 48), SPACING, seed, **mismatch)
+            for side, wall in enumerate(pair):
+                waves = np.abs(np.fft.rfft2(wall * np.outer(np.hanning(48), np.hanning(48)))) ** 2
+                found[side] += [waves[1, 1], waves[3, 4], waves[6, 8], waves[12, 16]]
+        return found
+
+    ratio = powers(mismatch_wavelength=wavelength) / powers()
+    # the upper wall differs by its scale only, the lower one is another draw of the same spectrum
+    np.testing.assert_allclose(ratio[0], 1.0, atol=0.03)
+    np.testing.assert_allclose(ratio[1], 1.0, atol=0.65)
+
+
+def test_walls_range_from_mates_to_independent_ones_with_the_mismatch_wavelength():
+    def pair(wavelength):
+        return jc.wall_pair(8.0, (48, 56), SPACING, 3, mismatch_wavelength=wavelength)
+
+    upper, lower = pair(0.0)
+    np.testing.assert_allclose(upper, -lower, atol=1e-18)
+    apart = [np.std(np.add(*pair(cells * SPACING))) for cells in (2, 8, 32, 1000)]
+    assert apart == sorted(apart)
+    own, other = pair(1000 * SPACING)
+    free = jc.wall_pair(8.0, (48, 56), SPACING, 3)
+    for wall, independent in zip((own, other), free, strict=True):
+        assert np.corrcoef(wall.ravel(), independent.ravel())[0, 1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("normalise", ["wall", "expectation"])
+def test_partly_mated_walls_have_the_slope_of_their_jrc(normalise):
+    slopes = []
+    for seed in range(30):
+        pair = jc.wall_pair(
+            8.0, (32, 32), SPACING, seed, mismatch_wavelength=2e-3, normalise=normalise
+        )
+        slopes.append(np.mean([rms_slope(wall, SPACING) ** 2 for wall in pair]))
+    expected = z2_of_jrc(8.0, SPACING, 0.8)
+    rel = 1e-12 if normalise == "wall" else 0.05
+    assert np.sqrt(np.mean(slopes)) == pytest.approx(expected, rel=rel)
+
+
+def test_a_shift_moves_what_mates():
+    wavelength = 4 * SPACING
+    still, moved = (
+        jc.wall_pair(
+            8.0,
+            (64, 64),
+            SPACING,
+            3,
+            mismatch_wavelength=wavelength,
+            shift_in_cells=shift,
+            roll_off=None,
+        )
+        for shift in (0, 5)
+    )
+    assert np.corrcoef(still[0].ravel(), -still[1].ravel())[0, 1] > 0.95
+    back = [wall[:, part] for wall, part in zip(moved, (np.s_[:-5], np.s_[5:]), strict=True)]
+    assert np.corrcoef(back[0].ravel(), -back[1].ravel())[0, 1] > 0.95
+    assert np.std(np.add(*moved)) > 1.5 * np.std(np.add(*still))
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        ({"mismatch_wavelength": -1e-3}, "mismatch_wavelength = -0.001 m: must be finite, 0"),
+        ({"mismatch_wavelength": 1e-3, "correlation": 0.5}, "correlation = 0.5: must be 0"),
+        ({"mismatch_wavelength": 1e-3, "normalise": "both"}, "normalise = 'both'"),
+    ],
+)
+def test_a_wrong_mismatch_wavelength_is_named(given, shown):
+    with pytest.raises(jc.InputError) as error:
+        jc.wall_pair(8.0, (32, 32), SPACING, 3, **given)
+    assert shown in str(error.value)
+
+
+@pytest.mark.parametrize("exponent", [-0.9, -0.65, -2.0, 0.3])
+def test_a_power_is_numpys_to_its_last_digits(exponent):
+    base = np.logspace(-12, 12, 20_001)
+    np.testing.assert_allclose(power(base, exponent), base**exponent, rtol=1e-14)
+
+
+WALLS = """
+import hashlib, jointclosure as jc
+rules = [{"normalise": "wall"}, {"normalise": "expectation"}]
+rules += [rule | {"rule": "walk", "roll_off": 3e-3} for rule in rules]
+for rule in rules:
+    pair = jc.wall_pair(8.0, (40, 50), 0.25e-3, seed=3, **rule)
+    print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in pair))
+"""
+
+
+def test_a_seed_is_the_same_surface_on_any_processor():
+    here = printed(WALLS)
+    for name, environment in PROCESSORS.items():
+        assert printed(WALLS, **environment) == here, name
