@@ -135,7 +135,7 @@ docs: $(STAMP) ## Write the pages made of docs/templates, and build the site, wi
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 	@$(BIN)/python docs/site/links.py build/docs
 
-publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in docs/results
+publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
 	@$(BIN)/python docs/site/publish.py "$$STUDY"
 
 coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)

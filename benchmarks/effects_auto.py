@@ -1,6 +1,6 @@
 """Selected effects at random conditions, against the full model and against the best scene.
 
-Closes joints of random rock, roughness, stress and size (ranges of config/effects.yaml) in every
+Closes joints of random rock, roughness, stress and size (ranges of effects.yaml) in every
 well-posed scene, selects effects by `effects: auto` on the same closures, and reports the time
 saved beside that of the best scene, the regret, the share within the tolerance, and the effectivity
 index. Run as `python benchmarks/effects_auto.py --scenes 24 --tolerances 0.05 --seed 7`.
@@ -24,7 +24,7 @@ from studies.effects.validation import validate, validation_settings, validation
 from studies.frame.config.configuration import configured, merged, merged_study
 from studies.frame.config.files import ConfigurationError
 
-STUDY = Path(__file__).parents[1] / "config/effects.yaml"
+STUDY = Path(__file__).parents[1] / "studies/effects/effects.yaml"
 
 
 def main(arguments) -> None:

@@ -2,7 +2,7 @@
 
 The wavelength is fitted to the first loading (closure and recovery), by `fit` on the first cycle of
 `digitised_curve`. The readings of both loadings are then compared with the joints of `fit` on both
-cycles. Conditions are those of config/measured_joints.yaml. Then simulated joints of granite whose
+cycles. Conditions are those of measured_joints.yaml. Then simulated joints of granite whose
 wavelength is known are fitted alike, to count how often the interval contains it. Run as `python
 benchmarks/measured_fit.py`, about five minutes of processor time; `python docs/site/publish.py
 build/benchmarks measured_fit` stores its tables for docs/mismatch.md.

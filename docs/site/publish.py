@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from stored import ORIGIN, PACKAGE, ROOT, RUNS, STORED, Run, StoredError
+from stored import ORIGIN, ROOT, RUNS, Run, StoredError, folder_of
 
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import atomically
@@ -63,7 +63,7 @@ def publish(results: Path, run: str) -> Path:
     Returns
     -------
     Path
-        The folder in docs/results.
+        The folder of the stored run.
     """
     if run not in RUNS:
         raise StoredError(f"{run}: is none of the runs that pages show: {', '.join(sorted(RUNS))}")
@@ -75,7 +75,7 @@ def publish(results: Path, run: str) -> Path:
         raise StoredError(str(error)) from None
     # before a tracked file changes, which would mark the commit as edited
     origin = _origin(results, run, max(sources.values(), key=_time))
-    folder = STORED / run
+    folder = folder_of(run)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     for name in kept.figures:
@@ -85,8 +85,6 @@ def publish(results: Path, run: str) -> Path:
             write_csv(SUMMARIES[name][0](results), folder / f"{name}.csv")
         else:
             shutil.copyfile(sources[f"{name}.csv"], folder / f"{name}.csv")
-    for name, shipped in kept.shipped.items():
-        shutil.copyfile(sources[f"{name}.csv"], PACKAGE / f"{shipped}.csv")
     text = json.dumps(origin, indent=1) + "\n"
     atomically(folder / ORIGIN, lambda temporary: temporary.write_text(text, encoding="utf-8"))
     return folder
@@ -94,7 +92,7 @@ def publish(results: Path, run: str) -> Path:
 
 def _wanted(kept: Run) -> Iterator[str]:
     """Names of the files of results that are stored, or of which something is."""
-    for name in (*kept.tables, *kept.shipped):
+    for name in kept.tables:
         yield f"{SUMMARIES[name][1] if name in SUMMARIES else name}.csv"
     yield from (f"{name}.png" for name in kept.figures)
 
@@ -147,14 +145,15 @@ def _provenance(results: Path) -> dict[str, str] | None:
 
 def _configuration(run: str) -> dict | None:
     """Configuration of the study that is called like a run; None where there is none."""
-    path = ROOT / f"config/{run}.yaml"
+    path = next(ROOT.glob(f"studies/*/{run}.yaml"), ROOT / f"config/{run}.yaml")
     keys = merged_study(path) if path.is_file() else None
     return keys if keys and keys["study"]["name"] == run else None
 
 
 def _file(keys: dict) -> str:
-    path = f"config/{keys['study']['name']}.yaml"
-    return path if (ROOT / path).is_file() else "config/default.yaml"
+    name = keys["study"]["name"]
+    path = next(ROOT.glob(f"studies/*/{name}.yaml"), ROOT / f"config/{name}.yaml")
+    return str(path.relative_to(ROOT)) if path.is_file() else "config/default.yaml"
 
 
 def _differences(keys: dict) -> dict[str, object]:

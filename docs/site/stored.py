@@ -1,12 +1,10 @@
-"""Results that pages show: which files of each run they need, and the copies in docs/results.
+"""Results that pages show: which files of each run they need, and where they lie.
 
-docs/results/<run>/ has the tables (CSV) and figures (PNG) of one run, and origin.json: commit,
-version, root seed, date and configuration that made them. publish.py stores them; a table that
-the package ships too lies with the package alone.
+A folder has the tables (CSV) and figures (PNG) of one run, and origin.json: commit,
+version, root seed, date and configuration that made them. publish.py stores them.
 """
 
 import json
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -16,8 +14,7 @@ import pandas as pd
 from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
-STORED = ROOT / "docs/results"
-PACKAGE = ROOT / "studies/frame/config"
+STORED = ROOT
 ORIGIN = "origin.json"
 
 
@@ -26,14 +23,10 @@ class StoredError(Exception):
 
 
 class Run(NamedTuple):
-    """Files that are kept of a run: names without their suffixes.
-
-    ``shipped`` has tables that the package ships, with their names there.
-    """
+    """Files that are kept of a run: names without their suffixes."""
 
     tables: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
-    shipped: Mapping[str, str] = {}
 
 
 RUNS = {
@@ -46,12 +39,11 @@ RUNS = {
     ),
     "large_pool": Run(("table_3_joint_tests",)),
     "accuracy": Run(
-        tables=("accuracy_cost", "accuracy_sources"),
+        tables=("accuracy_cost", "accuracy_settings", "accuracy_sources"),
         figures=("accuracy_regularised",),
-        shipped={"accuracy_settings": "accuracy_settings"},
     ),
     "accuracy_biases": Run(
-        ("accuracy_split",), ("accuracy_total",), {"accuracy_methods": "accuracy_methods"}
+        ("accuracy_split", "accuracy_methods"), ("accuracy_total",)
     ),
     "effects": Run(figures=("effects",)),
     "effects_auto": Run(
@@ -104,14 +96,18 @@ RUNS = {
 """Files that pages and the package need, by run; the only list of them."""
 
 
+def folder_of(run: str) -> Path:
+    """Folder of a stored run: of a study, or of a benchmark."""
+    places = [*STORED.glob(f"studies/*/results/{run}"), STORED / "benchmarks/results" / run]
+    return places[0]
+
+
 def path_of(run: str, table: str) -> Path:
     """Where a table of a run is kept; `StoredError` where no page needs it."""
     kept = RUNS.get(run, Run())
-    if table in kept.shipped:
-        return PACKAGE / f"{kept.shipped[table]}.csv"
     if table not in kept.tables:
         raise StoredError(f"{run}/{table}.csv is not in RUNS (docs/site/stored.py)")
-    return STORED / run / f"{table}.csv"
+    return folder_of(run) / f"{table}.csv"
 
 
 def stored(run: str, table: str) -> pd.DataFrame:
@@ -127,7 +123,7 @@ _read = cache(read_csv)
 
 def origin(run: str) -> dict:
     """Read what made the stored results of a run."""
-    path = STORED / run / ORIGIN
+    path = folder_of(run) / ORIGIN
     if not path.is_file():
         raise StoredError(f"{path.relative_to(ROOT)} is not stored: make publish STUDY=...")
     return json.loads(path.read_text(encoding="utf-8"))

@@ -71,7 +71,9 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
 
 @pytest.mark.parametrize(("name", "least"), [("accuracy", 100), ("accuracy_biases", 19)])
 def test_every_setting_of_the_accuracy_studies_can_be_run(name, least):
-    settings, runs = design_of(checked_study(read_plain(ROOT / f"config/{name}.yaml")).keys)
+    settings, runs = design_of(
+        checked_study(read_plain(ROOT / f"studies/accuracy/{name}.yaml")).keys
+    )
     for setting in settings:
         assert setting.run == label_of(setting.scene, setting.rock, "", "") + setting.run[
             len(f"{setting.scene}-{setting.rock}") :

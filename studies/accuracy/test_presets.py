@@ -115,7 +115,7 @@ def test_what_cannot_be_chosen_is_refused(stated, printed):
 
 
 def test_the_committed_table_has_every_preset_of_the_study_and_they_can_be_run():
-    study = read_plain(ROOT / "config/accuracy.yaml")
+    study = read_plain(ROOT / "studies/accuracy/accuracy.yaml")
     settings, runs = design_of(checked_study(study).keys)
     turned = {(each.scene, each.knob, each.value): runs[each.run] for each in settings}
     bounded = {"choices": {"largest_radius_mm": 20.0}}

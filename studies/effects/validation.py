@@ -78,7 +78,7 @@ def validation_settings(configuration: Configuration) -> ValidationSettings:
     study, ablation = configuration.study, configuration.ablation
     if ablation is None:
         raise InputError(
-            "ablation = null: must be given for a study of effects (config/effects.yaml)"
+            "ablation = null: must be given for a study of effects (studies/effects/effects.yaml)"
         )
     if ablation.validation is None:
         raise InputError("ablation.validation = null: must be given for random conditions")

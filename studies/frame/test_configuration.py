@@ -21,7 +21,10 @@ from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.slices import block_settings
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
-STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})
+HARD_CASES = "studies/verification/hard_cases.yaml"
+STUDIES = sorted(
+    {*ROOT.glob("config/*.yaml"), *ROOT.glob("studies/*/*.yaml")} - {ROOT / HARD_CASES}
+)
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)

@@ -89,7 +89,7 @@ def test_what_a_bias_is_known_to_is_part_of_every_total_error():
 
 
 def test_where_errors_are_known_is_as_the_study_of_them_has_it():
-    typed = checked_study(read_plain(ROOT / "config/accuracy_biases.yaml")).typed
+    typed = checked_study(read_plain(ROOT / "studies/accuracy/accuracy_biases.yaml")).typed
     assert {*typed.rocks} == {*read_csv(METHODS).rock}
     for rock in typed.rocks.values():
         assert f"{1e-6 * rock.max_normal_stress:g} MPa" in KNOWN_AT

@@ -115,7 +115,8 @@ MORE = {
 def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
     changes = {"inputs": {name: each | {"title": name} for name, each in MORE.items()}}
     full = checked_study(
-        read_plain(ROOT / "config/global_sensitivity_full.yaml"), section(**changes)
+        read_plain(ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"),
+        section(**changes),
     )
     sampling = sampling_of(full.keys)
     for rock in sampling.rocks:

@@ -149,18 +149,18 @@ def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
 
 def test_stored_evidence_gives_the_published_conclusions_and_none_leaves_them_empty():
     """Readings and the range of JRC are finished inquiries: their stored tables are the input."""
-    stored = ROOT / "docs/results"
-    claims = read_csv(stored / "paper/claims.csv")
+    stored = ROOT / "studies"
+    claims = read_csv(stored / "paper/results/paper/claims.csv")
     evidence = [
         read_csv(stored / name)
         for name in (
-            "jrc_range/jrc_range_claims.csv",
-            "conclusions/earlier_readings.csv",
-            "global_sensitivity/global_sensitivity_conclusions.csv",
-            "global_sensitivity/global_sensitivity_margins.csv",
+            "paper/results/jrc_range/jrc_range_claims.csv",
+            "paper/results/conclusions/earlier_readings.csv",
+            "global_sensitivity/results/global_sensitivity/global_sensitivity_conclusions.csv",
+            "global_sensitivity/results/global_sensitivity/global_sensitivity_margins.csv",
         )
     ]
-    published = read_csv(stored / "paper/conclusions.csv").set_index("number")
+    published = read_csv(stored / "paper/results/paper/conclusions.csv").set_index("number")
     found = conclusion_table(claims, *evidence).set_index("number").loc[published.index]
     assert found.conclusion.tolist() == published.conclusion.tolist()
     columns = [name for name in published if name.startswith(("jrc_", "choices_"))]

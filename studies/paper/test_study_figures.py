@@ -135,7 +135,7 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
 
 def parameters_of(number):
     """The stored Table 3 and maximum closures of the paper's study with so many properties."""
-    folder = ROOT / "docs/results/paper"
+    folder = ROOT / "studies/paper/results/paper"
     chosen = ["jrc", "youngs_modulus", "compressive_strength", "poisson_ratio"][:number]
     tables = (read_csv(folder / f"{name}.csv") for name in ("table_3_indifference", "max_closure"))
     intervals, closures = (table[table.parameter.isin([*chosen, "base"])] for table in tables)

@@ -1,4 +1,4 @@
-"""Keys of config/hard_cases.yaml; closed at every level, with extreme values allowed."""
+"""Keys of hard_cases.yaml; closed at every level, with extreme values allowed."""
 
 from typing import Annotated, Any, Literal
 

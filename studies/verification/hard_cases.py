@@ -1,6 +1,6 @@
 """Hard cases: joints that are closed, and checked by requirements that hold for any joint.
 
-A case is an entry of ``config/hard_cases.yaml``, merged with that file's defaults. `run_case`
+A case is an entry of ``hard_cases.yaml``, merged with that file's defaults. `run_case`
 closes its joint with a solver that passes every state at rest to the oracle
 (`studies.verification.oracle`), and lists every requirement that does not hold.
 """
@@ -140,7 +140,7 @@ def merged_cases(study: dict) -> dict[str, dict]:
     Parameters
     ----------
     study : dict
-        The contents of ``config/hard_cases.yaml``.
+        The contents of ``hard_cases.yaml``.
 
     Raises
     ------

@@ -13,9 +13,11 @@ from studies.verification.hard_cases import failed_requirements, merged_cases, r
 from studies.verification.ratchet import ERRORS, FLOOR, grown_errors
 
 ROOT = Path(__file__).parents[2]
-STUDY = read_plain(ROOT / "config/hard_cases.yaml")
+STUDY = read_plain(ROOT / "studies/verification/hard_cases.yaml")
 CASES = merged_cases(STUDY)
-STORED = read_csv(ROOT / "docs/results/hard_cases/hard_case_errors.csv").set_index("name")
+STORED = read_csv(ROOT / "studies/verification/results/hard_cases/hard_case_errors.csv").set_index(
+    "name"
+)
 
 
 def marked(name):

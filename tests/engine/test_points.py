@@ -82,7 +82,7 @@ def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points
 @pytest.mark.parametrize("name", SECTIONS)
 def test_points_are_the_same_after_they_were_plain_data(name):
     """Jobs of every experiment as it is shipped, through JSON as a workflow has it."""
-    keys = read_plain(ROOT / f"config/{name}.yaml")
+    keys = read_plain(ROOT / f"studies/{name}/{name}.yaml")
     configured = checked_study(keys)
     assert list(experiments_in(configured.keys)) == [name]
     jobs = experiment_named(name).design(configured).jobs

@@ -111,7 +111,7 @@ def test_a_ratio_is_shown_as_it_is(name):
 
 def test_stored_tables_name_quantities_as_the_table_of_quantities():
     for run in ("size", "misalignment", "global_sensitivity", "mismatch"):
-        tables = [read_csv(file) for file in (ROOT / f"docs/results/{run}").glob(f"{run}*.csv")]
+        tables = [read_csv(file) for file in ROOT.glob(f"studies/{run}/results/{run}/{run}*.csv")]
         assert tables
         for table in tables:
             for column in {"response", "reading"} & {*table}:

@@ -282,7 +282,7 @@ def test_bad_input_is_refused():
 @pytest.fixture(scope="module")
 def settings():
     small = {"scenes": 3, "realizations": 2, "tolerances": [0.05, 0.9], "cells": [10, 14]}
-    effects = read_plain(ROOT / "config/effects.yaml")
+    effects = read_plain(ROOT / "studies/effects/effects.yaml")
     return validation_settings(study_of(effects, {"ablation": {"validation": small}}))
 
 

@@ -253,7 +253,9 @@ def test_ranges_that_cannot_be_are_refused_by_name(ranges, message):
 
 
 def test_what_is_plausible_is_what_the_global_sensitivity_study_varies():
-    inputs = read_plain(ROOT / "config/global_sensitivity.yaml")["global_sensitivity"]["inputs"]
+    inputs = read_plain(ROOT / "studies/global_sensitivity/global_sensitivity.yaml")[
+        "global_sensitivity"
+    ]["inputs"]
     studied = {
         about["key"].removeprefix("choices."): about.get("between", about.get("values"))
         for about in inputs.values()

@@ -1,4 +1,4 @@
-"""Pages that are made of docs/templates: they show docs/results, and it is all there."""
+"""Pages that are made of docs/templates: they show the stored results, and it is all there."""
 
 import json
 import re
@@ -25,14 +25,15 @@ ORIGIN = {"run", "commit", "stored_at", "version", "root_seed", "date", "configu
 
 
 def test_a_file_or_a_column_that_lacks_fails_with_its_name(tmp_path, monkeypatch):
-    shutil.copytree(stored.STORED / "mismatch", tmp_path / "mismatch")
+    kept = tmp_path / "studies/mismatch/results/mismatch"
+    shutil.copytree(stored.folder_of("mismatch"), kept)
     monkeypatch.setattr(stored, "STORED", tmp_path)
     monkeypatch.setattr(stored, "ROOT", tmp_path)
-    table = pd.read_csv(tmp_path / "mismatch/mismatch.csv").drop(columns="hysteresis")
-    table.to_csv(tmp_path / "mismatch/mismatch.csv", index=False)
+    table = pd.read_csv(kept / "mismatch.csv").drop(columns="hysteresis")
+    table.to_csv(kept / "mismatch.csv", index=False)
     with pytest.raises(templates.PageError, match=r"mismatched\(\).*'hysteresis'"):
         templates.filled("{{ mismatch.mismatched() }}", "a.md")
-    (tmp_path / "mismatch/mismatch_shifts.csv").unlink()
+    (kept / "mismatch_shifts.csv").unlink()
     with pytest.raises(templates.PageError, match=r"mismatch_shifts\.csv is not stored"):
         templates.filled("{{ mismatch.least_shift() }}", "a.md")
 
@@ -45,7 +46,7 @@ def test_a_committed_page_is_what_its_template_and_the_stored_results_give(templ
 
 
 def test_what_is_stored_is_what_pages_show(monkeypatch):
-    """No file of docs/results is read by no page, and none that is read is missing from RUNS."""
+    """Every stored file is read by a page, and RUNS names all that are read."""
     read = set()
 
     def path_of(run, table, given=stored.path_of):
@@ -57,27 +58,24 @@ def test_what_is_stored_is_what_pages_show(monkeypatch):
         templates.made(template)
     kept = stored.RUNS.items()
     evidence = {("paper", "claims"), ("jrc_range", "jrc_range_claims")}  # of the conclusions' test
-    assert read | evidence == {
-        (run, table) for run, of in kept for table in (*of.tables, *of.shipped)
-    }
+    assert read | evidence == {(run, table) for run, of in kept for table in of.tables}
     pages = [ROOT / "README.md", *sorted(templates.DOCS.rglob("*.md"))]
     shown = "".join(page.read_text(encoding="utf-8") for page in pages)
     for run, of in kept:
         names = {f"{name}.csv" for name in of.tables} | {f"{name}.png" for name in of.figures}
-        folder = stored.STORED / run
+        folder = stored.folder_of(run)
         assert {path.name for path in folder.iterdir()} == names | {stored.ORIGIN}
         assert all(f"results/{run}/{name}.png)" in shown for name in of.figures)
         assert stored.origin(run).keys() >= ORIGIN
-    assert {path.name for path in stored.STORED.iterdir()} == set(stored.RUNS)
 
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Results of a run, and a place where they are stored."""
     monkeypatch.setattr(stored, "ROOT", tmp_path)
-    for module in (stored, publish):
-        monkeypatch.setattr(module, "STORED", tmp_path / "stored")
-    shutil.copytree(ROOT / "docs/results/mismatch", tmp_path / "mismatch/tables")
+    monkeypatch.setattr(stored, "STORED", tmp_path)
+    (tmp_path / "studies/mismatch/results/mismatch").mkdir(parents=True)
+    shutil.copytree(ROOT / "studies/mismatch/results/mismatch", tmp_path / "mismatch/tables")
     return tmp_path / "mismatch"
 
 
@@ -90,8 +88,7 @@ def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(run
 
 
 def test_results_are_stored_with_what_made_them(run, monkeypatch):
-    (run.parent / "stored/mismatch").mkdir(parents=True)
-    old = run.parent / "stored/mismatch/old.csv"
+    old = run.parent / "studies/mismatch/results/mismatch/old.csv"
     old.touch()
 
     def untouched(study):  # the commit is that of files that were not edited yet
@@ -106,7 +103,7 @@ def test_results_are_stored_with_what_made_them(run, monkeypatch):
         assert (folder / name).read_bytes() == (run / "tables" / name).read_bytes()
     origin = json.loads((folder / stored.ORIGIN).read_text(encoding="utf-8"))
     assert origin.keys() >= ORIGIN
-    assert origin["configuration"]["file"] == "config/mismatch.yaml"
+    assert origin["configuration"]["file"] == "studies/mismatch/mismatch.yaml"
     assert origin["configuration"]["differs"]["mismatch.tolerance"] == 0.1
     assert "numerics.solver" not in origin["configuration"]["differs"]
 

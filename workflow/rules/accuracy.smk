@@ -1,4 +1,4 @@
-# The total error of all methods: `snakemake total_error --configfile config/accuracy_biases.yaml`, of the
+# The total error of all methods: `snakemake total_error --configfile studies/accuracy/accuracy_biases.yaml`, of the
 # experiment accuracy, and of the stored scatter and worth of control variates of the default study.
 ACCURACY = config.get("accuracy")
 TOTAL = ACCURACY.get("total") if ACCURACY else None
@@ -16,7 +16,7 @@ rule total_error:
 rule weigh_total_error:
     input:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
-        variance="docs/results/variance_reduction/variance_reduction.csv",
+        variance="studies/accuracy/results/variance_reduction/variance_reduction.csv",
     output:
         methods=f"{RESULTS}/tables/accuracy_methods.csv",
         points=f"{RESULTS}/tables/accuracy_total.csv",

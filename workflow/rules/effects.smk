@@ -1,4 +1,4 @@
-# Test of the choice of effects at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
+# Test of the choice of effects at random conditions: `snakemake effects_auto --configfile studies/effects/effects.yaml`.
 # Without a section `ablation.validation` no rule here has work.
 from studies.effects.validation import validation_settings
 

@@ -1,5 +1,5 @@
 # Experiments: one engine closes points; tables and figures follow. The rules serve the experiments whose
-# section the configuration has: `snakemake size --configfile config/size.yaml`.
+# section the configuration has: `snakemake size --configfile studies/size/size.yaml`.
 
 
 wildcard_constraints:

@@ -3,7 +3,7 @@
 from studies.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"
-HARD_CASES = merged_cases(read_plain(ROOT / "config/hard_cases.yaml"))
+HARD_CASES = merged_cases(read_plain(ROOTS["studies"] / "verification/hard_cases.yaml"))
 HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
 HARD_FIGURES = [
     f"{HARD_RESULTS}/figures/{figure}.{format}"

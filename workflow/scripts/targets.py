@@ -16,6 +16,7 @@ import yaml
 from following import follow
 from process_group import EndRequest
 
+from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
 from studies.frame.config.configuration import Configured, configured, merged_study
@@ -59,7 +60,7 @@ TARGETS = {
 TARGETS |= {
     name.replace("_", "-"): Target(
         (f"estimate_{name}", name),
-        f"config/{name}.yaml",
+        os.path.relpath(ROOTS["studies"] / f"{name}/{name}.yaml"),
         section=section,
         check=partial(checked_design, name),
     )

@@ -9,7 +9,7 @@ from studies.verification.hard_cases import merged_cases
 
 def hard_cases(kind: str) -> str:
     """Count hard cases: "all", "refused", "checked" by the oracle, or "without a state"."""
-    cases = merged_cases(read_plain(ROOT / "config/hard_cases.yaml")).values()
+    cases = merged_cases(read_plain(ROOT / "studies/verification/hard_cases.yaml")).values()
     refused = sum(case["expect"] == "refused" for case in cases)
     checked = len(stored("hard_cases", "hard_case_errors"))
     counts = {"all": len(cases), "refused": refused, "checked": checked}

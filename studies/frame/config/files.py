@@ -9,13 +9,14 @@ import yaml
 
 from jointclosure.inputs import InputError
 
-DEFAULT = Path(__file__).parents[3] / "config/default.yaml"
+_STUDIES = Path(__file__).parents[2]
+DEFAULT = _STUDIES.parent / "config/default.yaml"
 """The paper's study; every other configuration is merged over it."""
-MEASURED = Path(__file__).with_name("accuracy_settings.csv")
+MEASURED = _STUDIES / "accuracy/results/accuracy/accuracy_settings.csv"
 """Errors of settings of the numerics, from which presets are selected."""
-METHODS = Path(__file__).with_name("accuracy_methods.csv")
+METHODS = _STUDIES / "accuracy/results/accuracy_biases/accuracy_methods.csv"
 """Errors, scatter and cost of presets, from which a required accuracy is planned."""
-PAPER_TABLE_3 = Path(__file__).parents[2] / "paper/paper_table_3.csv"
+PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
 """The paper's Table 3."""
 
 _MOST_VALUES, _DEEPEST = 100_000, 40

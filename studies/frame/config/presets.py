@@ -1,6 +1,6 @@
 """Numerics selected by a preset or by a required accuracy, from measured errors.
 
-The study of accuracy (config/accuracy.yaml) writes `setting_table`, with the errors and the cost of
+The study of accuracy (accuracy.yaml) writes `setting_table`, with the errors and the cost of
 each setting; the package has a copy of it (accuracy_settings.csv). A configuration names one of its
 presets, or an accuracy; then the cheapest setting that reached it is used.
 """

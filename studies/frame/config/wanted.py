@@ -25,7 +25,7 @@ BLOCK = 10
 MEASURED_SURFACES = 4000
 """Number of surfaces for the means of control variates, if they are used."""
 KNOWN_AT = "100 x 100 cells, 30 MPa"
-"""Conditions at which errors of presets were measured (config/accuracy_biases.yaml)."""
+"""Conditions at which errors of presets were measured (studies/accuracy/accuracy_biases.yaml)."""
 _OF_ONE_MODEL = ("effects", "choices", "surface")
 """Sections that must have their default values, because errors were measured only with these."""
 _CHOSEN = {

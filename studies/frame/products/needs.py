@@ -87,13 +87,13 @@ def _file(name: str) -> Callable[[Plan], str | None]:
 def _global(kind: str) -> Callable[[Plan], str | None]:
     name = f"global_sensitivity/tables/global_sensitivity_{kind}.csv"
     return lambda plan: plan.beside(
-        f"results/{name}", f"docs/results/{name.replace('tables/', '')}"
+        f"results/{name}", f"studies/global_sensitivity/results/{name.replace('tables/', '')}"
     )
 
 
 BESIDE: dict[str, Callable[[Plan], str | None]] = {
-    "jrc_range": lambda plan: plan.beside("docs/results/jrc_range/jrc_range_claims.csv"),
-    "readings": lambda plan: plan.beside("docs/results/conclusions/earlier_readings.csv"),
+    "jrc_range": lambda plan: plan.beside("studies/paper/results/jrc_range/jrc_range_claims.csv"),
+    "readings": lambda plan: plan.beside("studies/paper/results/conclusions/earlier_readings.csv"),
     "choices": _global("conclusions"),
     "margins": _global("margins"),
 }

@@ -68,7 +68,7 @@ class KnobKeys(Keys):
 
 class TotalErrorKeys(Keys):
     """The diagram of total error (`snakemake total_error`): every way to a result, with the
-    scatter and the worth of control variates of the default study (docs/results)."""
+    scatter and the worth of control variates of the default study (studies/accuracy/results)."""
 
     scene: str = entry("Variant of the model whose errors and times count.")
     methods: dict[Name, PointKeys] = entry(
@@ -83,7 +83,7 @@ class TotalErrorKeys(Keys):
 
 
 class AccuracyKeys(Keys):
-    """Design of a study of what accuracy costs (config/accuracy.yaml): variants of the model, and
+    """Design of a study of what accuracy costs (accuracy.yaml): variants of the model, and
     the knobs that are turned in each."""
 
     parameter: Literal[Rock._fields] = entry(

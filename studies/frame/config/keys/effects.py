@@ -37,7 +37,7 @@ class ValidationKeys(Keys):
 
 
 class AblationKeys(Keys):
-    """Conditions of a study of what each effect adds (config/effects.yaml); every well-posed
+    """Conditions of a study of what each effect adds (effects.yaml); every well-posed
     scene is closed at each."""
 
     jrc: list[Jrc] = entry("Joint roughness coefficients.", min_length=1)

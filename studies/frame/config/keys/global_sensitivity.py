@@ -32,7 +32,7 @@ class DependentKeys(Keys):
 
 class GlobalSensitivityKeys(Keys):
     """Design of a study in which properties and open choices vary together
-    (config/global_sensitivity.yaml)."""
+    (global_sensitivity.yaml)."""
 
     rows: int = entry(
         "Rows of the design, a power of 2; each closes two joints at every point, of which there "

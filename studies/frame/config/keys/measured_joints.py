@@ -8,7 +8,7 @@ from studies.frame.config.keys.entries import Keys, entry
 
 
 class MeasuredJointsKeys(Keys):
-    """Design of the comparison with measured joints (config/measured_joints.yaml)."""
+    """Design of the comparison with measured joints (measured_joints.yaml)."""
 
     mismatch_wavelength_mm: list[Annotated[float, Field(gt=0)]] = entry(
         "Mismatch wavelengths [mm] among which that of a measured joint is fitted.",

@@ -8,7 +8,7 @@ from studies.frame.config.keys.entries import Keys, entry
 
 
 class MisalignmentKeys(Keys):
-    """Design of a study of walls that are tilted or rotated (config/misalignment.yaml)."""
+    """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
 
     tilt_degrees: list[Annotated[float, Field(ge=0, le=5)]] = entry(
         "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",

@@ -8,7 +8,7 @@ from studies.frame.config.keys.entries import Keys, entry
 
 
 class MismatchKeys(Keys):
-    """Design of a study of mated, natural and non-mated walls (config/mismatch.yaml)."""
+    """Design of a study of mated, natural and non-mated walls (mismatch.yaml)."""
 
     wavelength_mm: list[Annotated[float, Field(ge=0)]] = entry(
         "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",

@@ -13,7 +13,7 @@ class SizeSpectrumKeys(Keys):
 
 
 class SizeKeys(Keys):
-    """Design of a study of the scale effect (config/size.yaml): patches cut out of larger walls,
+    """Design of a study of the scale effect (size.yaml): patches cut out of larger walls,
     and sampled at several spacings."""
 
     patch_mm: list[Positive] = entry(
