@@ -83,7 +83,7 @@ def _defaults(function) -> dict:
 _WITH_GRAIN_SIZE = """
 import jointclosure as jc
 from jointclosure.cli.joint_options import NEEDED, OPTIONS
-from jointclosure.parameters.titles import PARAMETER_TITLES, PARAMETERS, PROPERTIES, key_of
+from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.joint.rocks import named_rock
 from studies.frame.ensemble.cases import cases_of
 from jointclosure.parameters import check_rock
@@ -99,7 +99,7 @@ assert study.rocks["slate"].intact.grain_size == 0.5e-3
 assert study.rocks["slate"].levels["grain_size"] == (0.2e-3, 0.5e-3, 2e-3)
 assert study.rocks["dolerite"].intact.grain_size == 1e-3
 assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
-assert PARAMETERS[-1] == "grain_size" and PARAMETER_TITLES["grain_size"] == "Grain size"
+assert list(PROPERTIES)[-1] == "grain_size" and PROPERTIES["grain_size"].title == "Grain size"
 assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
 assert OPTIONS["grain_size"] == "grain_size_mm" and "grain_size" not in NEEDED
 assert "grain_size_mm" in RockKeys.model_fields

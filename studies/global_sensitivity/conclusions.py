@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.inputs import InputError
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.verdicts import frequency_of, t_interval
 from studies.global_sensitivity.design import Sampling, is_positive
 from studies.global_sensitivity.table import (

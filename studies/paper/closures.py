@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
     adjusted_elasticity,

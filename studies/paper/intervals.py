@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired_length
 from jointclosure.statistics.control_variates import adjusted_length
 from jointclosure.statistics.correlations import fit_quadratic

@@ -18,7 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.joint.history import loop_between
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.parameters.titles import PARAMETERS, PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,
@@ -304,7 +304,7 @@ def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
     for cycle in cycles:
         groups[f"cycle {cycle}"] = [e for e in published if e[2] == cycle]
     groups["cycle 1 without JRC"] = [e for e in published if e[2] == 1 and e[1] in _NOISY]
-    for parameter in PARAMETERS:
+    for parameter in PROPERTIES:
         for cycle in cycles:
             name = f"{PROPERTIES[parameter].title}, cycle {cycle}"
             groups[name] = [e for e in published if e[1:] == (parameter, cycle)]

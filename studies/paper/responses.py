@@ -8,7 +8,7 @@ import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.settings import BASE
-from jointclosure.parameters.titles import PARAMETERS
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 from studies.frame.ensemble.covariates import Covariates
@@ -80,7 +80,7 @@ def levels_of(study: xr.Dataset, rock: str) -> dict[str, Levels]:
     of_rock = (study.rock == rock).values
     base_case = of_rock & (study.parameter == BASE).values
     levels = {}
-    for parameter in PARAMETERS:
+    for parameter in PROPERTIES:
         varied = of_rock & (study.parameter == parameter).values
         if varied.any():
             index = np.flatnonzero(base_case | varied)

@@ -8,8 +8,7 @@ import re
 import pandas as pd
 
 from jointclosure.engine.settings import BASE, SIDES
-from jointclosure.parameters import Rock
-from jointclosure.parameters.titles import PARAMETERS, PROPERTIES, key_of
+from jointclosure.parameters import PROPERTIES, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.statistics.standard_errors import rounded, significant
 from studies.frame.config.typed import StudyRock
@@ -49,7 +48,7 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
     """Make the paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
     rows = []
     for name, rock in rocks.items():
-        for parameter in (name for name in PARAMETERS if name in rock.levels):
+        for parameter in (name for name in PROPERTIES if name in rock.levels):
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
             base = base_case(name, rock).property(parameter)
             for level, value in zip(level_names(levels, base), levels, strict=True):
@@ -172,7 +171,7 @@ def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFr
             for cycle in sorted(table.cycle.unique())
             for rock, title in titles.items()
         }
-        for parameter in PARAMETERS
+        for parameter in PROPERTIES
         if (table.parameter == parameter).any()
     }
     return pd.DataFrame.from_dict(rows, orient="index")

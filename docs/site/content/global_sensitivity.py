@@ -5,7 +5,7 @@ import pandas as pd
 from stored import origin, stored
 
 from content.markdown import Group, Table, markdown, rows_of, titled, written
-from jointclosure.parameters.titles import PARAMETERS
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import rounded
 from studies.global_sensitivity.figures import SHOWN
 
@@ -108,7 +108,7 @@ def jrc_range() -> str:
             without = 100.0 * part.share_without_root
             line[_known(Group(part))] = _lengths(part, digits=2 if name == "joint p" else 1)
             dashes[_known(Group(part))] = f"{without.min():.0f} to {without.max():.0f}"
-        lines += [line, dashes] if name in PARAMETERS else [line]
+        lines += [line, dashes] if name in PROPERTIES else [line]
     return markdown(pd.DataFrame(lines))
 
 

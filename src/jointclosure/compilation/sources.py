@@ -1,10 +1,9 @@
 """Digests of the code that a result depends on, determined from imports.
 
 Comments, docstrings and layout have no effect: the digest is that of the syntax tree without them.
-Descriptions of keys and titles have no effect if nothing shows them (`SHOWN_BY`). A module that is
-imported inside of a function counts as any other. The modules that a package's ``__init__`` imports
-count if something is imported from the package itself, but not if it is imported from one of its
-modules.
+Descriptions of keys have no effect if nothing shows them (`SHOWN_BY`). A module that is imported
+inside of a function counts as any other. The modules that a package's ``__init__`` imports count if
+something is imported from the package itself, but not if it is imported from one of its modules.
 """
 
 import ast
@@ -21,12 +20,9 @@ from typing import TypeGuard
 PACKAGE = Path(__file__).parents[1]
 ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 """Folders of the packages whose code counts; that of studies exists in a clone only."""
-SHOWN_BY = {
-    "entry": "studies/paper/report/settings.py",
-    "Property": "jointclosure/parameters/titles.py",
-}
-"""Calls whose first argument is a text for readers (description of a key, title of a property), and
-the module through which it reaches results. The text counts only if that module is imported."""
+SHOWN_BY = {"entry": "studies/paper/report/settings.py"}
+"""Calls whose first argument is a text for readers (description of a key), and the module through
+which it reaches results. The text counts only if that module is imported."""
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
     "studies/frame/jobs/job.py",

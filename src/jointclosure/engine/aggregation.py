@@ -6,8 +6,7 @@ import xarray as xr
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import Case
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.parameters import Rock
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES, Rock
 
 CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""

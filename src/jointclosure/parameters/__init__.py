@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
-from jointclosure.parameters.properties import Property, properties_of
+from jointclosure.parameters.units import Property, properties_of
 
 SMALLEST_TOLERANCE = 1e-14
 """Smallest relative tolerance that can be met: about fifty rounding errors."""

@@ -1,11 +1,120 @@
-"""Units of a configuration, the suffixes of its keys, in SI and back."""
+"""Properties with unit, range, title and symbol; units of a configuration in SI and back."""
 
 import math
+import unicodedata
 from decimal import Decimal
 from functools import lru_cache
+from typing import Any, NamedTuple, get_type_hints
 
-from jointclosure.inputs import InputError, check_number
-from jointclosure.parameters.properties import SI_FACTORS
+import numpy as np
+
+from jointclosure.inputs import InputError, check_number, check_positive
+
+SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
+"""Units that a configuration may use, in SI."""
+
+
+class Property(NamedTuple):
+    """Metadata of a property that a configuration gives and a study can vary.
+
+    It annotates a field: ``Annotated[float, Property(...)]``. ``long_name`` is the name within a
+    sentence. ``unit`` is the unit in tables and configurations ("1" for none). ``symbol`` is the
+    ASCII spelling of the symbol ("sigma_c"). ``interval`` is the closed range of allowed values
+    [SI]; None allows any positive number, and infinity too if ``may_be_infinite``. ``usual`` is the
+    range [SI] outside of which a value is probably in a wrong unit. ``heading`` is the heading of
+    its row in tables, where this is not title and symbol.
+    """
+
+    long_name: str
+    unit: str
+    symbol: str
+    interval: tuple[float, float] | None = None
+    may_be_infinite: bool = False
+    usual: tuple[float, float] | None = None
+    heading: str = ""
+
+    @property
+    def size(self) -> float:
+        """Size of the unit in SI."""
+        return SI_FACTORS.get(self.unit, 1.0)
+
+    @property
+    def si_unit(self) -> str:
+        """Unit of the property in a dataset."""
+        return {"GPa": "Pa", "MPa": "Pa", "mm": "m", "um": "m"}.get(self.unit, self.unit)
+
+    @property
+    def in_brackets(self) -> str:
+        """Unit in brackets behind a title, such as " (GPa)"; empty for a number without unit."""
+        return "" if self.unit == "1" else f" ({self.unit})"
+
+    @property
+    def title(self) -> str:
+        """Name of the property as the heading of a column."""
+        return self.long_name[0].upper() + self.long_name[1:]
+
+    @property
+    def shown_symbol(self) -> str:
+        """The symbol in Unicode, such as σc."""
+        letter, _, index = self.symbol.partition("_")
+        return (_greek(letter) or letter) + index
+
+    @property
+    def label(self) -> str:
+        """Heading of the row of the property in a table, with symbol and unit."""
+        return self.heading or f"{self.title} {self.shown_symbol}{self.in_brackets}"
+
+    @property
+    def latex(self) -> str:
+        """`label` with the symbol as LaTeX."""
+        letter = self.symbol.partition("_")[0]
+        symbol = f"${chr(92) if _greek(letter) else ''}{self.symbol}$"
+        return self.heading or f"{self.title} {symbol}{self.in_brackets}"
+
+    @property
+    def bounds(self) -> dict[str, float]:
+        """Bounds of the key in its unit, in the form that `pydantic.Field` takes."""
+        if self.interval is None:
+            return {"gt": 0}
+        named = zip(("ge", "le"), self.interval, strict=True)
+        return {name: end / self.size for name, end in named if np.isfinite(end)}
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise `InputError` unless a value [SI] is allowed for the property."""
+        if self.interval is None:
+            unit = "" if self.unit == "1" else self.si_unit
+            check_positive(name, value, unit, may_be_infinite=self.may_be_infinite)
+            return
+        check_number(name, value)
+        low, high = self.interval
+        if not low <= value <= high:
+            raise InputError(f"{name} = {value!r}: must lie in [{low:g}, {high:g}]")
+
+
+def properties_of(fields: type) -> dict[str, Property]:
+    """Return the properties of the fields of a named tuple, by name.
+
+    Raises
+    ------
+    TypeError
+        If a field is not annotated by one `Property`.
+    """
+    properties = {}
+    for name, hint in get_type_hints(fields, include_extras=True).items():
+        annotations = getattr(hint, "__metadata__", ())
+        known = [item for item in annotations if isinstance(item, Property)]
+        if len(known) != 1:
+            raise TypeError(f"{fields.__name__}.{name}: must be annotated by one Property")
+        properties[name] = known[0]
+    return properties
+
+
+def _greek(letter: str) -> str:
+    """Return the Greek letter of a name, or "" if there is none."""
+    try:
+        return unicodedata.lookup(f"GREEK SMALL LETTER {letter.upper()}")
+    except KeyError:
+        return ""
 
 
 @lru_cache(maxsize=None)

@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
-from jointclosure.parameters.titles import PROPERTIES
+from jointclosure.parameters import PROPERTIES
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 MAY_DIFFER = ("provenance_", "timing_")

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jointclosure.parameters.titles import PARAMETER_TITLES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import (
     key,
     legend_below,
@@ -43,7 +43,7 @@ def predictive_figure(
     draws : int
         Number of surfaces of a study per level.
     """
-    parameters = [p for p in PARAMETER_TITLES if p in set(drawn.parameter.values.tolist())]
+    parameters = [p for p in PROPERTIES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
     names = [name for name in rocks if name in set(drawn.rock.values.tolist())]
     panel = (3.6, 0.62 + 0.36 * len(names))
@@ -64,7 +64,7 @@ def predictive_figure(
                     key = (name, parameter, cycle)
                     if key in published.index:
                         _draw_published(axes, -place, float(published[key]))
-            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=10)
+            axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=10)
             axes.set_yticks([-i for i in range(len(names))], [rocks[n].title for n in names])
             axes.tick_params(axis="y", length=0)
             axes.set_ylim(-len(names) + 0.38, 0.62)

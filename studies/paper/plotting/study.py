@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from jointclosure.engine.aggregation import since_seating, since_start, succeeded
 from jointclosure.joint.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.parameters.titles import PARAMETER_TITLES, PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import (
     key,
@@ -273,7 +273,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
             part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
             _draw_intervals(axes, part.reindex(names))
             axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
-            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=9)
             axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
     handles: list[Artist] = [
         point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
@@ -332,7 +332,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     rocks : dict
         Rocks by name, in order.
     """
-    parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
+    parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
     figure, panels = panel_grid(
         len(cycles), len(parameters), (3.1, 2.8), sharex="col", sharey="row"
@@ -359,7 +359,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                     label=f"{rock.title}, ± standard error",
                 )  # fmt: skip
                 axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
-            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:
                 axes.set_xlabel("value / the rock's value")
         row[0].set_ylabel("mean maximum closure (mm)")

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from jointclosure.parameters.titles import PARAMETER_TITLES, PROPERTIES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
 from studies.paper.claims.table import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
@@ -73,7 +73,7 @@ def ranking_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
         order = part.elasticity.abs().sort_values(ascending=False).index
         ranked = [
-            f"{PARAMETER_TITLES[row.parameter]} "
+            f"{PROPERTIES[row.parameter].title} "
             + rounded(row.elasticity, row.elasticity_standard_error)
             for row in part.loc[order].itertuples()
         ]
@@ -97,7 +97,7 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
     rows = []
     for parameter in ours.index:
         for cycle in dict.fromkeys(cycle for cycle, _ in ours.columns):
-            cells = [Cell(PARAMETER_TITLES[parameter], parameter), Cell(str(cycle), cycle)]
+            cells = [Cell(PROPERTIES[parameter].title, parameter), Cell(str(cycle), cycle)]
             for title in titles.values():
                 text = ours.loc[parameter, [(cycle, title)]].iloc[0]
                 if theirs is not None and title in with_paper:
@@ -389,7 +389,7 @@ def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Shee
     """Tabulate elasticities of the mean maximum closure, with their standard errors."""
     table = elasticities.assign(
         rock=elasticities.rock.map(titles),
-        parameter=elasticities.parameter.map(PARAMETER_TITLES),
+        parameter=elasticities.parameter.map(lambda name: PROPERTIES[name].title),
     )
     columns = {
         "rock": "Rock",

@@ -11,7 +11,7 @@ import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.parameters.titles import PARAMETER_TITLES
+from jointclosure.parameters import PROPERTIES
 from studies.frame.config.presets import (
     SCENES,
     anything_breaks,
@@ -116,7 +116,10 @@ def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
     frame = pd.DataFrame(
         {
             "rock": [titles[rock] for rock in study.rock.values],
-            "parameter": [PARAMETER_TITLES.get(p, "as it is") for p in study.parameter.values],
+            "parameter": [
+                PROPERTIES[p].title if p in PROPERTIES else "as it is"
+                for p in study.parameter.values
+            ],
             "level": study.level.values,
             "scene": study.scene.values,
             "simulations": study.sizes["realization"],

@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
-from jointclosure.parameters.titles import PARAMETER_TITLES
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import (
@@ -104,7 +104,7 @@ def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
     cycle = last.cycle.iloc[0]
     if answer == STANDS:
         where = "" if rocks == 1 else f" in all {rocks} rocks"
-        title = _lower(PARAMETER_TITLES[str(first)])
+        title = _lower(PROPERTIES[str(first)].title)
         return f"In cycle {cycle} closure is most sensitive to {title}{where}."
     reason = {
         FALLS: "differs between rocks",
