@@ -2,26 +2,28 @@
 
 Measured values are in `jointclosure.engine.measured_joints`. Walls that mate have the
 wavelength at which the mean closure of the first loading is that of a measured joint. A measured
-value agrees if its range overlaps the 95 % interval of a single simulated joint.
+value agrees if its range overlaps the 95 % interval of a single simulated joint. A joint is also
+predicted from others: by the distribution of one more joint, averaged over the wavelengths by their
+likelihood for the others' first closures (no wavelength within the simulated range is preferred).
 """
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.engine.measured_joints import JOINTS, Measured, measured
+from jointclosure.engine.measured_joints import JOINTS, measured
 from jointclosure.engine.quantities import heading
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.statistics.randomness import generator, seed_of
 
 BASE = "default choices"
 """Name of the model with its default choices."""
-FILM_CELL = 0.5e-3
-"""Spacing of the measured maps of contact stress [m]."""
 OBSERVABLES = {
     "first_closure": ("closure, first loading", "mm"),
     "first_residual_share": ("share of first closure that stays", "%"),
@@ -35,30 +37,22 @@ OBSERVABLES = {
 """Titles and units of observables of a joint."""
 HEADINGS = {name: heading(*about) for name, about in OBSERVABLES.items()}
 """Headings of tables and labels of axes, by observable."""
-UPPER_BOUNDS = ("contact_share",)
-"""Observables that are upper bounds, so that no measured value is too small for them."""
+UPPER_BOUND = "contact_share"
+"""Observable for which no measured value is too small."""
+PREDICTED = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
+CLOSURE_ERROR = 0.04
+"""Relative error of the measured first closures: two digits of a figure."""
 CONFIDENCE = 0.95
 RESAMPLES = 1000
-AGREES, TOO_SMALL, TOO_LARGE = "agrees", "too small", "too large"
+AGREES = "agrees"
 
 
 def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
-    """Compute the observables of each joint.
+    """Compute `OBSERVABLES` of each joint that was closed: ``variant``, ``wavelength`` and these.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `jointclosure.engine.points.close_points`, with the columns ``variant``,
-        ``wavelength`` [m] and ``loaded_as``: the variant that has the first loading of a variant of
-        one cycle, which is a later loading.
-    film_cells : float
-        Number of cells of the grid in a cell of the film. The observed area of contact is at most
-        this many times that of the cells in contact, and at most all.
-
-    Returns
-    -------
-    DataFrame
-        ``variant``, ``wavelength``, ``realization``, `OBSERVABLES`; without failed joints.
+    ``loaded_as`` is the variant that has the first loading of a variant of one cycle, which is a
+    later loading. ``film_cells`` is the number of cells of the grid in one of the film: the
+    observed area of contact is at most so many times that of the cells in contact, and at most all.
     """
     joints = joints[joints.status < FAILURE]
     at = ["variant", "wavelength", "realization"]
@@ -69,23 +63,15 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     loaded = once.reset_index()[["loaded_as", *at[1:]]]
     base = first.reindex(pd.MultiIndex.from_frame(loaded)).set_axis(once.index)
     before = pd.concat([first.loc[second.index], base])
-    table = pd.DataFrame(
-        {
-            "first_closure": 1e3 * before.max_closure_seated_net,
-            "first_residual_share": 100.0
-            * before.residual_closure_seated_net
-            / before.max_closure_seated_net,
-            "first_stiffness": 1e-9 * before.stiffness_net,
-            "later_closure": 1e3 * later.max_closure_seated_net,
-            "later_stiffness": 1e-9 * later.stiffness_net,
-            "stiffness_ratio": later.stiffness_net / before.stiffness_net,
-            "later_residual_share": 100.0
-            * later.residual_closure_seated_net
-            / later.max_closure_seated_net,
-            "contact_share": 100.0 * np.minimum(1.0, film_cells * later.contact_at_max),
-        }
-    )
-    return table.dropna().reset_index()
+    columns: dict = {}
+    for name, part in (("first", before), ("later", later)):
+        closure, stays = part.max_closure_seated_net, part.residual_closure_seated_net
+        columns[f"{name}_closure"] = 1e3 * closure
+        columns[f"{name}_residual_share"] = 100.0 * stays / closure
+        columns[f"{name}_stiffness"] = 1e-9 * part.stiffness_net
+    columns["stiffness_ratio"] = later.stiffness_net / before.stiffness_net
+    columns["contact_share"] = 100.0 * np.minimum(1.0, film_cells * later.contact_at_max)
+    return pd.DataFrame(columns)[list(OBSERVABLES)].dropna().reset_index()
 
 
 def digitised_curve(joint: str) -> MeasuredCurve:
@@ -118,7 +104,7 @@ def digitised_curve(joint: str) -> MeasuredCurve:
 class _Walls(NamedTuple):
     """Walls of a row, and observables of their joints for given surfaces (..., observables)."""
 
-    name: str
+    walls: str
     joint: str
     wavelength: float
     values: np.ndarray
@@ -127,13 +113,6 @@ class _Walls(NamedTuple):
 
 def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
     """Compare each variant and kind of walls with each measured joint.
-
-    Parameters
-    ----------
-    observables : DataFrame
-        As from `observables_of`.
-    root_seed : int
-        Root seed of the study, for the resamples.
 
     Returns
     -------
@@ -147,32 +126,25 @@ def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
     rows = []
     for variant, part in observables.groupby("variant", sort=False):
         for walls in _walls(part, root_seed):
+            at = {"variant": variant, "walls": walls.walls, "joint": walls.joint}
             lengths = walls.resampled[:, -1]
-            about = {
-                "variant": variant,
-                "walls": walls.name,
-                "joint": walls.joint,
-                "wavelength_mm": 1e3 * walls.wavelength,
-                "wavelength_error": 1e3 * lengths.std() if np.isfinite(lengths).all() else np.nan,
-            }
+            at["wavelength_mm"] = 1e3 * walls.wavelength
+            at["wavelength_error"] = 1e3 * lengths.std() if np.isfinite(lengths).all() else np.nan
             for i, (name, (_, unit)) in enumerate(OBSERVABLES.items()):
                 low, high = single_joint_interval(walls.values[:, i])
-                low = 0.0 if name in UPPER_BOUNDS else low
-                row = about | {"observable": name, "unit": unit}
+                low = 0.0 if name == UPPER_BOUND else low
+                row = at | {"observable": name, "unit": unit}
                 row |= {"value": walls.values[:, i].mean(), "error": walls.resampled[:, i].std()}
-                row |= {"low": low, "high": high}
-                known = measured(name, walls.joint)
-                row |= {"measured_low": known.low, "measured_high": known.high}
-                row |= {"judgement": judgement(known, low, high), "surfaces": len(walls.values)}
-                rows.append(row)
+                row |= {"low": low, "high": high} | _judged(name, walls.joint, low, high)
+                rows.append(row | {"surfaces": len(walls.values)})
     return pd.DataFrame(rows)
 
 
-def judgement(known: Measured, low: float, high: float) -> str:
+def _judged(name: str, joint: str, low: float, high: float) -> dict:
     """Compare the range of a measured value with the interval of the model."""
-    if known.high < low:
-        return TOO_LARGE
-    return TOO_SMALL if known.low > high else AGREES
+    known = measured(name, joint)
+    off = "too large" if known.high < low else "too small" if known.low > high else AGREES
+    return {"measured_low": known.low, "measured_high": known.high, "judgement": off}
 
 
 def single_joint_interval(values: np.ndarray) -> tuple[float, float]:
@@ -203,22 +175,18 @@ def _walls(part: pd.DataFrame, root_seed: int) -> Iterator[_Walls]:
     finite = np.isfinite(lengths)
     for joint in JOINTS:
         if not finite.all():
-            free = values[-1]
-            yield _Walls("independent", joint, np.inf, free, _means(free, draws, np.inf))
+            means = values[-1][draws].mean(axis=1)
+            resampled = np.column_stack([means, np.full(len(means), np.inf)])
+            yield _Walls("independent", joint, np.inf, values[-1], resampled)
         closure = measured("first_closure", joint).value
         logs, mated = np.log(lengths[finite]), values[finite]
         best = fitted_length(logs, mated[:, :, 0].mean(axis=1), closure)
-        resampled = []
+        fitted = []
         for draw in draws:
             at = fitted_length(logs, mated[:, draw, 0].mean(axis=1), closure)
-            resampled.append([*_between(logs, mated[:, draw], at).mean(axis=0), np.exp(at)])
+            fitted.append([*_between(logs, mated[:, draw], at).mean(axis=0), np.exp(at)])
         at_best = _between(logs, mated, best)
-        yield _Walls("mated", joint, float(np.exp(best)), at_best, np.array(resampled))
-
-
-def _means(values: np.ndarray, draws: np.ndarray, wavelength: float) -> np.ndarray:
-    means = values[draws].mean(axis=1)
-    return np.column_stack([means, np.full(len(means), wavelength)])
+        yield _Walls("mated", joint, float(np.exp(best)), at_best, np.array(fitted))
 
 
 def fitted_length(logs: np.ndarray, means: np.ndarray, closure: float) -> float:
@@ -237,3 +205,53 @@ def _between(logs: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
     i = int(np.clip(np.searchsorted(logs, at) - 1, 0, logs.size - 2))
     part = np.clip((at - logs[i]) / (logs[i + 1] - logs[i]), 0.0, 1.0)
     return (1.0 - part) * values[i] + part * values[i + 1]
+
+
+def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
+    """Predict each measured joint from each other one, and from all others.
+
+    Returns
+    -------
+    DataFrame
+        ``fitted_to`` (joints, as in "1+2"), ``joint``, ``observable``, ``low``, ``median``,
+        ``high`` of the 95 % interval, ``measured_low``, ``measured_high``, ``judgement``, ``hit``.
+    """
+    base = observables[(observables.variant == BASE) & np.isfinite(observables.wavelength)]
+    fits = {joint: _likelihood(base, "first_closure", joint) for joint in JOINTS}
+    readings = {name: _likelihood(base, name, JOINTS[0]) for name in PREDICTED}
+    rows = []
+    for count in range(1, len(JOINTS)):
+        for fitted in combinations(JOINTS, count):
+            logs = np.sum([fits[joint].log[:, 0] for joint in fitted], axis=0)
+            weights = np.exp(logs - logs.max())
+            for joint in (joint for joint in JOINTS if joint not in fitted):
+                for name, reading in readings.items():
+                    low, median, high = _quantiles(weights, reading)
+                    row = {"fitted_to": "+".join(fitted), "joint": joint, "observable": name}
+                    row |= {"low": low, "median": median, "high": high}
+                    row |= _judged(name, joint, low, high)
+                    rows.append(row | {"hit": int(row["judgement"] == AGREES)})
+    return pd.DataFrame(rows)
+
+
+def _likelihood(base: pd.DataFrame, name: str, joint: str) -> Likelihood:
+    """Compute the likelihood of a first closure over the wavelengths, with mean and scatter."""
+    wide = base.pivot_table(index="wavelength", columns="realization", values=name)
+    logs = np.log(wide.to_numpy())[:, np.newaxis, :, np.newaxis]
+    closure = np.array([measured("first_closure", joint).value])
+    reading = Readings(1, (), np.array([1.0]), 0.0, closure)
+    return likelihood_of(reading, logs, wide.index.to_numpy(), np.ones(1), CLOSURE_ERROR)
+
+
+def _quantiles(weights: np.ndarray, likelihood: Likelihood) -> list[float]:
+    """Compute low end, median and high end of the prediction of a reading."""
+    means, scatter = likelihood.means[:, 0, 0], likelihood.scatter[:, 0]
+    share = weights / weights.sum()
+
+    def below(value: float) -> float:
+        return float(share @ scipy.stats.norm.cdf((value - means) / scatter))
+
+    ends = float((means - 10.0 * scatter).min()), float((means + 10.0 * scatter).max())
+    levels = (0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE)
+    roots = (scipy.optimize.brentq(lambda x, p=p: below(x) - p, *ends) for p in levels)
+    return [float(np.exp(root)) for root in roots]

@@ -16,8 +16,9 @@ import xarray as xr
 from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import rounded
-from studies.size.table import GEOMETRY, logs_of
 
+GEOMETRY = ("rms_height", "rms_slope", "depth_5")
+"""Quantities of the pristine walls."""
 SCALINGS: dict[str, tuple[str, ...]] = {
     "none": (),
     "patch length": ("patch",),
@@ -44,6 +45,26 @@ BETWEEN = ("sizes", "sizes and spectra")
 """Joints that a scaling should make equal: sizes of one spectrum, or of all spectra."""
 
 
+NUMBERS = (
+    "removed_percent",
+    "removed_error",
+    "left_percent",
+    "largest_off_percent",
+    "largest_off_error",
+)
+_OVER = ("spectrum", "patch", "spacing")
+
+
+def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
+    """Compute logarithms (..., patch, spacing, realization), means over the patches of a wall.
+
+    NaN where nothing was closed, or a quantity is not positive.
+    """
+    values = run[name].sel(cycle=cycle) if "cycle" in run[name].dims else run[name]
+    positive = values.where(values > 0.0)
+    return positive.copy(data=np.log(positive.values)).mean("position")
+
+
 class Stacked(NamedTuple):
     """Logarithms over (condition, realisation) of a response, and of predictors by name.
 
@@ -65,10 +86,7 @@ class Stacked(NamedTuple):
 def stacked(
     run: xr.Dataset, roll_offs: Mapping[str, float | None], name: str, cycle: int
 ) -> Stacked:
-    """Stack the logarithms of a quantity of a rock's joints.
-
-    Realisations that lack a condition are left out.
-    """
+    """Stack the logarithms of a quantity, of the realisations that have it at all conditions."""
     response = _flat(logs_of(run, name, cycle))
     closed = np.isfinite(response).any(axis=1)
     complete = np.isfinite(response[closed]).all(axis=0)
@@ -81,11 +99,8 @@ def stacked(
     predictors = {
         name: np.broadcast_to(np.log(values)[:, None], shape) for name, values in flat.items()
     }
-    predictors |= {name: _flat(logs_of(run, name))[kept] for name in GEOMETRY}
+    predictors |= {name: _flat(logs_of(run, name, cycle))[kept] for name in GEOMETRY}
     return Stacked(response[kept], predictors, spectrum, patch, spacing)
-
-
-_OVER = ("spectrum", "patch", "spacing")
 
 
 def _flat(logs: xr.DataArray) -> np.ndarray:
@@ -112,32 +127,18 @@ def collapse_table(
             joints = stacked(run, roll_offs, reading, cycle)
             for between, scaling in itertools.product(BETWEEN, SCALINGS):
                 groups = joints.spectrum if between == "sizes" else np.zeros(joints.spectrum.size)
-                rows.append(
-                    {"rock": rock, "reading": reading, "cycle": cycle}
-                    | {"between": between, "scaling": scaling}
-                    | _row(joints, groups, SCALINGS[scaling])
-                )
+                row = {"rock": rock, "reading": reading, "cycle": cycle}
+                row |= {"between": between, "scaling": scaling}
+                rows.append(row | _row(joints, groups, SCALINGS[scaling]))
     return pd.DataFrame(rows)
-
-
-_NUMBERS = (
-    "removed_percent",
-    "removed_error",
-    "left_percent",
-    "largest_off_percent",
-    "largest_off_error",
-)
 
 
 def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     """Fit and test a scaling between the conditions of each group."""
     surfaces = joints.response.shape[1]
     if surfaces < FEWEST:
-        return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(_NUMBERS, np.nan)
-    fit = collapse_of(
-        centred(joints.of(names), groups),
-        centred(joints.response, groups),
-    )
+        return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(NUMBERS, np.nan)
+    fit = collapse_of(centred(joints.of(names), groups), centred(joints.response, groups))
     every = np.arange(surfaces)
     off, *left_out = (
         _off(joints, groups, names, chosen)
@@ -148,7 +149,7 @@ def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     return {
         "realizations": surfaces,
         "exponents": "; ".join(f"{name} {rounded(value, error)}" for name, value, error in powers),
-    } | dict(zip(_NUMBERS, (100.0 * number for number in numbers), strict=True))
+    } | {name: 100.0 * number for name, number in zip(NUMBERS, numbers, strict=True)}
 
 
 def _off(

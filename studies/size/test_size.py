@@ -12,16 +12,16 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.stiffness import closures_at, landing_stress
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.config.files import read_plain
-from studies.size import EXPERIMENT, sizes_of
-from studies.size.scaling import collapse_table, stacked
-from studies.size.table import (
-    GEOMETRY,
+from studies.size import (
+    EXPERIMENT,
     READ,
     barton_bandis_table,
     exponent_table,
     runs_of,
     size_table,
+    sizes_of,
 )
+from studies.size.scaling import GEOMETRY, collapse_table, stacked
 from tests.studied import ROOT, checked_study, study_of
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")
