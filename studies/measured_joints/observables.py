@@ -227,7 +227,7 @@ def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
             for joint in (joint for joint in JOINTS if joint not in fitted):
                 for name, reading in readings.items():
                     low, median, high = _quantiles(weights, reading)
-                    row = {"fitted_to": "+".join(fitted), "joint": joint, "observable": name}
+                    row: dict = {"fitted_to": "+".join(fitted), "joint": joint, "observable": name}
                     row |= {"low": low, "median": median, "high": high}
                     row |= _judged(name, joint, low, high)
                     rows.append(row | {"hit": int(row["judgement"] == AGREES)})
