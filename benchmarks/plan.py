@@ -31,7 +31,7 @@ from studies.frame.config.configuration import configured, merged
 from studies.frame.config.files import DEFAULT, read_plain
 from studies.frame.ensemble.cases import cases_of, pool_of
 from studies.frame.ensemble.slices import block_settings
-from studies.paper.claims.findings import TARGET
+from studies.paper.claims import TARGET
 from studies.paper.planning import Goal, plan
 from studies.paper.responses import (
     Response,

@@ -17,7 +17,7 @@ from jointclosure.plotting.style import (
     subplots,
 )
 from jointclosure.statistics.total_error import front
-from studies.paper.plotting.labels import Label, label_marks
+from studies.accuracy.labels import Label, label_marks
 
 KNOB_TITLES = {
     "steps": "both steps",

@@ -87,7 +87,7 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.joint.rocks import named_rock
 from studies.frame.ensemble.cases import cases_of
 from jointclosure.parameters import check_rock
-from studies.paper.sensitivity_tables import rock_table
+from studies.paper.layout import rock_table
 from studies.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 

@@ -112,7 +112,7 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
 
 def test_the_digest_of_an_unknown_function_is_an_error(copy):
     with pytest.raises(KeyError, match="no function 'unknown'"):
-        digest("studies.paper.tables:unknown")
+        digest("studies.paper.products:unknown")
 
 
 def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
@@ -137,7 +137,7 @@ def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch
 
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
-    "../studies/paper/plotting/study.py": "draw_figures write_report",
+    "../studies/paper/closure_figures.py": "draw_figures write_report",
     "statistics/bootstrap.py": "find_indifference_intervals",
     "../studies/paper/judged_claims.py": "judge_claims",
     "storage/provenance.py": "aggregate",

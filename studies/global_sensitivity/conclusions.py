@@ -23,8 +23,7 @@ from studies.global_sensitivity.table import (
     responses_of,
 )
 from studies.global_sensitivity.table import Elasticities as FittedElasticities
-from studies.paper.claims.statements import HYSTERESIS, Elasticities, Statement
-from studies.paper.claims.table import statements_of_elasticities
+from studies.paper.claims import HYSTERESIS, Elasticities, Statement, statements_of_elasticities
 from studies.paper.conclusions import SHARES
 
 NAMES = ("max_closure", "max_closure_net")
@@ -54,7 +53,7 @@ def conclusion_tables(
     Returns
     -------
     conclusions : DataFrame
-        ``number`` and ``conclusion`` of a statement of `studies.paper.claims.statements`,
+        ``number`` and ``conclusion`` of a statement of `studies.paper.claims`,
         ``response`` (closure, with and without bulk indentation), ``cycle``, ``rock`` ("all": in
         every rock at once), ``share`` of the drawn choices at which it holds for the fitted
         elasticities by more than the tolerance, ``share_error`` (jackknife over rows, the same rows

@@ -22,7 +22,7 @@ from studies.global_sensitivity.design import (
     is_positive,
     value_at,
 )
-from studies.paper.claims.findings import LOOP
+from studies.paper.claims import LOOP
 
 RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
 """Responses of each cycle with indices. Residual closure is next to none in later cycles."""

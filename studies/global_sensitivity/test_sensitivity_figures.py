@@ -7,7 +7,7 @@ import xarray as xr
 
 from studies.global_sensitivity.figures import convergence
 from studies.global_sensitivity.table import INDEX_COLUMNS
-from studies.paper.plotting.sensitivity import predictive_figure
+from studies.paper.sensitivity_figures import predictive_figure
 from tests.studied import study_of
 
 ROCKS = study_of({"study": {"rocks": ["dolerite", "slate"]}}).rocks

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
-from studies.paper.claims.table import CLAIMS, Claim
+from studies.paper.claims import CLAIMS, Claim
 
 DEPENDS = "depends on what is unstated"
 """Conclusion that is true under some readings or choices, and false under others."""

@@ -22,14 +22,13 @@ from studies.frame.config.keys.configuration import ConfigurationKeys
 from studies.frame.config.schema import json_schema
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.checks import check_results
-from studies.paper.closures import elasticity_table, max_closure_table
-from studies.paper.intervals import indifference_table
+from studies.paper.closures import elasticity_table, indifference_table, max_closure_table
 from studies.paper.judged_claims import Evidence, judge_claims
+from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
 from studies.paper.report.captions import read_caption
 from studies.paper.report.content import Material, content
 from studies.paper.report.page import Picture, render
-from studies.paper.sensitivity_tables import with_paper
 from tests.studied import DEFAULT
 
 ROOT = Path(__file__).parents[2]

@@ -26,8 +26,8 @@ from jointclosure.statistics.drawn_studies import (
 from jointclosure.statistics.joint_tests import joint_test, p_of_table
 from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
 from jointclosure.statistics.randomness import generator, seed_of
-from studies.paper.claims.findings import TARGET
-from studies.paper.intervals import UNPAIRED
+from studies.paper.claims import TARGET
+from studies.paper.closures import UNPAIRED
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 
 Entry = tuple[str, str, int]

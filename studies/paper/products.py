@@ -1,6 +1,337 @@
-"""Products of a study: its tables and figures, and what each is made of."""
+"""Products of a study: its tables and figures, and what each is made of.
 
-from studies.frame.products.frame import PRODUCTS, Product
-from studies.paper import figures, tables
+Functions import what draws, which takes a second, as rules are made of this module in every run.
+"""
 
-__all__ = ["PRODUCTS", "Product", "figures", "tables"]
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.aggregation import CURVES
+from jointclosure.engine.settings import Grid, Surface, SurfaceSettings, check_settings
+from jointclosure.measured.curves import fit_table
+from jointclosure.parameters import Numerics
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.provenance import configuration_text
+from jointclosure.storage.text import read_csv, read_text
+from studies.frame.config.files import METHODS
+from studies.frame.config.typed import Statistics, StudyRock
+from studies.frame.config.wanted import Wanted, preset_errors
+from studies.frame.ensemble.checks import check_results as check
+from studies.frame.ensemble.covariates import (
+    Covariates,
+    as_dataset,
+    from_dataset,
+    known_covariates,
+)
+from studies.frame.ensemble.covariates import measure_covariates as measure
+from studies.frame.ensemble.flow_table import flow_table
+from studies.frame.measured_files import CurveSettings, measured_curves
+from studies.frame.products.frame import PRODUCTS, product
+from studies.paper import judged_claims as published
+from studies.paper.closures import (
+    correlation_table,
+    elasticity_table,
+    indifference_table,
+    max_closure_table,
+)
+from studies.paper.conclusions import conclusion_table
+from studies.paper.layout import (
+    case_table,
+    rock_table,
+    roughness_title,
+    table_3_latex,
+    table_3_markdown,
+    with_paper,
+)
+from studies.paper.planning import describe_reached, reached_table
+from studies.paper.predictive import (
+    joint_table,
+    lengths_dataset,
+    predictive,
+    predictive_table,
+)
+
+__all__ = ["PRODUCTS"]
+
+
+def _known(path: str) -> Covariates:
+    return from_dataset(read_netcdf(path))
+
+
+Closures = Annotated[xr.Dataset, partial(read_netcdf, without=CURVES)]
+"""Dataset of an ensemble without its curves."""
+Curves = Annotated[xr.Dataset, reading_netcdf]
+"""Dataset of an ensemble whose values are read only when they are used."""
+Known = Annotated[Covariates, _known]
+"""Covariates of a file."""
+Log = Callable[[str], object]
+
+
+@product("covariates.nc", when=lambda plan: plan.variates, early=True)
+def measure_covariates(
+    study: Closures, grid: Grid, surface: Surface, control_variates: int, root_seed: int
+):
+    """Measure the covariates of closed joints, and their means on further surfaces."""
+    means = known_covariates(control_variates, root_seed, grid, surface)
+    return as_dataset(Covariates(measure(study, grid, surface), means), study)
+
+
+@product("pool_covariates.nc", when=lambda plan: plan.variates and plan.pooled)
+def measure_pool_covariates(pool: Closures, covariates: Known, grid: Grid, surface: Surface):
+    """Measure the covariates of the pool's joints; their means are those of the study."""
+    return as_dataset(Covariates(measure(pool, grid, surface), covariates.known), pool)
+
+
+@product("tables/correlations.csv", "tables/max_closure.csv", early=True)
+def fit_correlations(study: Closures, covariates: Known | None):
+    """Correlations of mean and standard deviation, Eqs. (24) to (27)."""
+    return correlation_table(study), max_closure_table(study, covariates)
+
+
+@product("tables/elasticities.csv")
+def fit_elasticities(pool: Closures, pool_covariates: Known | None):
+    """Elasticities of the closure, of all surfaces of a study."""
+    return elasticity_table(pool, pool_covariates)
+
+
+@product("tables/table_3_indifference.csv", early=True)
+def find_indifference_intervals(
+    study: Closures,
+    paper: pd.DataFrame,
+    covariates: Known | None,
+    statistics: Statistics,
+    root_seed: int,
+):
+    """Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
+    return with_paper(indifference_table(study, statistics, root_seed, covariates), paper)
+
+
+@product("tables/measured_fit.csv", when=lambda plan: plan.curves, early=True)
+def fit_measured(
+    study: Curves,
+    curve_files: list[str],
+    curves: dict[str, CurveSettings],
+    seating_stress: float,
+    log: Log,
+):
+    """Find the realisations that fit the measured curves best."""
+    fits = fit_table(study, measured_curves(curves, read_text), seating_stress)
+    for row in fits.itertuples():
+        log(
+            f"{row.rock}, cycle {row.cycle}: realisation {row.best_realization}, "
+            f"misfit {row.misfit_mm:.3g} mm, {row.samples} samples"
+        )
+    return fits
+
+
+@product("tables/hydraulic_aperture.csv", when=lambda plan: plan.typed.flow, early=True)
+def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
+    """Hydraulic apertures of a study's cases as a table."""
+    return flow_table(study)
+
+
+@product("tables/accuracy_reached.csv", when=lambda plan: plan.wanted)
+def reach_accuracy(
+    study: Closures,
+    covariates: Known | None,
+    wanted: Wanted,
+    preset: str,
+    measured_as: dict[str, str | None],
+    significance: float,
+    log: Log,
+):
+    """Compare the accuracy of a study with the wanted accuracy."""
+    methods = read_csv(METHODS)
+    errors = {
+        rock: preset_errors(methods, preset, wanted.of, known)
+        for rock, known in measured_as.items()
+    }
+    table = reached_table(study, covariates, wanted, errors, significance)
+    log(describe_reached(table, wanted))
+    return table
+
+
+@product("tables/table_3_predictive.csv", "tables/table_3_joint_tests.csv", "predictive.nc")
+def predict_table_3(
+    pool: Closures, paper: pd.DataFrame, design: Design, repetitions: int, root_seed: int, log: Log
+):
+    """Predict Table 3 in repetitions of the study, and test whether the paper's is one of them."""
+    lengths = predictive(pool, design, repetitions, root_seed)
+    joint = joint_table(lengths, paper)
+    for row in joint.itertuples():
+        log(f"{row.entries}: p = {row.p:.3g}, without any effect {row.null_p:.3g}")
+    return predictive_table(lengths, paper), joint, lengths_dataset(lengths)
+
+
+@product("tables/claims.csv", "tables/claim_margins.csv")
+def judge_claims(
+    study: Curves,
+    pool: Curves,
+    paper: pd.DataFrame,
+    design: Design,
+    repetitions: int,
+    root_seed: int,
+    log: Log,
+):
+    """Judge the paper's claims by the model and by the study."""
+    evidence = published.Evidence(study, pool, design, repetitions, root_seed)
+    claims, margins = published.judge_claims(evidence, paper)
+    for row in claims.itertuples():
+        often = "" if pd.isna(row.found_share) else f"; found by {row.found_share:.0%} of studies"
+        log(f"{row.number}: {row.claim}: {row.verdict}{often}")
+    return claims, margins
+
+
+@product("tables/checks.csv")
+def check_results(
+    ensembles: list[Closures], numerics: Numerics, realizations_of: dict[str, int], log: Log
+):
+    """Check the results; `require_checks` makes an error of a failed check."""
+    checks = pd.concat(
+        check(ensemble, numerics, realizations, name)
+        for ensemble, (name, realizations) in zip(ensembles, realizations_of.items(), strict=True)
+    )
+    for row in checks.itertuples():
+        verdict = "passed" if row.passed else "FAILED"
+        log(f"{verdict}: {row.ensemble}: {row.check}: {row.found} ({row.required})")
+    return checks
+
+
+# after the table is there to be read, also where a check fails
+@product("logs/checks_passed.txt")
+def require_checks(checks: str) -> str:
+    """Fail if a check of the results has failed."""
+    table = read_csv(checks)
+    failed = [
+        f"{row.check} ({row.ensemble}): {row.found}, required {row.required}"
+        for row in table[~table.passed].itertuples()
+    ]
+    if failed:
+        raise SystemExit(f"{checks}: results fail their checks: {'; '.join(failed)}")
+    return f"{len(table)} checks passed\n"
+
+
+@product(
+    *(f"tables/{name}" for name in ("table_1_rocks.csv", "table_2_cases.csv")),
+    *(f"tables/table_3_indifference.{format}" for format in ("tex", "md")),
+    early=True,
+)
+def write_tables(
+    intervals: pd.DataFrame,
+    closures: pd.DataFrame,
+    elasticities: pd.DataFrame | None,
+    rocks: dict[str, StudyRock],
+):
+    """Write Tables 1 to 3 in the paper's layout."""
+    titles = {name: rock.title for name, rock in rocks.items()}
+    return (
+        rock_table(rocks, closures),
+        case_table(rocks, closures),
+        table_3_latex(intervals, titles),
+        table_3_markdown(intervals, titles, elasticities),
+    )
+
+
+@product("tables/configuration.json")
+def state_configuration(keys: dict) -> str:
+    """State all keys of the study, of which study.nc has those that may change closures."""
+    return configuration_text(keys)
+
+
+@product("tables/conclusions.csv", apart=True)
+def conclude(
+    claims: pd.DataFrame,
+    jrc_range: pd.DataFrame | None,
+    readings: pd.DataFrame | None,
+    choices: pd.DataFrame | None,
+    margins: pd.DataFrame | None,
+    log: Log,
+):
+    """Tabulate the evidence for each conclusion of the paper."""
+    tables = {"jrc_range": jrc_range, "readings": readings, "choices": choices, "margins": margins}
+    for name in (name for name, table in tables.items() if table is None):
+        log(f"{name}: of the default study only; the columns are empty")
+    return conclusion_table(claims, **tables)
+
+
+def _files(names: Iterable[str]) -> list[str]:
+    """Files of figures, in the order in which the report shows them."""
+    return [f"figures/{name}.{format}" for format in ("png", "pdf") for name in names]
+
+
+def _of_study(plan: Any) -> list[str]:
+    names = ["fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"]
+    names += ["hydraulic_aperture"] if plan.typed.flow else []
+    return _files(names + (["table_3_intervals", "trends_max_closure"] if plan.varied else []))
+
+
+@product(listed=_of_study, early=True)
+def draw_figures(
+    study: Annotated[xr.Dataset, reading_netcdf],
+    intervals: pd.DataFrame,
+    closures: pd.DataFrame,
+    surfaces: str,
+    curve_files: list[str],
+    fits: pd.DataFrame | None,
+    flow: pd.DataFrame | None,
+    rocks: dict[str, StudyRock],
+    curves: dict[str, CurveSettings],
+    seating_stress: float,
+    wall_strength_ratio: float,
+    surface_settings: SurfaceSettings,
+    log: Callable[[str], object],
+):
+    """Draw the figures of the study itself, as PNG and PDF."""
+    from studies.paper import closure_figures as plotting
+    from studies.paper.closure_figures import Measurements
+    from studies.paper.sensitivity_figures import interval_figure, trend_figure
+
+    measured = Measurements()
+    if fits is not None:
+        measured = Measurements(measured_curves(curves, read_text), fits)
+    drawn = np.union1d(study.realization.values[: plotting.MOST_DRAWN], measured.best)
+    shown = study.sel(realization=drawn.astype(int)).load()
+    log(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
+    pair = read_netcdf(surfaces)
+    check_settings(surfaces, pair.attrs, surface_settings)
+    first = next(iter(rocks.values()))
+
+    def closure(seating: float | None, measured: Measurements = Measurements()):
+        return plotting.closure_figure(shown, rocks, seating, wall_strength_ratio, measured)
+
+    figures = {
+        "fig_3_equivalent_stress": plotting.equivalent_stress(),
+        "fig_5_closure": closure(None),
+        "closure_since_seating": closure(seating_stress, measured),
+        "wall_pair": plotting.wall_pair_figure(
+            pair.upper.values[0],
+            pair.lower.values[0],
+            pair.attrs["spacing_m"],
+            f"{first.title}, {roughness_title(first)}, realisation 0",
+        ),
+    }
+    if flow is not None:
+        figures["hydraulic_aperture"] = plotting.flow_figure(flow, rocks, seating_stress)
+    if any(rock.levels for rock in rocks.values()):
+        figures["table_3_intervals"] = interval_figure(intervals, rocks)
+        figures["trends_max_closure"] = trend_figure(closures, shown, rocks)
+    return figures
+
+
+@product(listed=lambda plan: _files(["table_3_predictive"]), when=lambda plan: plan.varied)
+def draw_pool_figures(
+    lengths: Annotated[xr.Dataset, read_netcdf],
+    paper: pd.DataFrame,
+    rocks: dict[str, StudyRock],
+    realizations: int,
+):
+    """Draw the figures of the study's pool, as PNG and PDF."""
+    from studies.paper.sensitivity_figures import predictive_figure
+
+    return {"table_3_predictive": predictive_figure(lengths, paper, rocks, realizations)}

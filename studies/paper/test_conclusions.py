@@ -7,7 +7,7 @@ import pytest
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 from jointclosure.storage.text import read_csv
 from studies.paper import conclusions
-from studies.paper.claims.table import CLAIMS
+from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import (
     COUNTS,
     DEPENDS,

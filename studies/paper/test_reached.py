@@ -7,10 +7,9 @@ import scipy.stats
 
 from jointclosure.statistics.total_error import REACH, Bias
 from studies.frame.config.wanted import BLOCK, PresetErrors, Wanted
-from studies.paper.claims.findings import TARGET
+from studies.paper.claims import TARGET
 from studies.paper.closures import max_closure_table
-from studies.paper.planning import Goal, surfaces_for
-from studies.paper.reached import reached_table, surfaces_next
+from studies.paper.planning import Goal, reached_table, surfaces_for, surfaces_next
 from studies.paper.responses import (
     responses,
 )

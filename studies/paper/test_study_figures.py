@@ -7,8 +7,9 @@ import xarray as xr
 from jointclosure.joint.empirical import barton_bandis
 from jointclosure.measured.curves import fit_table, parsed_curve
 from jointclosure.storage.text import read_csv
-from studies.paper.plotting import study as plotting
-from studies.paper.plotting.measured import Measurements
+from studies.paper import closure_figures as plotting
+from studies.paper import sensitivity_figures
+from studies.paper.closure_figures import Measurements
 from tests.studied import ROOT, study_of
 
 ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
@@ -145,7 +146,7 @@ def parameters_of(number):
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
     intervals, _ = parameters_of(number)
-    figure = plotting.interval_figure(intervals, study_of().rocks)
+    figure = sensitivity_figures.interval_figure(intervals, study_of().rocks)
     crosses = [
         line
         for axes in figure.axes
@@ -165,7 +166,7 @@ def test_trends_have_the_errors_of_their_means():
     cases = sorted(set(closures.case))
     values = {name: ("case", np.linspace(1.0, 2.0, len(cases))) for name in set(closures.parameter)}
     study = xr.Dataset(values, coords={"case": cases})
-    figure = plotting.trend_figure(closures, study, rocks)
+    figure = sensitivity_figures.trend_figure(closures, study, rocks)
     bars = [line for axes in figure.axes for line in axes.collections]
     assert len(bars) == len(rocks) * len(figure.axes)
     heights = [s[1, 1] - s[0, 1] for bar in bars for s in bar.get_segments()]

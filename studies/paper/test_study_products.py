@@ -9,7 +9,7 @@ import pytest
 
 from studies.frame.products.frame import Product
 from studies.frame.products.needs import NEEDS, SETTINGS, Plan
-from studies.paper import tables
+from studies.paper import products
 from studies.paper.products import PRODUCTS
 from tests.studied import ROOT, checked_study
 
@@ -125,7 +125,7 @@ def test_checks_that_passed_leave_a_note(tmp_path):
 
 def test_the_pool_is_checked_as_well_as_the_cases(monkeypatch):
     monkeypatch.setattr(
-        tables,
+        products,
         "check",
         lambda data, numerics, number, name: pd.DataFrame(
             [PASSED | {"ensemble": name, "found": f"{number} in {data}"}]

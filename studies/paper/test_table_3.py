@@ -12,9 +12,9 @@ from studies.frame.ensemble.cases import cases_of, ensembles_of, pool_of, wall_n
 from studies.paper.closures import (
     correlation_table,
     elasticity_table,
+    indifference_table,
     max_closure_table,
 )
-from studies.paper.intervals import indifference_table
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.planning import GOALS, Goal, plan, power_of_ends
 from studies.paper.predictive import (

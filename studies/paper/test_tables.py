@@ -1,7 +1,7 @@
 import pandas as pd
 import pytest
 
-from studies.paper.sensitivity_tables import (
+from studies.paper.layout import (
     case_table,
     closure_lines,
     rock_table,

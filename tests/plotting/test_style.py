@@ -9,7 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.plotting.snapshots import snapshot_figure
 from jointclosure.plotting.style import StyledFigure
-from studies.paper.plotting.labels import Label, label_marks
+from studies.accuracy.labels import Label, label_marks
 from tests.joints import DOLERITE, SPACING
 
 PROGRAM = """
@@ -20,9 +20,9 @@ from studies.accuracy import figures as accuracy
 from studies.effects import figures as effects
 from studies.verification import figures as hard_cases, numerics_figure as numerics
 from jointclosure.plotting import joint
-from studies.paper.plotting import measured, study
+from studies.paper import closure_figures
 from jointclosure.plotting import walls
-figure = study.equivalent_stress()
+figure = closure_figures.equivalent_stress()
 figure.savefig("figure.png")
 changed = [key for key, value in matplotlib.rcParams.items() if value != before[key]]
 assert changed == [], changed

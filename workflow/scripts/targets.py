@@ -25,8 +25,8 @@ from studies.frame.config.wanted import Wanted, wanted_of
 from studies.frame.experiments import SECTIONS, checked_design
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.measured_files import curve_settings, measured_curves
-from studies.paper.reached import describe_reached, surfaces_next
-from studies.paper.sensitivity_tables import closure_lines
+from studies.paper.layout import closure_lines
+from studies.paper.planning import describe_reached, surfaces_next
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {

@@ -5,7 +5,7 @@ from stored import stored
 
 from content.markdown import Table, markdown, value_of
 from jointclosure.statistics.standard_errors import rounded
-from studies.paper.claims.table import CLAIMS, OURS, Claim
+from studies.paper.claims import CLAIMS, OURS, Claim
 from studies.paper.conclusions import ONLY_CONFIGURED
 from studies.paper.report.findings import conclusion_sheet
 

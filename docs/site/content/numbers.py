@@ -8,7 +8,7 @@ from typing import NamedTuple
 from content.markdown import Form, Group, value_of
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
-from studies.paper.claims.table import OURS
+from studies.paper.claims import OURS
 from studies.paper.conclusions import JUDGED_ELSEWHERE, ONLY_CONFIGURED
 
 

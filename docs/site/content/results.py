@@ -5,10 +5,10 @@ from stored import stored
 
 from content.markdown import Form, Table, markdown, rows_of, value_of
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
-from studies.paper.claims.table import OURS
+from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
+from studies.paper.layout import markdown_rows, table_3
 from studies.paper.report.findings import probability
-from studies.paper.sensitivity_tables import markdown_rows, table_3
 
 
 def _table_3(of: str) -> pd.DataFrame:

@@ -41,7 +41,7 @@ def code_digest(*names: str) -> str:
         Modules of the package by their dotted names below it (``"solvers.fast"``,
         ``"solvers"`` for all below it), modules of studies by their full names, paths
         of scripts (ending in ``.py``), or functions of modules
-        (``"studies.paper.tables:judge_claims"``): of such a module, only what the function uses
+        (``"studies.paper.products:judge_claims"``): of such a module, only what the function uses
         counts, and the modules from which that is imported.
 
     Returns

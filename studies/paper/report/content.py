@@ -9,8 +9,7 @@ import xarray as xr
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
 from studies.frame.config.configuration import resolved
-from studies.paper.claims.statements import TOLERANCE
-from studies.paper.claims.table import OURS
+from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report import findings, running, settings, summary
 from studies.paper.report.page import Picture
 

@@ -17,7 +17,7 @@ from jointclosure.statistics.verdicts import (
     verdict,
 )
 from studies.frame.config.typed import Configuration
-from studies.paper.claims.statements import TOLERANCE
+from studies.paper.claims import TOLERANCE
 from studies.paper.report.sheets import Sheet, number_text, sheet
 
 FIRST_PICTURES = {

@@ -1,9 +1,7 @@
-"""Statements of the paper on the closure of a cycle: their margins, and criteria of studies.
+"""Results of many studies at once, judged as in the paper by point estimates.
 
-A margin is a number of the model that increases with the truth of a statement. Most are
-elasticities, d ln(closure)/d ln(parameter), or differences between their magnitudes. These do not
-depend on the number of surfaces, unlike the lengths of Table 3 in percent, which are proportional
-to the scatter over the magnitude.
+Studies are those of `jointclosure.statistics.drawn_studies.draw_studies`: lengths and means of R
+repetitions. A real study is a study with R = 1, judged by the same rules.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,8 +10,74 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.statistics.verdicts import Interval
-from studies.paper.claims.findings import EXCESS, LOOP, TARGET, Findings, in_place, monotone, widest
+from jointclosure.statistics.drawn_studies import DrawnResponse
+from jointclosure.statistics.verdicts import FALLS, STANDS, Interval, verdict
+
+TARGET, NET = "max_closure", "max_closure_net"
+"""Names of the maximum closure, and of the maximum closure net of bulk indentation."""
+LOOP = "loop"
+"""Name of the loop: closure of unloading less that of loading, at half the maximum stress."""
+EXCESS = "excess"
+"""Name of the excess at low stress: closure of loading to half the maximum stress, since the start
+of the cycle, less half of the maximum closure."""
+
+
+class Findings(NamedTuple):
+    """Studies (R) of some rocks: responses by (rock, parameter), and names of the targets."""
+
+    drawn: dict[tuple[str, str], DrawnResponse]
+    names: tuple[tuple[str, int], ...]
+
+    def rocks(self) -> list[str]:
+        """Return the names of the rocks, in order."""
+        return list(dict.fromkeys(rock for rock, _ in self.drawn))
+
+    def parameters(self, rock: str) -> list[str]:
+        """Return the parameters of a rock that are varied."""
+        return [parameter for name, parameter in self.drawn if name == rock]
+
+    def percents(self, rock: str, cycle: int, variable: str = TARGET) -> dict[str, np.ndarray]:
+        """Return lengths (R,) in percent of the rock's value, by parameter; infinite if no root."""
+        target = self.names.index((variable, cycle))
+        return {
+            parameter: 100.0 * response.lengths[:, target] / abs(response.base)
+            for parameter in self.parameters(rock)
+            if (response := self.drawn[rock, parameter]).base != 0.0
+        }
+
+    def lengths(self, rock: str, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
+        """Return lengths (R,) [SI]."""
+        return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
+
+    def means(self, rock: str, parameter: str, variable: str, cycle: int) -> np.ndarray:
+        """Return means (R, levels)."""
+        return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
+
+    def base_means(self, rock: str, variable: str, cycle: int) -> np.ndarray:
+        """Return means (R,) of the base case of the rock."""
+        parameter = self.parameters(rock)[0]
+        response = self.drawn[rock, parameter]
+        at_base = int(np.flatnonzero(response.levels == response.base)[0])
+        return self.means(rock, parameter, variable, cycle)[:, at_base]
+
+
+def widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
+    """Return whether no other interval is longer, and some are finite."""
+    every = np.array(list(percents.values()))
+    return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
+
+
+def in_place(percents: dict[str, np.ndarray], parameter: str, place: int) -> np.ndarray:
+    """Return whether ``place`` other intervals are shorter, and this one is finite."""
+    every = np.array(list(percents.values()))
+    shorter = (every < percents[parameter]).sum(axis=0)
+    return (shorter == place) & np.isfinite(percents[parameter])
+
+
+def monotone(means: np.ndarray, sign: int) -> np.ndarray:
+    """Return whether means (R, levels) rise (sign 1) or fall (-1) at every step of the levels."""
+    return np.all(sign * np.diff(means, axis=1) > 0.0, axis=1)
+
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
 PROPERTIES = (NU, E, STRENGTH, JRC)
@@ -266,3 +330,145 @@ RISES_WITH_STRENGTH = _trend("5b", "Closure rises when sigma_c rises", STRENGTH,
 RISES_WITH_JRC = _trend("5c", "Closure falls when JRC falls", JRC, 1)
 HYSTERESIS = _positive("6a", "Unloading shows hysteresis", LOOP)
 SOFT_AT_FIRST = _positive("6b", "Low stresses close more than high ones", EXCESS)
+
+
+OURS = "ours"
+"""Source of a claim that is a variant added here and not in the paper."""
+TABLE_3 = "table 3"
+
+
+class Claim(NamedTuple):
+    """Claim: a statement on some cycles, of gross or net closures.
+
+    ``section``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
+    sensitivity study can judge; ``remark`` states the reason, or what its verdict rests on.
+    ``shown``: where the paper has numbers for it, `TABLE_3` for entries of ``parameter``.
+    ``negated``: the claim is that the statement is *not* true in every rock.
+    """
+
+    number: str
+    text: str
+    section: str
+    statement: Statement | None
+    cycles: tuple[int, ...]
+    shown: str = TABLE_3
+    parameter: str = ""
+    variable: str = TARGET
+    negated: bool = False
+    remark: str = ""
+
+    @property
+    def judged_by(self) -> Statement:
+        """Statement of the claim.
+
+        Raises
+        ------
+        ValueError
+            If it has none.
+        """
+        if self.statement is None:
+            raise ValueError(f"claim {self.number}: {self.remark}")
+        return self.statement
+
+    def verdict(self, least: tuple[float, float]) -> str:
+        """Return the verdict from the confidence interval of the smallest margin in all rocks."""
+        word = verdict(least, self.judged_by.true_above(), self.judged_by.alike)
+        return {STANDS: FALLS, FALLS: STANDS}.get(word, word) if self.negated else word
+
+    def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
+        """Return cycles with all targets (variable, cycle) that the statement needs."""
+        if self.statement is None:
+            return []
+        cycles = {cycle for variable, cycle in names if variable == self.variable}
+        return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
+
+    def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], Value]:
+        """Return the margins of the statement by name and cycle."""
+        return {
+            (name, cycle): value
+            for cycle in cycles
+            for name, value in self.judged_by.margins(model, cycle, self.variable).items()
+        }
+
+    def found_in(self, studies: Findings) -> np.ndarray | None:
+        """Return whether studies (R,) confirm it for all rocks; None if no rock can be judged."""
+        cycles = self.cycles_among(studies.names)
+        if self.statement is None or not cycles:
+            return None
+        rocks = [
+            rock
+            for rock in studies.rocks()
+            if set(self.statement.parameters) <= set(studies.parameters(rock))
+        ]
+        if not rocks:
+            return None
+        by_rock = [
+            self.statement.finds(studies, rock, cycle, self.variable)
+            for rock in rocks
+            for cycle in cycles
+        ]
+        every = np.logical_and.reduce(by_rock)
+        return ~every if self.negated else every
+
+
+HERTZ_EXCESS = 0.5 ** (2.0 / 3.0) - 0.5
+"""Excess at half the stress over the closure of one Hertz contact, Eq. (5)."""
+
+_BOTH = "Sections 6, 7"
+_MOST = "Abstract, Sections 1, 6, 7"
+_NEXT = "Abstract, Section 6"
+_NOT_SHOWN = "described, not shown"
+_FIG_5 = "Fig. 5"
+
+CLAIMS = (
+    Claim("1a, cycle 1", "Poisson's ratio matters least on the first cycle", _BOTH,
+          NU_LEAST, (1,), parameter="poisson_ratio"),
+    Claim("1a, cycle 2", "Poisson's ratio matters least on the second cycle", _BOTH,
+          NU_LEAST, (2,), parameter="poisson_ratio"),
+    Claim("1b", "No effect of a change of Poisson's ratio by ±0.1", _NEXT,
+          NU_NO_EFFECT, (1, 2), parameter="poisson_ratio"),
+    Claim("2a", "Young's modulus is the most sensitive parameter on the second cycle", _MOST,
+          E_MOST, (2,), parameter="youngs_modulus"),
+    Claim("2a, net", "Young's modulus is the most sensitive parameter on the second cycle, net of "
+          "bulk indentation", OURS, E_MOST, (2,), parameter="youngs_modulus",
+          variable=NET),
+    Claim("2b", "Young's modulus is the most sensitive parameter on the first cycle", _MOST,
+          E_MOST, (1,), parameter="youngs_modulus"),
+    Claim("2c", "Sensitivity to Young's modulus rises from the first cycle to the second",
+          "Section 6", E_RISES, (2,), parameter="youngs_modulus"),
+    Claim("3, cycle 1", "Compressive strength is the next sensitive parameter on the first cycle",
+          _NEXT, STRENGTH_NEXT, (1,), parameter="compressive_strength"),
+    Claim("3, cycle 2", "Compressive strength is the next sensitive parameter on the second cycle",
+          _NEXT, STRENGTH_NEXT, (2,), parameter="compressive_strength"),
+    Claim("3b", "Sensitivity to compressive strength rises from the first cycle to the second",
+          "Section 6", STRENGTH_RISES, (2,), parameter="compressive_strength"),
+    Claim("3c", "A change of compressive strength by 5 % is significant on the second cycle",
+          "Section 6", STRENGTH_SIGNIFICANT, (2,), parameter="compressive_strength"),
+    Claim("4", "Sensitivity to JRC falls from the first cycle to the second", _NEXT,
+          JRC_FALLS, (2,), parameter="jrc"),
+    Claim("5a", "Cycle-2 closure rises when E falls", _BOTH, FALLS_WITH_E, (2,),
+          _NOT_SHOWN),
+    Claim("5a, net", "Cycle-2 closure rises when E falls, net of bulk indentation", OURS,
+          FALLS_WITH_E, (2,), _NOT_SHOWN, variable=NET),
+    Claim("5b", "Cycle-2 closure rises when sigma_c rises", _BOTH,
+          RISES_WITH_STRENGTH, (2,), _NOT_SHOWN),
+    Claim("5c", "Cycle-1 closure falls when JRC falls", "Section 6", RISES_WITH_JRC,
+          (1,), _NOT_SHOWN),
+    Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
+          RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
+    Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",
+          HYSTERESIS, (1, 2), _FIG_5, remark="by construction: an unloading that broke "
+          "nothing is the curve of the next loading, so cycle 2 has no loop"),
+    Claim("6b", "Excess deformation at low stress survives on the second cycle", "Sections 3, 5",
+          SOFT_AT_FIRST, (2,), _FIG_5, remark="by construction of a stiffening contact, "
+          f"{HERTZ_EXCESS:.2f} of the closure for Hertz's; the measured curves are not available"),
+    Claim("8", "The model fits Bandis' curves, dolerite worst, second cycles worse", "Section 5",
+          None, (), _FIG_5, remark="the measured curves are not available"),
+)  # fmt: skip
+"""All claims, in the order in which they are shown."""
+
+
+def statements_of_elasticities() -> list[Statement]:
+    """Return the distinct statements that depend only on elasticities."""
+    by_number = {claim.statement.number: claim.statement for claim in CLAIMS if claim.statement}
+    return [statement for statement in by_number.values() if statement.of_elasticities]

@@ -1,6 +1,8 @@
 """Figures of a study; results are computed in `jointclosure.sensitivity`."""
 
-from typing import Any
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -13,21 +15,22 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.engine.aggregation import since_seating, since_start, succeeded
 from jointclosure.joint.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
+from jointclosure.joint.protocol import UNLOADING
+from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import (
+    BRANCH_LINES,
+    above,
     key,
-    keys_of,
     legend_below,
     panel_grid,
-    point_key,
     styled,
     subplots,
 )
+from jointclosure.statistics.standard_errors import percent
 from studies.frame.config.typed import StudyRock
-from studies.paper.plotting.measured import Measurements, draw_measured, measured_handles
-from studies.paper.sensitivity_tables import UNPAIRED_TEST, roughness_title, test_name
+from studies.paper.layout import roughness_title
 
 _COLOURS = sns.color_palette("colorblind", 8)
 MOST_DRAWN = 500
@@ -36,9 +39,106 @@ _FEW_LINES = 20
 """Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
 _LAW_POINTS = 200
 """Stresses at which an empirical law is drawn."""
-_LEGEND_WIDTH = 4.2
-"""Width of the longest entry of a legend below panels [inches]."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
+
+
+_MARKERS = "osD^v"
+_DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
+
+
+class Measurements(NamedTuple):
+    """Measured curves by rock, and the fits of `jointclosure.measured.curves.fit_table`."""
+
+    curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
+    fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)
+
+    @property
+    def cycles(self) -> int:
+        """Return the last measured cycle, 0 if there is none."""
+        return max((curve.cycles[-1] for curve in self.curves.values()), default=0)
+
+    @property
+    def best(self) -> list[int]:
+        """Return the realisations that fit a curve best, which are always drawn."""
+        return self.fits.best_realization.dropna().astype(int).tolist()
+
+
+def draw_measured(
+    axes,
+    measured: Measurements,
+    rock: str,
+    base: xr.Dataset,
+    seating_stress: float,
+    cycles: Collection[int],
+) -> str:
+    """Draw a rock's measured curve and each cycle's best realisation, and describe the misfit.
+
+    Parameters
+    ----------
+    axes : Axes
+        Net closure [mm] since seating, and stress [MPa].
+    measured : Measurements
+    rock : str
+        Nothing is drawn for a rock without a measured curve.
+    base : Dataset
+        The rock's base case, over (realization, cycle, branch, stress).
+    seating_stress : float
+        Stress from which closure of each cycle counts [Pa].
+    cycles : collection of int
+        Cycles that are drawn.
+
+    Returns
+    -------
+    str
+        A line for the title, empty without a measured curve.
+    """
+    if rock not in measured.curves:
+        return ""
+    curve = measured.curves[rock]
+    for cycle in set(curve.cycles) & set(cycles):
+        closures, stresses = [0.0], [seating_stress]
+        for _, stress, closure in curve.since_seating(cycle, seating_stress):
+            closures += closure.tolist()
+            stresses += stress.tolist()
+        axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
+    net, misfits = since_seating(base), []
+    for cycle, realization, misfit, misfit_percent in best_fits(measured.fits, rock):
+        misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
+        if cycle not in cycles:
+            continue
+        best = 1e3 * net.sel(cycle=cycle, realization=realization)
+        for branch in ("loading", "unloading"):
+            shown = base.stress.values > (seating_stress if branch == "loading" else -1.0)
+            axes.plot(
+                best.sel(branch=branch).values[shown],
+                1e-6 * base.stress.values[shown],
+                **_style(cycle),
+            )
+    if not misfits:
+        return "\nno realisation reaches all measured stresses"
+    return f"\nRMS misfit of the best: {', '.join(misfits)}"
+
+
+def _style(cycle: int) -> dict:
+    return {
+        "color": _DARK[1 + (cycle - 1) % len(_DARK)],
+        "ls": "",
+        "marker": _MARKERS[(cycle - 1) % len(_MARKERS)],
+        "ms": 3.2,
+        "markevery": 2,
+        "zorder": 4,
+    }
+
+
+def measured_handles(measured: Measurements) -> list:
+    """Return entries of the legend; none without measured curves."""
+    if not measured.curves:
+        return []
+    cycles = range(1, measured.cycles + 1)
+    return [
+        key(color="0.1", lw=1.6, label="measured curve"),
+        *(key(label=f"surface that fits cycle {cycle} best", **_style(cycle)) for cycle in cycles),
+    ]
 
 
 def _surfaces(study: xr.Dataset) -> str:
@@ -261,109 +361,73 @@ def _assumed(rock: StudyRock) -> str:
     return f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
 
 
-@styled
-def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
-    parameters = list(dict.fromkeys(table.parameter))
-    cycles = sorted(table.cycle.unique())
-    figure, panels = panel_grid(len(cycles), len(parameters), (3.1, 2.9), sharex=True)
-    names = list(rocks)
-    for row, cycle in zip(panels, cycles, strict=True):
-        for axes, parameter in zip(row, parameters, strict=True):
-            part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
-            _draw_intervals(axes, part.reindex(names))
-            axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
-            axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=9)
-            axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
-    handles: list[Artist] = [
-        point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
-        point_key("the same, extrapolated root", mfc="none", color="C0"),
-        point_key("net of bulk indentation", "s", color="C2", ms=4),
-        point_key("no real root", "x", color="0.4"),
-        key("bar extends beyond the panel", marker="^", color="C0"),
-    ]
-    if "paper_length" in table:
-        handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
-        handles.append(point_key("no real root in the paper", "x", color="C1"))
-    width = max(figure.get_figwidth(), _LEGEND_WIDTH)
-    figure.set_figwidth(width)
-    legend_below(figure, handles, int(width / _LEGEND_WIDTH))
-    sns.despine(figure)
-    return figure
-
-
-def _draw_intervals(axes, part: pd.DataFrame) -> None:
-    drawn = part.columns.intersection(["length", "length_net", "paper_length"])
-    highest = np.nanmax(part[drawn].to_numpy(dtype=float), initial=0.0)
-    top = 1.35 * highest if highest > 0.0 else 1.0
-    for i, row in enumerate(part.itertuples()):
-        if pd.isna(row.unit):  # the parameter is not varied for that rock
-            continue
-        if pd.notna(getattr(row, "paper_length", np.nan)):
-            axes.plot(i + 0.22, row.paper_length, "D", color="C1", ms=5)
-        elif getattr(row, "in_paper", False):
-            axes.plot(i + 0.22, 0.97 * top, "x", color="C1")
-        if pd.isna(row.length):
-            axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
-        else:
-            axes.plot(
-                [i - 0.12] * 2, [row.length_low, min(row.length_high, top)], color="C0", lw=1.0
-            )
-            if row.length_high > top:  # the bar extends beyond the panel
-                axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
-            fill = "none" if row.extrapolated else "C0"
-            axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
-        if pd.notna(row.length_net):
-            axes.plot(i + 0.05, row.length_net, "s", color="C2", ms=4)
-    axes.set_ylim(0.0, top)
-    axes.set_xlim(-0.6, len(part) - 0.4)
+_QUANTITIES = {
+    "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
+    "ratio": ("", "hydraulic / mechanical aperture"),
+}
 
 
 @styled
-def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw mean maximum closure over each parameter, relative to the base case.
+def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress: float) -> Figure:
+    """Draw mean hydraulic aperture and its ratio to the mean aperture for each rock's base case.
 
     Parameters
     ----------
-    closures : DataFrame
-        As from `studies.paper.responses.max_closure_table`.
-    study : Dataset
-        Study with the parameters of the cases.
+    table : DataFrame
+        As from `studies.frame.ensemble.flow_table.flow_table`.
     rocks : dict
-        Rocks by name, in order.
+        Rocks by name, in order; each has a row of panels.
+    seating_stress : float
+        Smallest stress of the curves [Pa].
     """
-    parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
-    cycles = sorted(closures.cycle.unique())
-    figure, panels = panel_grid(
-        len(cycles), len(parameters), (3.1, 2.8), sharex="col", sharey="row"
-    )
-    values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
-    for row, cycle in zip(panels, cycles, strict=True):
-        for axes, parameter in zip(row, parameters, strict=True):
-            for i, (name, rock) in enumerate(rocks.items()):
-                part = closures[
-                    (closures.rock == name)
-                    & (closures.cycle == cycle)
-                    & closures.parameter.isin([parameter, "base"])
-                ]
-                if len(part) < 2:
-                    continue
-                at = part.case.map(values[parameter]).to_numpy()
-                order = np.argsort(at)
-                base = at[(part.parameter == "base").to_numpy()][0]
-                mean = part.max_closure_mean_mm.to_numpy()[order]
-                net = part.max_closure_net_mean_mm.to_numpy()[order]
-                error = part.max_closure_mean_mm_standard_error.to_numpy()[order]
-                axes.errorbar(
-                    at[order] / base, mean, error, fmt="o-", color=f"C{i}", ms=4, capsize=2,
-                    label=f"{rock.title}, ± standard error",
-                )  # fmt: skip
-                axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
-            axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=9)
-            if cycle == cycles[-1]:
-                axes.set_xlabel("value / the rock's value")
-        row[0].set_ylabel("mean maximum closure (mm)")
-    net = key("net of bulk indentation", color="0.4", ls="--", lw=1.0)
-    legend_below(figure, [*keys_of([panels[0][0]]), net], max(1, len(parameters)))
+    directions = list(dict.fromkeys(table.direction))
+    kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
+    figure, panels = panel_grid(len(rocks), len(kinds), (3.5, 3.1), (0.0, 0.7), sharex="row")
+    base = table[(table.parameter == "base") & (table.stress_MPa >= 1e-6 * seating_stress)]
+    for row, (name, rock) in zip(panels, rocks.items(), strict=True):
+        rows = base[base.rock == name]
+        for axes, (quantity, direction) in zip(row, kinds, strict=True):
+            _draw(axes, rows[rows.direction == direction], quantity)
+            axes.set(
+                title=f"{rock.title}, flow along {direction}", xlabel="normal stress (MPa)",
+                ylabel=_QUANTITIES[quantity][1], xlim=(0.0, 1e-6 * rock.max_normal_stress),
+            )  # fmt: skip
+        for pair in (row[: len(directions)], row[len(directions) :]):
+            top = max(axes.get_ylim()[1] for axes in pair)
+            for axes in pair:
+                axes.set_ylim(0.0, top)
+    cycles = sorted(table.cycle.unique())
+    handles: list[Artist] = [
+        key(color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}") for cycle in cycles
+    ]
+    handles += [
+        key(color="0.5", lw=2, ls=style, label=f"mean, {branch}")
+        for branch, style in BRANCH_LINES.items()
+    ]
+    handles += [
+        key(color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
+        Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="loading ± 1 standard deviation"),
+    ]
+    legend_below(figure, handles)
     sns.despine(figure)
     return figure
+
+
+def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
+    """Draw the mean of each cycle's branches over the realisations, with a band about loading."""
+    unit = _QUANTITIES[quantity][0]
+    # the mean over only those joints that reach a stress would not represent all joints
+    table = table[table.samples == table.samples.max()]
+    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
+        colour, stress = f"C{cycle - 1}", rows.stress_MPa.to_numpy()
+        mean = rows[f"{quantity}_mean{unit}"].to_numpy()
+        axes.plot(
+            stress, mean, BRANCH_LINES[branch], color=colour, lw=2.0, zorder=above(cycle, branch)
+        )
+        if branch == UNLOADING:
+            continue
+        spread = np.nan_to_num(rows[f"{quantity}_standard_deviation{unit}"].to_numpy())
+        low, high = np.maximum(mean - spread, 0.0), mean + spread
+        axes.fill_between(stress, low, high, color=colour, alpha=0.18, lw=0)
+        if quantity == "hydraulic_aperture":
+            axes.plot(stress, rows.mean_aperture_mean_mm, ":", color=colour, lw=1.2)
