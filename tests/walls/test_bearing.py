@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator
-from jointclosure.walls.bearing import bearing_depths, bearing_excess
+from jointclosure.walls.roughness import bearing_depths, bearing_excess
 
 
 def test_depths_are_those_of_sorted_heights():

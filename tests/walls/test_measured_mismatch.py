@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.walls.mismatch import measured_mismatch
+from jointclosure.walls.mating import measured_mismatch
 from tests.joints import SPACING
 
 PAIRS = 20

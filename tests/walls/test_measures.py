@@ -8,9 +8,13 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator
-from jointclosure.walls.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.walls.measured import wall_on_grid
-from jointclosure.walls.measures import hurst_of, measure_wall
+from jointclosure.walls.measures import (
+    hurst_of,
+    mean_curvature,
+    measure_wall,
+    peak_cells,
+)
 from jointclosure.walls.roughness import RELATIONS, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
@@ -69,15 +73,6 @@ def test_a_cap_is_one_peak_of_its_own_curvature():
     assert found["mean curvature of peaks"].value == pytest.approx(0.1, rel=1e-9)
     assert found["rms curvature along x"].value == pytest.approx(0.1, rel=1e-9)
     assert found["peaks"].value == pytest.approx(1.0 / (39 * 39 * 0.25**2), rel=1e-9)
-
-
-def test_slopes_of_waves_are_correlated_as_cosines():
-    x = np.arange(4000)
-    wall = np.tile(np.sin(2.0 * np.pi * x / 40.0), (3, 1))
-    lags = np.array([0, 5, 10, 20])
-    found = slope_correlation(wall, lags, "x")
-    np.testing.assert_allclose(found, np.cos(2.0 * np.pi * lags / 40.0), atol=0.01)
-    np.testing.assert_allclose(slope_correlation(wall.T, lags, "y"), found)
 
 
 def test_missing_cells_are_left_out_of_the_measures():

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from jointclosure.inputs import InputError
-from jointclosure.walls.misalignment import rotated_pair, tilted
 from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
-from jointclosure.walls.synthesis import spectrum_of, wall_pair
+from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted, wall_pair
 
 SPACING, SHAPE, ROLL_OFF = 0.25e-3, (40, 40), 3e-3
 Z2 = z2_of_jrc(8.0, SPACING, 0.8, DEFAULT_RELATION)

@@ -13,13 +13,14 @@ import jointclosure as jc
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.mating import (
+    Mismatch,
     best_shift,
     mating,
+    measured_mismatch,
     slope_correlation_over_shifts,
 )
-from jointclosure.walls.measured import Cloud, Scan, paper_spacing
-from jointclosure.walls.mismatch import Mismatch, measured_mismatch
-from jointclosure.walls.outliers import points_of, spikes, without_plateaus, without_spikes
+from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
@@ -605,7 +606,7 @@ def test_walls_at_their_best_fit_are_not_advised_to_be_moved_there(shift):
 REGISTERED = """
 import hashlib, numpy as np, jointclosure as jc
 from jointclosure.walls.measured import Cloud, Scan
-from jointclosure.walls.outliers import points_of
+from jointclosure.walls.measured import points_of
 from jointclosure.walls.registration import registered
 h = 0.25e-3
 upper, lower = jc.wall_pair(9.0, (64, 72), h, seed=4, correlation=0.9, roll_off=None)

@@ -16,13 +16,12 @@ from jointclosure.walls.measured import (
     heights_between,
     point_distance,
     wall_on_grid,
-    windows,
 )
-from jointclosure.walls.measured_pairs import Cutter, MeasuredWalls
+from jointclosure.walls.plausibility import smoothing_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
-from jointclosure.walls.smoothing import smoothing_of
 from jointclosure.walls.synthesis import synthetic_wall
+from studies.frame.ensemble.windows import Cutter, MeasuredWalls, windows
 from tests.joints import SPACING
 
 

@@ -19,9 +19,8 @@ from jointclosure.walls.measured import (
 )
 from jointclosure.walls.measures import increments, measure_wall
 from jointclosure.walls.outliers import without_plateaus, without_spikes
-from jointclosure.walls.plausibility import slope_doubts, unit_doubts
+from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.scans import read_scan
-from jointclosure.walls.smoothing import smoothing_of
 
 
 def add_to(commands) -> None:

@@ -12,8 +12,7 @@ from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.curves import cycle_table, hysteresis, seat_of
 from jointclosure.joint.history import loop_between
 from jointclosure.joint.protocol import LOADING
-from jointclosure.walls.bearing import bearing_depths
-from jointclosure.walls.roughness import rms_slope
+from jointclosure.walls.roughness import bearing_depths, rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")

@@ -8,9 +8,8 @@ from jointclosure.engine.joints import Walls
 from jointclosure.engine.settings import ClosureSettings, Grid, SurfaceSettings
 from jointclosure.engine.surfaces import seeds_of, walls_of
 from jointclosure.joint.simulation import close_walls
-from jointclosure.walls.misalignment import rotated_pair, tilted
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
-from jointclosure.walls.synthesis import spectrum_of
+from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:

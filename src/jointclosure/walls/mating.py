@@ -1,16 +1,32 @@
-"""Fit of two walls: correlation of slopes over shifts, and of heights over wavelengths."""
+"""Fit of two walls: correlation of slopes over shifts and of heights over wavelengths, mismatch.
 
+The mismatch wavelength of two walls is that at which their correlation is 1/2, however gradual its
+decrease: longer waves are common, shorter ones independent. Brown (1995) uses one sharp length,
+Glover et al. (1998) a correlation that decreases gradually with the wavelength.
+"""
+
+import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from jointclosure.walls.roughness import detrended
 
-WAVES_FOR_ONE = 4.5
-"""Number of coefficients of `windowed_waves` that contain as much information as one independent
+CONFIDENCE = 0.95
+"""Confidence of the interval of a mismatch wavelength."""
+_WAVES_FOR_ONE = 4.5
+"""Number of coefficients of `_windowed_waves` that contain as much information as one independent
 one: each occurs with its mirror image, and the window correlates neighbours (factor 1.5 along each
 axis)."""
+_RESOLUTION = 0.75
+"""Resolution of the mismatch wave number, in wave numbers of the walls' length: three quarters of
+the distance of two waves. Of 24 pairs each with 48, 96 and 192 cells a side, H 0.5 and 0.8, and
+true wavelengths of 5 to 24 cells, 99 % of the intervals with it contained the true value; the worst
+share was 87 %, for a wavelength of a third of the side."""
+_STEEPNESS = np.geomspace(1.0, 64.0, 25)
+_FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
+_TRIED = 600
 
 
 class Mating(NamedTuple):
@@ -26,27 +42,29 @@ class Mating(NamedTuple):
     modes: np.ndarray
 
 
+class Mismatch(NamedTuple):
+    """Wavelength [m] at which the correlation of two walls is 1/2, with a 95 % interval.
+
+    ``wavelength`` is 0 if the walls are mated at all wavelengths of the grid, and infinite if at
+    none. ``low`` is 0, or ``high`` infinite, if the walls do not bound it.
+    """
+
+    wavelength: float
+    low: float
+    high: float
+
+
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     """Compute the correlation of walls by wavelength: 1 if they are mated, 0 if independent.
 
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights [m] towards the other wall, without missing cells.
-    spacing : float
-        Grid spacing [m].
-
-    Returns
-    -------
-    Mating
-        -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, where U and L are the
-        Fourier transforms of the walls with a Hann window. Bands with fewer than four waves are
-        left out.
+    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall without missing cells. The
+    correlation is -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, where U and L
+    are the Fourier transforms of the walls with a Hann window. Bands with fewer than four waves are
+    left out.
     """
-    ny, nx = upper.shape
-    one, other = (windowed_waves(wall) for wall in (upper, lower))
-    wave = wave_numbers(upper.shape, spacing)
-    longest, shortest = 0.5 * min(ny, nx) * spacing, 2.0 * spacing
+    one, other = _windowed_waves(upper), _windowed_waves(lower)
+    wave = _wave_numbers(upper.shape, spacing)
+    longest, shortest = 0.5 * min(upper.shape) * spacing, 2.0 * spacing
     bands = np.floor(2.0 * np.log2(np.maximum(wave, 1e-300) * longest) + 0.5).astype(int)
     kept = (bands >= 0) & (wave <= 1.0 / shortest)
     count = bands[kept].max() + 1
@@ -56,7 +74,7 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
 
     cross = -over_bands((one * other.conj()).real)
     power = over_bands(np.abs(one) ** 2) * over_bands(np.abs(other) ** 2)
-    modes = over_bands(np.ones(wave.shape)) / WAVES_FOR_ONE
+    modes = over_bands(np.ones(wave.shape)) / _WAVES_FOR_ONE
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = np.clip(cross / np.sqrt(power), -1.0, 1.0)  # exceeded only by rounding
     enough = modes >= 4.0
@@ -64,17 +82,81 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     return Mating(middles[enough], correlation[enough], modes[enough])
 
 
-def windowed_waves(wall: np.ndarray) -> Any:
+def _windowed_waves(wall: np.ndarray) -> Any:
     """Compute the Fourier transform (y, x) of a wall less its plane, with a Hann window."""
     ny, nx = wall.shape
     window = np.outer(np.hanning(ny + 2)[1:-1], np.hanning(nx + 2)[1:-1])
     return scipy.fft.fft2(window * detrended(wall))
 
 
-def wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
-    """Return the wave number [1/m] of each coefficient (y, x) of `windowed_waves`."""
+def _wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
+    """Return the wave number [1/m] of each coefficient (y, x) of `_windowed_waves`."""
     wave_y, wave_x = (scipy.fft.fftfreq(n, spacing) for n in shape)
     return np.hypot(wave_y[:, None], wave_x[None, :])
+
+
+def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mismatch:
+    """Estimate the mismatch wavelength of two walls (y, x), heights [m] towards the other wall.
+
+    The walls have no missing cells and are in the position of best fit, because a shift also causes
+    mismatch. If the waves of both walls have equal power and correlation c, the powers of the sum
+    and of the difference of both walls are independent, with a ratio of (1 - c) to (1 + c). The
+    ratio of their sums over a ring of n wave numbers is this ratio times a variable distributed as
+    F(2n, 2n), for any spectrum. The likelihood is profiled over the wavelength w at which c is a
+    half. At a wavelength W the model is c = (1 - 2 e) Phi(s log(W/w) + q), where q makes c a half
+    at w, and the steepness s and the floor e (noise of the scans, leakage of the window) are
+    free. The interval is widened by `_RESOLUTION`.
+    """
+    length = min(upper.shape) * spacing
+    shortest, longest = 2.0 * spacing, 0.5 * length
+    tried = np.geomspace(0.5 * shortest, 4.0 * longest, _TRIED)
+    fit = _profile(*_rings(upper, lower, spacing), tried)
+    best = int(fit.argmax())
+    within = tried[fit > fit[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)]
+    wave, most, least = 1.0 / tried[best], 1.0 / within[0], 1.0 / within[-1]
+    most = wave + np.hypot(most - wave, _RESOLUTION / length)
+    least = wave - np.hypot(wave - least, _RESOLUTION / length)
+
+    def limited(wave: float) -> float:
+        """Return the wavelength of a wave number, limited to those of the grid."""
+        if wave * longest <= 1.0:
+            return float("inf")
+        return 0.0 if wave * shortest >= 1.0 else float(1.0 / wave)
+
+    return Mismatch(limited(wave), limited(most), limited(least))
+
+
+def _rings(
+    upper: np.ndarray, lower: np.ndarray, spacing: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return mean wave number [1/m], ratio of powers, and number of waves of rings."""
+    apart, along = (np.abs(_windowed_waves(wall)) ** 2 for wall in (upper + lower, upper - lower))
+    wave = _wave_numbers(upper.shape, spacing)
+    ring = np.round(wave * min(upper.shape) * spacing).astype(int)
+    kept = (ring >= 2) & (wave <= 0.5 / spacing)
+    count, waves, above, below = (
+        np.bincount(ring[kept], values[kept])
+        for values in (np.ones(wave.shape), wave, apart, along)
+    )
+    known = (count > 0) & (below > 0.0)
+    ratio = above[known] / below[known]
+    return waves[known] / count[known], ratio, count[known] / _WAVES_FOR_ONE
+
+
+def _profile(
+    wave: np.ndarray, ratio: np.ndarray, count: np.ndarray, tried: np.ndarray
+) -> np.ndarray:
+    """Return the log likelihood of each wavelength tried [m] at the best steepness and floor."""
+    octaves = -np.log(tried[:, None] * wave[None, :])
+    best = np.full(tried.size, -np.inf)
+    for steepness, floor in itertools.product(_STEEPNESS, _FLOORS):
+        most = 1.0 - 2.0 * floor
+        half = scipy.special.ndtri(0.5 / most)
+        correlation = most * scipy.special.ndtr(steepness * octaves + half)
+        expected = (1.0 - correlation) / (1.0 + correlation)
+        fit = (count * (np.log(expected) - 2.0 * np.log(expected + ratio))).sum(axis=1)
+        best = np.maximum(best, fit)
+    return best
 
 
 def slope_correlation_over_shifts(
@@ -83,28 +165,14 @@ def slope_correlation_over_shifts(
     """Compute the correlation of the slopes of two fields for every shift of one of them.
 
     Slopes are used instead of heights, because the few longest waves of heights correlate by
-    chance.
-
-    Parameters
-    ----------
-    fixed, moved : array (y, x)
-        Heights on grids of equal spacing, NaN where missing.
-    least_overlap : float
-        Smallest share of the smaller field's slopes that must overlap the other field.
-
-    Returns
-    -------
-    array
-        Correlation over shifts of ``moved`` in cells, (y, x), with negative shifts counted from
-        the end as in a discrete Fourier transform; NaN where fields overlap too little. Computed
-        by masked normalised cross-correlation (Padfield 2012).
+    chance. ``fixed`` and ``moved`` (y, x) are heights on grids of equal spacing, NaN where missing.
+    The result (y, x) is over shifts of ``moved`` in cells, negative ones counted from the end as in
+    a discrete Fourier transform, and NaN where less than the share ``least_overlap`` of the smaller
+    field's slopes overlaps the other field. Masked normalised cross-correlation (Padfield 2012).
     """
-    cross = fixed_power = moved_power = 0.0
-    for one, other in zip(_slopes(fixed), _slopes(moved), strict=True):
-        parts = _masked_moments(one, other, least_overlap)
-        cross, fixed_power, moved_power = (
-            sums + part for sums, part in zip((cross, fixed_power, moved_power), parts, strict=True)
-        )
+    pairs = zip(_slopes(fixed), _slopes(moved), strict=True)
+    sums: Any = sum(np.array(_masked_moments(*pair, least_overlap)) for pair in pairs)
+    cross, fixed_power, moved_power = sums
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = cross / np.sqrt(fixed_power * moved_power)
     return np.where(np.isfinite(correlation), correlation, np.nan)

@@ -1,4 +1,4 @@
-"""Conversion of scans to heights on the square grid of a joint.
+"""Scans, and their conversion to heights on the square grid of a joint.
 
 Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
 """
@@ -72,16 +72,31 @@ class Cloud(NamedTuple):
         )
 
 
-def point_distance(scan: Scan | Cloud) -> float:
-    """Return the distance of neighbouring points [m].
+def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
+    """Return points (n, 3) of a scan [m]: x, y and height; cells of a grid row by row.
 
-    It is the larger of the two spacings of a grid, and the mean distance of a cloud.
-
-    Raises
-    ------
-    InputError
-        If a cloud has fewer than four points, or all points lie on one line.
+    With ``missing`` the missing cells of a grid, within the known ones, are points of height NaN.
     """
+    if isinstance(scan, Cloud):
+        return scan.points
+    listed = np.isfinite(scan.heights)
+    if missing:
+        listed = np.logical_and.outer(*(between(listed.any(axis=axis)) for axis in (1, 0)))
+    y, x = np.nonzero(listed)
+    y0, x0 = scan.origin or (0.0, 0.0)
+    return np.column_stack(
+        [x0 + x * scan.spacing[1], y0 + y * scan.spacing[0], scan.heights[listed]]
+    )
+
+
+def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return which places lie from the first to the last known one along an axis: bool."""
+    after = np.logical_or.accumulate(known, axis)
+    return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
+
+
+def point_distance(scan: Scan | Cloud) -> float:
+    """Distance of neighbouring points [m]: the larger spacing of a grid, the mean of a cloud."""
     if isinstance(scan, Scan):
         return max(scan.spacing)
     try:
@@ -104,10 +119,7 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
         x, y, heights = scan.points.T
         plane = heights - _levelled(x, y, heights)
         return Cloud(np.stack([x, y, sign * plane], axis=1))
-    ny, nx = scan.heights.shape
-    y, x = np.indices((ny, nx)) * np.reshape(scan.spacing, (2, 1, 1))
-    level = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
-    return Scan(sign * (scan.heights - level), scan.spacing, scan.origin)
+    return Scan(sign * (scan.heights - _levelled_grid(scan)), scan.spacing, scan.origin)
 
 
 def wall_on_grid(
@@ -142,29 +154,40 @@ def wall_on_grid(
             f"grid spacing {1e3 * spacing:g} mm: finer than the scan, whose points are "
             f"{1e3 * distance:.4g} mm apart; what lies between them was not measured"
         )
-    if isinstance(scan, Cloud):
-        return _gridded(scan.points, spacing, REACH * distance, bounds)
-    ny, nx = scan.heights.shape
-    y, x = np.meshgrid(
-        np.arange(ny) * scan.spacing[0], np.arange(nx) * scan.spacing[1], indexing="ij"
-    )
-    flat = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
-    return _resampled(Scan(flat, scan.spacing), spacing, (0.0, 0.0))
+    if isinstance(scan, Scan):
+        return _resampled(Scan(_levelled_grid(scan), scan.spacing), spacing, (0.0, 0.0))
+    x, y, heights = scan.points.T
+    heights = _levelled(x, y, heights)
+    places = scan.points[:, :2]
+    low, high = (places.min(axis=0), places.max(axis=0)) if bounds is None else bounds
+    ny, nx = node_counts(low, high, spacing)
+    if nx * ny > MOST_CELLS_PER_POINT * len(places):
+        raise InputError(
+            f"{len(places)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
+            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
+            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
+        )
+    return heights_between(places, heights, grid_nodes(low, (ny, nx), spacing), REACH * distance)
+
+
+def node_counts(low: np.ndarray, high: np.ndarray, spacing: float) -> tuple[int, int]:
+    """Return the numbers (y, x) of nodes of a grid from one place (x, y) up to another [m]."""
+    nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
+    return ny, nx
+
+
+def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.ndarray:
+    """Return the places (y, x, 2) of the nodes of a grid [m], the first one at ``low`` (x, y)."""
+    ny, nx = shape
+    along = np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny))
+    return np.stack(along, axis=-1)
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     """Return the heights of a grid at the nodes of a coarser one, without averaging.
 
-    Sampling keeps the slopes at the coarser spacing, of which JRC is a function; means over cells
-    do not.
-
-    Parameters
-    ----------
-    scan : Scan
-    spacing : float
-        Grid spacing [m] of the result, not below that of the scan.
-    anchor : (y, x)
-        Place of a node [m], in or outside of the scan.
+    Sampling keeps the slopes at the coarser spacing [m], of which JRC is a function; means over
+    cells do not. ``anchor`` (y, x) is the place of a node [m], in or outside of the scan.
     """
     origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
@@ -174,8 +197,15 @@ def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
 
 
+def _levelled_grid(scan: Scan) -> np.ndarray:
+    """Subtract the least-squares plane from the heights of a grid; NaN remain."""
+    y, x = np.indices(scan.heights.shape) * np.reshape(scan.spacing, (2, 1, 1))
+    level = _levelled(x.ravel(), y.ravel(), scan.heights.ravel())
+    return level.reshape(scan.heights.shape)
+
+
 def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """Subtract the least-squares plane from heights; NaN remain."""
+    """Subtract the least-squares plane from heights (n,); NaN remain."""
     known = np.isfinite(heights)
     if known.sum() < 4:
         raise InputError(f"{int(known.sum())} heights: too few for a wall")
@@ -187,25 +217,6 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
             "turn the scan so that its mean plane is about horizontal"
         )
     return heights - plane.at(x, y)
-
-
-def _gridded(
-    points: np.ndarray, spacing: float, reach: float, bounds: np.ndarray | None
-) -> np.ndarray:
-    x, y, heights = points.T
-    heights = _levelled(x, y, heights)
-    low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
-    nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
-    if nx * ny > MOST_CELLS_PER_POINT * len(points):
-        raise InputError(
-            f"{len(points)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
-            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
-            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
-        )
-    nodes = np.stack(
-        np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
-    )
-    return heights_between(points[:, :2], heights, nodes, reach)
 
 
 def heights_between(
@@ -222,11 +233,11 @@ def heights_between(
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
     nearest = distances[..., 0]
     interpolated = heights[near[..., 0]]
-    between = nearest >= AT_PLACE * reach
-    if between.any():
+    off = nearest >= AT_PLACE * reach
+    if off.any():
         used = np.zeros(len(places), bool)
-        used[near[between]] = True
-        interpolated[between] = _in_triangles(places[used], heights[used], nodes[between])
+        used[near[off]] = True
+        interpolated[off] = _in_triangles(places[used], heights[used], nodes[off])
     return np.where(nearest <= reach, interpolated, np.nan)
 
 
@@ -244,18 +255,13 @@ def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) ->
     with threadpool_limits(limits=1, user_api="blas"):
         triangle = triangles.find_simplex(at)
     corner = triangles.simplices[triangle]
-    sides = corners[corner] - at[..., None, :]
+    x, y = np.moveaxis(corners[corner] - at[..., None, :], -1, 0)
     areas = np.stack(
-        [_cross(sides[..., i - 2, :], sides[..., i - 1, :]) for i in range(3)], axis=-1
+        [x[..., i - 2] * y[..., i - 1] - y[..., i - 2] * x[..., i - 1] for i in range(3)], axis=-1
     )
     with np.errstate(invalid="ignore", divide="ignore"):  # triangles without area hold no node
-        between = np.sum(areas * heights[corner], axis=-1) / np.sum(areas, axis=-1)
-    return np.where(triangle >= 0, between, np.nan)
-
-
-def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return twice the signed area of the triangles of vectors (..., 2) from the origin."""
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+        inside = np.sum(areas * heights[corner], axis=-1) / np.sum(areas, axis=-1)
+    return np.where(triangle >= 0, inside, np.nan)
 
 
 def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
@@ -269,7 +275,6 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
         return heights[rows, columns].copy()
     if min(heights.shape) < 4:
         raise InputError(f"{heights.shape} heights: too few to be brought to another spacing")
-    missing = ~np.isfinite(heights)
     axes = [np.arange(n, dtype=float) for n in heights.shape]
     wanted = [
         first + np.arange(int(np.floor((n - 1 - first) / ratio + 1e-9)) + 1) * ratio
@@ -277,30 +282,20 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
     ]
     wall = scipy.interpolate.RectBivariateSpline(*axes, _nearest(heights))(*wanted)
     nodes = np.meshgrid(*wanted, indexing="ij")
-    touched = scipy.ndimage.map_coordinates(missing.astype(float), nodes, order=1, mode="nearest")
+    missing = (~np.isfinite(heights)).astype(float)
+    touched = scipy.ndimage.map_coordinates(missing, nodes, order=1, mode="nearest")
     return np.where(touched > 1e-9, np.nan, wall)
 
 
 def filled(
     wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
 ) -> np.ndarray:
-    """Treat the missing cells of a wall (y, x).
+    """Treat the missing cells (NaN) of a wall (y, x).
 
-    Parameters
-    ----------
-    wall : array (y, x)
-        NaN where no height is known.
-    missing : {"refuse", "avoid", "nearest", "linear"}
-        "refuse": raise an error. "avoid": leave them, so that joints are cut where no cell is
-        missing. "nearest": use the height of the nearest cell. "linear": interpolate linearly
-        between the surrounding cells, and use the nearest cell outside of them.
-    largest_share : float
-        Largest share of cells that may be filled.
-
-    Raises
-    ------
-    InputError
-        If missing cells are refused, or more cells are missing than may be filled.
+    ``missing`` is "refuse": raise an error; "avoid": leave them, so that joints are cut where no
+    cell is missing; "nearest": use the height of the nearest cell; or "linear": interpolate
+    linearly between the surrounding cells, and use the nearest cell outside of them. No more than
+    ``largest_share`` of all cells is filled.
     """
     holes = ~np.isfinite(wall)
     if missing not in MISSING:
@@ -336,45 +331,3 @@ def _nearest(heights: np.ndarray) -> np.ndarray:
         return heights
     where = scipy.ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
     return heights[tuple(where)]
-
-
-def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
-
-    Raises
-    ------
-    InputError
-        If there is none; the message states the largest size that fits.
-    """
-    offsets = _full_windows(wall, *shape)
-    if not len(offsets):
-        size = min(wall.shape)
-        while size > 0 and not len(_full_windows(wall, size, size)):
-            size -= 1
-        raise InputError(
-            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
-            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
-        )
-    return offsets
-
-
-def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
-    if wall.shape[0] < ny or wall.shape[1] < nx:
-        return np.empty((0, 2), int)
-    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
-    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
-    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
-    return np.argwhere(inside == 0)
-
-
-def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
-    """Count windows that fit side by side, taken in their order.
-
-    It is a lower bound of the largest number of disjoint windows.
-    """
-    count = 0
-    while len(offsets):
-        apart = np.abs(offsets - offsets[0])
-        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
-        count += 1
-    return count

@@ -6,18 +6,13 @@ slopes, JRC and Hurst exponents also depend on waves as long as the wall, which 
 contain. Their scatter is that of synthetic walls of the same slope and exponent.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.differences import (
-    difference,
-    mean_curvature,
-    peak_cells,
-    second_difference,
-)
 from jointclosure.walls.roughness import RELATIONS, Relation
 from jointclosure.walls.synthesis import synthetic_wall
 
@@ -29,6 +24,7 @@ DRAWS, LARGEST_DRAW = 100, 400
 """Number of synthetic walls, and largest number of cells along their sides; smaller walls scatter
 more."""
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
+_EXPONENTS = ("H along x", "H along y", "H, both directions")
 
 
 class Measure(NamedTuple):
@@ -56,11 +52,6 @@ class Increments(NamedTuple):
     second_y: np.ndarray
 
 
-def lags_of(cells: int) -> np.ndarray:
-    """Return distances in cells, about evenly spaced in logarithm, up to a quarter of the wall."""
-    return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
-
-
 def measure_wall(
     heights: np.ndarray,
     spacing: float,
@@ -69,7 +60,7 @@ def measure_wall(
     confidence: float = 0.95,
     seed: int = 1,
 ) -> list[Measure]:
-    """Compute all measures of a wall.
+    """Compute all measures of a wall, as defined in docs/two_scans.md.
 
     Parameters
     ----------
@@ -80,15 +71,10 @@ def measure_wall(
     resamples, confidence, seed
         Parameters of the block bootstrap.
 
-    Returns
-    -------
-    list of Measure
-        Measures as defined in docs/two_scans.md.
-
     Raises
     ------
     InputError
-        If a side has fewer than `SMALLEST_WALL` cells.
+        If a side has fewer than `SMALLEST_WALL` cells, or all heights are equal.
     """
     if min(heights.shape) < SMALLEST_WALL:
         raise InputError(
@@ -99,48 +85,57 @@ def measure_wall(
         raise InputError("all heights are equal: the wall has no roughness")
     means = _resampled_means(heights, spacing, resamples, seed)
     tail = 50.0 * (1.0 - confidence)
+    measures = []
 
-    def of(name: str, values: np.ndarray, unit: str, remark: str = "") -> Measure:
+    def add(name: str, values: np.ndarray, unit: str, remark: str = "") -> None:
         low, high = np.nanpercentile(values[1:], [tail, 100.0 - tail])
-        return Measure(name, float(values[0]), float(low), float(high), unit, remark)
+        measures.append(Measure(name, float(values[0]), float(low), float(high), unit, remark))
 
-    long = _scaling(heights, spacing)
-    scatter = _scatter(long, heights.shape, spacing, seed)
-    reach = "over {:g} to {:g} mm".format(*1e3 * spacing * _fitted_lags(heights)[[0, -1]])
-    measures = [of("rms height", 1e3 * scatter["rms height"], "mm")]
-    measures += [of(name, scatter[name], "1") for name in _SLOPES]
-    for name in ("H along x", "H along y", "H, both directions"):
-        measures.append(of(name, scatter[name], "1", reach))
+    scatter = _scatter(_scaling(heights, spacing), heights.shape, spacing, seed)
+    fitted = 1e3 * spacing * lags_of(min(heights.shape))[1:]
+    reach = f"over {fitted[0]:g} to {fitted[-1]:g} mm"
+    add("rms height", 1e3 * scatter["rms height"], "mm")
+    for name in _SLOPES:
+        add(name, scatter[name], "1")
+    for name in _EXPONENTS:
+        add(name, scatter[name], "1", reach)
     first = scatter["H by first differences"]
-    measures.append(of("H by first differences", first, "1", f"{reach}; lower, see the docs"))
+    add("H by first differences", first, "1", f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        values, remark = _jrc(relation, scatter, spacing, first[0])
-        measures.append(of(f"JRC, {name}", values, "1", remark))
+        add(f"JRC, {name}", *_jrc(relation, scatter, spacing, first[0]))
     for axis in "xy":
-        measures.append(
-            of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["curvature", axis]), "1/mm")
-        )
+        add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
     density = 1e-6 * means["peak"] / spacing**2
-    measures.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
+    add("peaks", density, "1/mm2", "higher than all eight neighbours")
     if share[0] > 0.0:
-        measures += [
-            of(
-                "mean height of peaks",
-                means["peak height"] / share / np.sqrt(means["square"]),
-                "rms height",
-            ),
-            of("mean curvature of peaks", 1e-3 * means["peak curvature"] / share, "1/mm"),
-        ]
+        height = means["peak height"] / share / np.sqrt(means["square"])
+        add("mean height of peaks", height, "rms height")
+        add("mean curvature of peaks", 1e-3 * means["peak curvature"] / share, "1/mm")
     return measures
+
+
+def lags_of(cells: int) -> np.ndarray:
+    """Distances in cells, about evenly spaced in logarithm, up to a quarter of the wall."""
+    return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
+
+
+def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
+    """Height ``lag`` cells further along an axis less that of the cell, ``order`` times."""
+    for _ in range(order):
+        if axis == "x":
+            heights = heights[:, lag:] - heights[:, :-lag]
+        else:
+            heights = heights[lag:] - heights[:-lag]
+    return heights
 
 
 def increments(heights: np.ndarray, spacing: float) -> Increments:
     """Compute RMS height differences of a wall (y, x) [m] over all of `lags_of`."""
     lags = lags_of(min(heights.shape))
     rms = [
-        np.array([np.sqrt(np.nanmean(order(heights, axis, lag) ** 2)) for lag in lags])
-        for order in (difference, second_difference)
+        np.array([np.sqrt(np.nanmean(difference(heights, axis, lag, order) ** 2)) for lag in lags])
+        for order in (1, 2)
         for axis in "xy"
     ]
     return Increments(lags * spacing, *rms)
@@ -154,65 +149,59 @@ def hurst_of(heights: np.ndarray) -> float:
     waves longer than the wall. These make H from first differences too low by 0.1 and more (Kent &
     Wood 1997; docs/two_scans.md).
     """
-    return _scaling(heights, 1.0)["H, both directions"]
-
-
-def _fitted_lags(heights: np.ndarray) -> np.ndarray:
-    return lags_of(min(heights.shape))[1:]
+    return _scaling(heights, 1.0)[_EXPONENTS[2]]
 
 
 def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return measures that depend on the longest waves: rms height [m], slopes, Hurst exponents."""
-    computed = increments(heights, spacing)
-    distances = computed.distances[1:]
-    squares = {
-        "H along x": computed.second_x**2,
-        "H along y": computed.second_y**2,
-        "H, both directions": computed.second_x**2 + computed.second_y**2,
-        "H by first differences": computed.x**2 + computed.y**2,
-    }
-    exponents = {name: float(_slope(distances, values[1:])) for name, values in squares.items()}
-    slopes = np.array(
-        [computed.x[0], computed.y[0], np.hypot(computed.x[0], computed.y[0]) / np.sqrt(2.0)]
-    )
-    lengths = {"rms height": float(np.nanstd(heights))}
-    lengths |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
-    for lag in _relation_lags(heights.shape, spacing):
-        both = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
-        lengths[f"Z2 at {lag}"] = float(np.sqrt(np.mean(both))) / (lag * spacing)
-    return lengths | exponents
+    rms = increments(heights, spacing)
+    slopes = np.array([rms.x[0], rms.y[0], np.hypot(rms.x[0], rms.y[0]) / np.sqrt(2.0)])
+    scaling = {"rms height": float(np.nanstd(heights))}
+    scaling |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
+    for lag in sorted({_lag(relation, spacing) for relation in RELATIONS.values()}):
+        if 0 < lag <= lags_of(min(heights.shape))[-1]:
+            both = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+            scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(both))) / (lag * spacing)
+    squares = (rms.second_x**2, rms.second_y**2, rms.second_x**2 + rms.second_y**2)
+    for name, values in zip(_EXPONENTS, squares, strict=True):
+        scaling[name] = _hurst(rms.distances, values)
+    return scaling | {"H by first differences": _hurst(rms.distances, rms.x**2 + rms.y**2)}
+
+
+def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
+    """Fit H: half the slope of log mean squares over log distances but the first."""
+    logs = np.log(distances[1:]) - np.mean(np.log(distances[1:]))
+    return float(0.5 * np.tensordot(logs, np.log(squares[1:]), axes=1) / np.sum(logs**2))
 
 
 def _scatter(
-    long: dict[str, Any], shape: tuple[int, int], spacing: float, seed: int
+    measured: dict[str, float], shape: tuple[int, ...], spacing: float, seed: int
 ) -> dict[str, np.ndarray]:
     """Return `_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall itself first.
 
     Heights and slopes scatter by factors, exponents by differences.
     """
-    hurst = min(max(long["H, both directions"], 0.05), 1.0)
-    shape = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
+    hurst = min(max(measured[_EXPONENTS[2]], 0.05), 1.0)
+    size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(seed, "scatter", number))
-        wall = synthetic_wall(long[_SLOPES[2]], shape, spacing, hurst, random, "expectation")
+        wall = synthetic_wall(measured[_SLOPES[2]], size, spacing, hurst, random, "expectation")
         draws.append(_scaling(wall, spacing))
     scatter = {}
-    for name, measured in long.items():
-        values = np.array([draw[name] for draw in draws])
+    for name, value in measured.items():
+        drawn = np.array([draw[name] for draw in draws])
         exponent = name.startswith("H")
-        around = (
-            measured + values - values.mean() if exponent else measured * values / values.mean()
-        )
-        scatter[name] = np.insert(around, 0, measured)
+        around = value + drawn - drawn.mean() if exponent else value * drawn / drawn.mean()
+        scatter[name] = np.insert(around, 0, value)
     return scatter
 
 
-def _fields(heights: np.ndarray, spacing: float) -> Any:
+def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarray]]:
     """Generate (name, values at cells (y, x), NaN where undefined)."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
-        yield ("curvature", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
+        yield f"curvature {axis}", (difference(heights, axis, 1, 2) / spacing**2) ** 2
     curvature = mean_curvature(heights, spacing)
     peaks = peak_cells(heights)
     known = np.isfinite(curvature)
@@ -222,9 +211,32 @@ def _fields(heights: np.ndarray, spacing: float) -> Any:
     yield "peak curvature", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
 
 
+def peak_cells(heights: np.ndarray) -> np.ndarray:
+    """Return whether a cell (y, x) is higher than its eight neighbours; never true at the edge.
+
+    This is for a scan, where heights beyond the edge and in gaps (NaN) are unknown. The joints of
+    the model end at their edge, see `jointclosure.solvers.cells.is_peak`.
+    """
+    here = heights[1:-1, 1:-1]
+    higher = np.ones(here.shape, bool)
+    ny, nx = heights.shape
+    for down, right in np.ndindex(3, 3):
+        if (down, right) != (1, 1):
+            higher &= here > heights[down : ny - 2 + down, right : nx - 2 + right]
+    return np.pad(higher, 1)
+
+
+def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
+    """Return -(z_xx + z_yy) / 2 [1/m] by second differences: positive on peaks, NaN at edges."""
+    here = 2.0 * heights[1:-1, 1:-1]
+    along_x = (heights[1:-1, :-2] - here + heights[1:-1, 2:]) / spacing**2
+    along_y = (heights[:-2, 1:-1] - here + heights[2:, 1:-1]) / spacing**2
+    return np.pad(-0.5 * (along_x + along_y), 1, constant_values=np.nan)
+
+
 def _resampled_means(
     heights: np.ndarray, spacing: float, resamples: int, seed: int
-) -> dict[Any, np.ndarray]:
+) -> dict[str, np.ndarray]:
     """Return means of all fields: (1 + resamples,), those of the whole wall first."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
@@ -245,35 +257,23 @@ def _resampled_means(
     return means
 
 
-def _slope(distances: np.ndarray, squares: np.ndarray) -> np.ndarray:
-    """Fit H by least squares: half the slope of log mean square difference over log distance."""
-    logs = np.log(distances) - np.mean(np.log(distances))
-    return 0.5 * np.tensordot(logs, np.log(np.asarray(squares)), axes=1) / np.sum(logs**2)
-
-
 def _lag(relation: Relation, spacing: float) -> int:
     """Return the relation's interval in cells, or 0 if it is not a whole number of cells."""
     ratio = relation.interval / spacing
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
-def _relation_lags(shape: tuple[int, int], spacing: float) -> list[int]:
-    """Return intervals of relations in whole cells, up to a quarter of the wall."""
-    lags = {_lag(relation, spacing) for relation in RELATIONS.values()}
-    return sorted(lag for lag in lags if 0 < lag <= lags_of(min(shape))[-1])
-
-
-def _jrc(relation: Relation, scatter: dict[str, Any], spacing: float, hurst: float) -> Any:
-    """Return JRC (n,) by a relation with the scatter of its slope, and a remark on its source."""
-    lag = _lag(relation, spacing)
-    if f"Z2 at {lag}" in scatter:
-        slope = scatter[f"Z2 at {lag}"]
-        how = f"Z2 at its {1e3 * relation.interval:g} mm"
-    else:
-        carried = (relation.interval / spacing) ** (hurst - 1.0)
-        slope = scatter[_SLOPES[2]] * carried
+def _jrc(
+    relation: Relation, scatter: dict[str, np.ndarray], spacing: float, hurst: float
+) -> tuple[np.ndarray, str, str]:
+    """Return JRC (n,) by a relation with the scatter of its slope, unit, and remark."""
+    at_interval = scatter.get(f"Z2 at {_lag(relation, spacing)}")
+    if at_interval is None:
+        at_interval = scatter[_SLOPES[2]] * (relation.interval / spacing) ** (hurst - 1.0)
         how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * relation.interval:g} mm by H"
-    jrc = relation.jrc(slope)
+    else:
+        how = f"Z2 at its {1e3 * relation.interval:g} mm"
+    jrc = relation.jrc(at_interval)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
-    range_ = f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
-    return jrc, f"{how}; holds for JRC {range_}" + ("" if inside else ": OUTSIDE")
+    remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+    return jrc, "1", remark if inside else f"{remark}: OUTSIDE"

@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.measured import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
 LINK = 5.0
@@ -39,16 +39,15 @@ FLAT_SHARE = 0.5
 
 
 def strays(points: np.ndarray) -> np.ndarray:
-    """Return which of the points (n, 3) are apart from the wall: bool (n,).
+    """Return which of the points (n, 3) are apart from the wall: bool (n,). Heights may be NaN.
 
     A point is stray if its patch is not the largest one and contains less than `SMALLEST_PATCH` of
     the points, where patches are linked by cells of `LINK` median distances in x and y; or if its
-    height is farther off than `FARTHEST_HEIGHT`. Heights may be NaN.
+    height is farther off than `FARTHEST_HEIGHT`.
     """
-    stray = np.zeros(len(points), bool)
     if len(points) < NEIGHBOURS:
-        return stray
-    stray |= _apart(points[:, :2])
+        return np.zeros(len(points), bool)
+    stray = _apart(points[:, :2])
     known = np.isfinite(points[:, 2]) & ~stray
     if known.sum() >= NEIGHBOURS:
         low, middle, high = np.percentile(points[known, 2], (1.0, 50.0, 99.0))
@@ -59,21 +58,25 @@ def strays(points: np.ndarray) -> np.ndarray:
 
 
 def _apart(places: np.ndarray) -> np.ndarray:
-    tree = scipy.spatial.cKDTree(places)
-    distances = tree.query(places, k=2)[0][:, 1]
+    """Return which places (n, 2) are in small patches apart from the largest one."""
+    distances = scipy.spatial.cKDTree(places).query(places, k=2)[0][:, 1]
     if not (distances > 0.0).any():
         return np.zeros(len(places), bool)
     size = LINK * float(np.median(distances[distances > 0.0]))
     cells, of_point = unique_places(np.floor(places / size))
     pairs = scipy.spatial.cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray")
-    links = scipy.sparse.coo_array(
-        (np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(len(cells), len(cells))
-    )
-    patch = scipy.sparse.csgraph.connected_components(links, directed=False)[1][of_point]
+    patch = _components(pairs, len(cells))[of_point]
     members = np.bincount(patch)
     small = members < SMALLEST_PATCH * len(places)
     small[members.argmax()] = False
     return small[patch]
+
+
+def _components(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Return the connected component of each of ``count`` items, from pairs (m, 2)."""
+    one, other = pairs.T
+    links = scipy.sparse.coo_array((np.ones(len(pairs), bool), (one, other)), shape=(count, count))
+    return scipy.sparse.csgraph.connected_components(links, directed=False)[1]
 
 
 def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -108,15 +111,20 @@ def spikes(points: np.ndarray) -> np.ndarray:
     return spike_heights
 
 
-def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
-    """Remove the `spikes` of a scan, and describe them; cells of a grid become missing.
+def _sharpness(points: np.ndarray) -> np.ndarray:
+    """Return `spikes` of one round."""
+    x, y, heights = points.T
+    level = heights - plane_through(x, y, heights).at(x, y)
+    near = scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], k=NEIGHBOURS + 1)[1][:, 1:]
+    around = np.sort(level[near], axis=1)
+    usual = np.median(np.abs(level[near] - level[:, None]))
+    up, down = level - around[:, -2], around[:, 1] - level
+    height = np.where(up >= down, up, -down)
+    return np.where(np.abs(height) > SPIKE * usual, height, np.nan)
 
-    Returns
-    -------
-    scan : Scan or Cloud
-    message : str
-        One sentence; empty if there is no spike.
-    """
+
+def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
+    """Remove the `spikes` of a scan, cells of a grid become missing; and describe them, or ""."""
     points = points_of(scan)
     heights = spikes(points)
     cut = np.isfinite(heights)
@@ -177,9 +185,7 @@ def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     level = np.unique(heights, return_inverse=True)[1]
     steps = np.abs(np.diff(level[pairs], axis=1).ravel())
     of_one_step = float((steps == 1).sum()) / max(int((steps > 0).sum()), 1)
-    one, other = pairs[steps == 0].T
-    equal = scipy.sparse.coo_array((np.ones(len(one), bool), (one, other)), (len(level),) * 2)
-    plateau = scipy.sparse.csgraph.connected_components(equal, directed=False)[1]
+    plateau = _components(pairs[steps == 0], len(level))
     size = np.bincount(plateau)[plateau]
     largest = PLATEAU * np.log10(len(level)) / max(1.0 - of_one_step, 1e-9) ** 2
     return np.where(size > largest, size, 0)
@@ -188,8 +194,8 @@ def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     """Return the size of the patch of a plane of each cell (y, x) of a grid, 0 outside."""
     around = np.pad(heights, 1, constant_values=np.nan)
-    bends = (np.abs(np.diff(around, 2, axis=axis)) for axis in (0, 1))
-    bend = np.maximum(*(part[inside] for part, inside in zip(bends, _INNER, strict=True)))
+    bends = (np.abs(np.diff(around[:, 1:-1], 2, axis=0)), np.abs(np.diff(around[1:-1], 2, axis=1)))
+    bend = np.maximum(*bends)
     usual = np.nanmedian(bend) if np.isfinite(bend).any() else 0.0
     level = bend <= LEVEL * usual
     patch = scipy.ndimage.label(level)[0]
@@ -202,9 +208,6 @@ def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     return np.where(whole, np.bincount(whole.ravel())[whole], 0)
 
 
-_INNER = np.s_[:, 1:-1], np.s_[1:-1, :]
-
-
 def _without(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
     """Remove points of a scan, bool in the order of `points_of`; cells become missing."""
     if isinstance(scan, Cloud):
@@ -212,37 +215,3 @@ def _without(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
     left = scan.heights.copy()
     left[np.isfinite(left)] = np.where(cut, np.nan, left[np.isfinite(left)])
     return scan._replace(heights=left)
-
-
-def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
-    """Return points (n, 3) of a scan [m]: x, y and height; cells of a grid row by row.
-
-    With ``missing`` the missing cells of a grid, within the known ones, are points of height NaN.
-    """
-    if isinstance(scan, Cloud):
-        return scan.points
-    listed = np.isfinite(scan.heights)
-    if missing:
-        listed = np.logical_and.outer(*(between(listed.any(axis=axis)) for axis in (1, 0)))
-    y, x = np.nonzero(listed)
-    y0, x0 = scan.origin or (0.0, 0.0)
-    return np.column_stack(
-        [x0 + x * scan.spacing[1], y0 + y * scan.spacing[0], scan.heights[listed]]
-    )
-
-
-def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
-    """Return which places lie from the first to the last known one along an axis: bool."""
-    after = np.logical_or.accumulate(known, axis)
-    return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
-
-
-def _sharpness(points: np.ndarray) -> np.ndarray:
-    x, y, heights = points.T
-    level = heights - plane_through(x, y, heights).at(x, y)
-    near = scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], k=NEIGHBOURS + 1)[1][:, 1:]
-    around = np.sort(level[near], axis=1)
-    usual = np.median(np.abs(level[near] - level[:, None]))
-    up, down = level - around[:, -2], around[:, 1] - level
-    height = np.where(up >= down, up, -down)
-    return np.where(np.abs(height) > SPIKE * usual, height, np.nan)

@@ -14,8 +14,15 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.walls.measured import LARGEST_TILT, REACH, filled, heights_between
-from jointclosure.walls.outliers import between
+from jointclosure.walls.measured import (
+    LARGEST_TILT,
+    REACH,
+    between,
+    filled,
+    grid_nodes,
+    heights_between,
+    node_counts,
+)
 from jointclosure.walls.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
@@ -30,7 +37,8 @@ class Overlap(NamedTuple):
     ``shares`` are those of the area of the upper and of the lower scan. ``inclination`` is that of
     the common plane, and ``relative`` that of the walls to each other, in degrees. ``holes`` (upper
     or lower, y, x) are the cells without a height that were taken out of contact, and ``cut``
-    counts those of the holes that were left out with what is beside them.
+    counts those of the holes that were left out with what is beside them. ``box`` are the corners
+    (x, y) of the area of both scans [m].
     """
 
     upper: np.ndarray
@@ -40,6 +48,7 @@ class Overlap(NamedTuple):
     relative: float
     holes: np.ndarray
     cut: int
+    box: tuple[np.ndarray, np.ndarray]
 
     def doubts(self) -> list[str]:
         """Describe the holes, in sentences."""
@@ -62,58 +71,33 @@ class Overlap(NamedTuple):
 
 
 def overlap_of(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    spacing: float,
-    distances: tuple[float, float],
-    largest_filled_share: float,
+    clouds: list[np.ndarray], spacing: float, distances: list[float], largest_filled_share: float
 ) -> Overlap:
-    """Find the largest rectangle of a grid in which two clouds of points (n, 3) [m] are known.
+    """Find the largest rectangle of a grid in which both clouds of points (n, 3) [m] are known.
 
-    Parameters
-    ----------
-    upper, lower : array (n, 3)
-        With heights of NaN at the missing cells of a grid (`points_of`).
-    spacing : float
-        Grid spacing [m].
-    distances : (upper, lower)
-        Mean distances of the points [m], see `jointclosure.walls.measured.REACH`.
-    largest_filled_share : float
-        Largest share of cells in holes inside the walls for which they are taken out of contact.
-
-    Raises
-    ------
-    InputError
-        If the clouds overlap by less than `SMALLEST_SIDE` cells, or are inclined too much.
+    The heights of missing cells of a grid (`points_of`) are NaN. ``distances`` are the mean
+    distances of the points of both clouds [m]. Holes inside the walls are taken out of contact if
+    they have no more than ``largest_filled_share`` of the cells.
     """
-    corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in (upper, lower)]
-    low = np.maximum(*(least for least, _ in corners))
-    high = np.minimum(*(most for _, most in corners))
-    nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
-    _check_size((max(ny, 0), max(nx, 0)), spacing)
-    nodes = np.stack(
-        np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
-    )
-    plane = 0.5 * (_plane(upper, low, high) + _plane(lower, low, high))
+    corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
+    low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
+    shape = node_counts(low, high, spacing)
+    _check_size((max(shape[0], 0), max(shape[1], 0)), spacing)
+    nodes = grid_nodes(low, shape, spacing)
+    plane = 0.5 * (_plane(clouds[0], low, high) + _plane(clouds[1], low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
     if inclination > LARGEST_TILT:
         raise InputError(
             f"the walls' common plane is inclined by {inclination:.1f} degrees: at most "
             f"{LARGEST_TILT:g}; turn the scans so that it is about horizontal"
         )
-    walls = [
-        heights_between(
-            cloud[:, :2],
-            cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2],
-            nodes,
-            REACH * distance,
-        )
-        for cloud, distance in zip((upper, lower), distances, strict=True)
-    ]
-    holes = np.array([
-        _holes(wall, REACH * distance / spacing if np.isfinite(cloud[:, 2]).all() else 0.0)
-        for wall, cloud, distance in zip(walls, (upper, lower), distances, strict=True)
-    ])  # fmt: skip
+    walls, holes = [], []
+    for cloud, distance in zip(clouds, distances, strict=True):
+        level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
+        wall = heights_between(cloud[:, :2], level, nodes, REACH * distance)
+        scattered = np.isfinite(cloud[:, 2]).all()
+        walls.append(wall)
+        holes.append(_holes(wall, REACH * distance / spacing if scattered else 0.0))
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
     rectangle = largest_rectangle(covered)
@@ -121,14 +105,13 @@ def overlap_of(
         rectangle = largest_rectangle(covered & ~inside)
     cut = int(inside.sum() - inside[rectangle].sum())
     _check_size(inside[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
-    holes = holes[:, *rectangle]
-    walls = _without_contact(walls[0][rectangle], walls[1][rectangle], holes)
-    areas = [np.prod(most - least) for least, most in corners]
+    kept = np.array(holes)[:, *rectangle]
+    walls = _without_contact(walls[0][rectangle], walls[1][rectangle], kept)
+    shares = [min(walls[0].size * spacing**2 / np.prod(b - a), 1.0) for a, b in corners]
     slopes = [_slope(wall) for wall in walls]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
-    upper_share, lower_share = (min(walls[0].size * spacing**2 / area, 1.0) for area in areas)
-    shares = float(upper_share), float(lower_share)
-    return Overlap(walls[0], walls[1], shares, inclination, relative, holes, cut)
+    both = float(shares[0]), float(shares[1])
+    return Overlap(walls[0], walls[1], both, inclination, relative, kept, cut, (low, high))
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
@@ -164,8 +147,7 @@ def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     inside &= np.isfinite(points[:, 2])
     if inside.sum() < 4:
         raise InputError(f"the scans have {int(inside.sum())} points in common: too few for walls")
-    places, heights = points[inside, :2], points[inside, 2]
-    plane = plane_through(places[:, 0], places[:, 1], heights)
+    plane = plane_through(*points[inside].T)
     return np.array([plane.slope_x, plane.slope_y, float(plane.at(np.zeros(()), np.zeros(())))])
 
 
@@ -186,8 +168,8 @@ def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     if reach > 0.0:
         enclosed = scipy.ndimage.binary_fill_holes(known) & ~known
         holes = enclosed | scipy.ndimage.binary_opening(holes, np.ones((3, 3)))
-    if reach > 0.0 and holes.any():
-        holes |= scipy.ndimage.distance_transform_edt(~holes) <= reach
+        if holes.any():
+            holes |= scipy.ndimage.distance_transform_edt(~holes) <= reach
     return holes
 
 
@@ -199,9 +181,7 @@ def _without_contact(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) ->
     """
     if not holes.any():
         return [upper, lower]
-    upper, lower = (
-        np.where(hole, np.nan, wall) for wall, hole in zip((upper, lower), holes, strict=True)
-    )
+    upper, lower = np.where(holes[0], np.nan, upper), np.where(holes[1], np.nan, lower)
     gap = np.where(holes.any(axis=0), -np.inf, upper - lower)
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)

@@ -1,8 +1,12 @@
-"""Detection of probable errors of units or orientation in the walls of a joint, in sentences."""
+"""Detection of probable errors in walls: of units, orientation and order, and lost slopes."""
 
 import numpy as np
+import scipy
 
-from jointclosure.walls.measured import PAPER_SPACING
+from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.parameters import AS_IT_IS, check_usual
+from jointclosure.walls.measured import PAPER_SPACING, Cloud, Scan, node_counts, points_of
 from jointclosure.walls.roughness import plane_through
 
 _STEEPEST, _FLATTEST = 2.0, 1e-3
@@ -11,7 +15,7 @@ Natural walls have 0.1 to 0.6."""
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
 _USUAL_HURST = 0.8
-"""Hurst exponent with which a slope is carried to another spacing."""
+"""Hurst exponent with which a slope is carried to another spacing or distance."""
 _UNLIKE = 4.0
 """Ratio of the rms slopes of both walls of a joint from which one of them has another unit. Even
 walls of JRC 2 and 20 have 3.8."""
@@ -31,17 +35,61 @@ _ALIKE = 0.5
 _SUMMITS = 10
 """Number of summits from which a wall counts as rough. A lens or a lattice may resemble its
 partner."""
+_COPY = 1e-6
+"""Smallest difference from 1 of the correlation of heights of scans of two different walls. At 1e-6
+the rms difference is a thousandth of the rms height, 0.3 um of a typical wall. Even two scans of
+one wall do not repeat so well."""
+_CROSSED = 0.9
+"""Share of cells with the upper wall below the lower one from which the walls count as
+interchanged. For the published walls that were tried it is 0.998 if they are interchanged, and
+0.002 if not. It is about a half if the zero of each scan is at its mean."""
+_AT_NODE, _BETWEEN = 1e-5, 0.75
+"""Distances of a node from the nearest point, in cells, below which it has that point's height, and
+up to which it lies between points; farther nodes are in holes."""
+_LEAST_BETWEEN = 0.05
+"""Smallest share of nodes between points from which a wall counts as interpolated."""
+_PAIRS = 0.75, 1.25
+"""Distances of the points, in cells, whose height differences are compared with those of cells."""
+_SAMPLE = 20_000
+"""Largest number of nodes, and of points, that are asked for their neighbours."""
+
+
+def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
+    """Raise `InputError` if both scans are the same, or sizes or spacing [m] are no wall's."""
+    clouds = points_of(upper), points_of(lower)
+    if np.array_equal(*clouds):
+        raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
+    check_usual((), spacing=spacing)
+    for cloud in clouds:
+        for side in np.ptp(cloud[:, :2], axis=0).tolist() if len(cloud) else ():
+            check_usual((), side_of_scan=side)
+
+
+def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
+    """Raise `InputError` if walls are interchanged, or one is a copy of the other.
+
+    ``gap`` (y, x) is the height of the upper wall less that of the lower one as scanned, z upwards
+    [m], ``correlation`` that of the heights of both walls; ``common_frame`` says that both scans
+    have the same zero of heights.
+    """
+    if abs(correlation) > 1.0 - _COPY:
+        raise InputError(
+            f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
+            f"copy of the other; {AS_IT_IS}"
+        )
+    below = float(np.mean(gap < 0.0))
+    if common_frame and below > _CROSSED:
+        raise InputError(
+            f"upper and lower: the upper wall lies below the lower one in {100.0 * below:.3g} "
+            f"% of the cells, by {-1e3 * gap.mean():.3g} mm in the mean; give the files in the "
+            f"other order; {AS_IT_IS}"
+        )
 
 
 def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
     """Describe walls whose slopes no rough wall has, so that their units are probably wrong.
 
-    Parameters
-    ----------
-    walls : dict
-        Heights (y, x) [m] by wall, NaN where missing.
-    spacing : float
-        [m].
+    ``walls`` are heights (y, x) [m] by name, NaN where missing, on a grid of ``spacing`` [m].
     """
     return [
         f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights and "
@@ -54,14 +102,8 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
 def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str], list[str]]:
     """Describe scanned walls whose heights probably have another unit than x and y.
 
-    Arguments are those of `slope_doubts`.
-
-    Returns
-    -------
-    contradictions : list of str
-        Walls of which one has heights in another unit than the other one.
-    doubts : list of str
-        Walls that are flatter or steeper than rock joints.
+    Arguments are those of `slope_doubts`. Returns sentences on contradictions, where one wall has
+    heights in another unit than the other one, and on walls flatter or steeper than rock joints.
     """
     slopes = _slopes_of_rough(walls, spacing)
     contradictions, doubts = [], []
@@ -126,32 +168,24 @@ def _slopes_of_rough(walls: dict[str, np.ndarray], spacing: float) -> dict[str, 
 def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
     """Describe probable errors of units or of orientation, in sentences.
 
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights towards the other wall [m], NaN where missing.
-    spacing : float
-        [m].
+    ``upper`` and ``lower`` (y, x) are heights towards the other wall [m], NaN where missing.
     """
     doubts = slope_doubts({"upper": upper, "lower": lower}, spacing)
     if not (_is_rough(upper) and _is_rough(lower)):
         return doubts
-    fits = {
-        "": _likeness(upper, lower),
-        "y": _likeness(upper[::-1], lower),
-        "x": _likeness(upper[:, ::-1], lower),
-    }
-    if fits[""] > _ALIKE:
+    as_given = _likeness(upper, lower)
+    if as_given > _ALIKE:
         doubts.append(
-            f"the walls are alike (correlation {fits['']:.2f}), but one wall of a joint is the "
+            f"the walls are alike (correlation {as_given:.2f}), but one wall of a joint is the "
             "negative of the other: heights count towards the other wall, so that the heights of "
             "an upper wall scanned in the frame of the lower one are -z"
         )
-    for axis in ("y", "x"):
-        if fits[axis] < -_ALIKE and fits[""] > -0.5 * _ALIKE:
+    for axis, reversed_ in (("y", upper[::-1]), ("x", upper[:, ::-1])):
+        fit = _likeness(reversed_, lower)
+        if fit < -_ALIKE and as_given > -0.5 * _ALIKE:
             doubts.append(
                 f"the walls fit if the upper one is reversed along {axis} (correlation "
-                f"{-fits[axis]:.2f}), and not as given ({-fits['']:.2f}): is its direction right?"
+                f"{-fit:.2f}), and not as given ({-as_given:.2f}): is its direction right?"
             )
     return doubts
 
@@ -177,3 +211,58 @@ def _is_rough(wall: np.ndarray) -> bool:
     inner = wall[1:-1, 1:-1]
     beside = (wall[:-2, 1:-1], wall[2:, 1:-1], wall[1:-1, :-2], wall[1:-1, 2:])
     return int(np.logical_and.reduce([inner > side for side in beside]).sum()) >= _SUMMITS
+
+
+def smoothing_of(
+    scan: Scan | Cloud, wall: np.ndarray, spacing: float, bounds: np.ndarray | None = None
+) -> tuple[Caution, ...]:
+    """Warn as `smoothing` of a wall by `jointclosure.walls.measured.wall_on_grid`."""
+    points = points_of(scan)
+    low = points[:, :2].min(axis=0)
+    if bounds is not None:
+        low = bounds[0]
+    elif isinstance(scan, Scan):
+        low = np.array(scan.origin or (0.0, 0.0))[::-1]
+    return smoothing(points, wall, spacing, (low, low + spacing * (np.array(wall.shape)[::-1] - 1)))
+
+
+def smoothing(
+    points: np.ndarray, wall: np.ndarray, spacing: float, box: tuple[np.ndarray, np.ndarray]
+) -> tuple[Caution, ...]:
+    """Warn of the slope that a wall lost by interpolation; empty if its nodes are at points.
+
+    ``points`` (n, 3) and the heights (y, x) on the grid [m] are NaN where missing. ``box`` are the
+    place (x, y) of a node of the grid, and the other corner of the compared area [m].
+    """
+    low, high = box
+    place, edge = points[:, :2], 0.5 * spacing
+    inside = ((place > low - edge) & (place < high + edge)).all(axis=1) & np.isfinite(points[:, 2])
+    x, y, heights = points[inside].T
+    ny, nx = (max(count, 1) for count in node_counts(low, high, spacing))
+    if len(x) < 4 or min(wall.shape) < 2:
+        return ()
+    tree = scipy.spatial.cKDTree(np.column_stack([x, y]))
+    row, column = np.divmod(np.arange(0, nx * ny, -(-nx * ny // _SAMPLE)), nx)
+    nearest = tree.query(low + spacing * np.column_stack([column, row]))[0] / spacing
+    if np.mean((nearest > _AT_NODE) & (nearest < _BETWEEN)) < _LEAST_BETWEEN:
+        return ()
+    some = np.arange(0, len(x), -(-len(x) // _SAMPLE))
+    pairs = tree.sparse_distance_matrix(
+        scipy.spatial.cKDTree(tree.data[some]), _PAIRS[1] * spacing, output_type="coo_matrix"
+    )
+    apart = pairs.data / spacing
+    used = apart > _PAIRS[0]
+    level = heights - plane_through(x, y, heights).at(x, y)
+    rise = (level[pairs.row] - level[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
+    if not rise.any():
+        return ()
+    slopes = [np.diff(wall, axis=axis) for axis in (0, 1)]
+    steps = np.concatenate([(part - np.nanmean(part)).ravel() for part in slopes])
+    measured, kept = (float(np.sqrt(np.nanmean(part**2))) / spacing for part in (rise, steps))
+    return (
+        caution(
+            "heights were interpolated between points: the rms slope at a distance of "
+            f"{1e3 * spacing:.4g} mm is {kept:.3g}, between points {measured:.3g} "
+            f"({100.0 * (kept / measured - 1.0):+.2g} %)"
+        ),
+    )

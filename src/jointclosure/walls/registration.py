@@ -1,6 +1,6 @@
 """Registration of the scans of the two walls of a joint: orientation, shift, overlap, mating.
 
-Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
+`registered` is the one entry. Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
 """
 
 from typing import NamedTuple
@@ -10,8 +10,15 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution, cautions, prefixed
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.walls.implausible import check_pair, check_scans
-from jointclosure.walls.mating import Mating, best_shift, mating, slope_correlation_over_shifts
+from jointclosure.walls.mating import (
+    CONFIDENCE,
+    Mating,
+    Mismatch,
+    best_shift,
+    mating,
+    measured_mismatch,
+    slope_correlation_over_shifts,
+)
 from jointclosure.walls.measured import (
     FLAT,
     LARGEST_FILLED_SHARE,
@@ -20,15 +27,21 @@ from jointclosure.walls.measured import (
     paper_spacing,
     plane_of,
     point_distance,
+    points_of,
     sampled,
     wall_on_grid,
 )
-from jointclosure.walls.mismatch import CONFIDENCE, Mismatch, measured_mismatch
-from jointclosure.walls.outliers import points_of, without_plateaus, without_spikes
+from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
-from jointclosure.walls.plausibility import slope_doubts, unit_doubts
+from jointclosure.walls.plausibility import (
+    check_pair,
+    check_scans,
+    slope_doubts,
+    smoothing,
+    smoothing_of,
+    unit_doubts,
+)
 from jointclosure.walls.roughness import detrended
-from jointclosure.walls.smoothing import smoothing, smoothing_of
 
 LEAST_OVERLAP = 0.5
 """Smallest share of the smaller wall that must overlap; other shifts are not tried."""
@@ -39,6 +52,17 @@ CLEAR = 1.5
 """An orientation is clear if its correlation of slopes is this many times that of any other. Of 900
 pairs of independent walls (64 to 128 cells, H 0.5 to 1) none was clear by chance; with a factor of
 1.4 seven were."""
+STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
+"""Inclinations [degrees] above which the plane of two scans, and the angle between them, are
+unusual. 5 degrees cause errors of heights and lengths of 0.4 %; 1 degree opens 65 mm by 1.1 mm."""
+_FAR = 1.5
+"""Largest usual distance, in standard deviations of the aperture, between first touch and the touch
+of a thousandth of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the
+largest was 0.95."""
+_ALIKE = 0.99
+"""Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
+SHIFTS = ("scanned", "mated")
+_SIDES = ("upper", "lower")
 
 
 class Orientation(NamedTuple):
@@ -52,6 +76,20 @@ class Orientation(NamedTuple):
     mirrored: tuple[bool, bool]
     meaning: str
 
+    def grid(self, wall: np.ndarray) -> np.ndarray:
+        """Return the heights (y, x) of a wall in the frame of the lower one."""
+        y, x = (slice(None, None, -1 if reverse else 1) for reverse in self.mirrored)
+        return self.sign * wall[y, x]
+
+    def points(self, points: np.ndarray, placed: "_Placed", spacing: float) -> np.ndarray:
+        """Reverse points (n, 3) like the grid of their wall, about the middle of the grid."""
+        turned = points * np.array([1.0, 1.0, self.sign])
+        for axis, column in ((0, 1), (1, 0)):
+            if self.mirrored[axis]:
+                across = (placed.wall.shape[axis] - 1) * spacing
+                turned[:, column] = 2.0 * placed.low[axis] + across - turned[:, column]
+        return turned
+
 
 ORIENTATIONS = {
     "common_frame": Orientation(1, (False, False), "both scans in one frame, z upwards"),
@@ -64,11 +102,10 @@ ORIENTATIONS = {
     "mirrored_y": Orientation(1, (True, False), "z upwards, y reversed"),
 }
 """Orientations of the upper wall's scan that are compared."""
-SHIFTS = ("scanned", "mated")
 
 
 class Fit(NamedTuple):
-    """Fit of the walls in an orientation: correlation of slopes at the best shift."""
+    """Fit of the walls in an orientation: correlation of slopes at the best shift (y, x) [m]."""
 
     orientation: str
     correlation: float
@@ -162,56 +199,60 @@ def registered(
         walls are interchanged, another orientation than the stated one is clear, or spacing or
         size are not those of a wall.
     """
-    _check_choices(orientation, shift)
-    flat = [side for side, scan in (("upper", upper), ("lower", lower)) if isinstance(scan, str)]
-    upper, lower = _both_scans(upper, lower, orientation)
-    distances = point_distance(upper), point_distance(lower)
+    for name, value, allowed in (
+        ("orientation", orientation, ORIENTATIONS),
+        ("shift", shift, SHIFTS),
+    ):
+        if value is not None and value not in allowed:
+            raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+    flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
+    scans = list(_both_scans(upper, lower, orientation))
+    distances = [point_distance(scan) for scan in scans]
     if not unusual_values:
-        check_scans(upper, lower, max(distances) if spacing is None else float(spacing))
+        check_scans(scans[0], scans[1], max(distances) if spacing is None else float(spacing))
     spacing = paper_spacing(max(distances)) if spacing is None else float(spacing)
     report: list[str] = []
     kept = []
-    for side, scan in (("upper", upper), ("lower", lower)):
-        if side not in flat and not unusual_values:
+    for side, scan in zip(_SIDES, scans, strict=True):
+        if side != flat and not unusual_values:
             scan = without_plateaus(scan)
         report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
-        kept.append(
-            _without_spikes(scan, side, report) if cut_spikes and side not in flat else scan
-        )
-    upper, lower = _not_finer(kept[0], kept[1], spacing, report)
-    distances = point_distance(upper), point_distance(lower)
-    clouds = [points_of(upper, missing=True), points_of(lower, missing=True)]
+        if side != flat and cut_spikes:
+            scan, removed = without_spikes(scan)
+            report += [f"{side} wall: {removed}; they were cut"] if removed else []
+        kept.append(scan)
+    scans = _not_finer(kept, spacing, report)
+    distances = [point_distance(scan) for scan in scans]
+    clouds = [points_of(scan, missing=True) for scan in scans]
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
+    fits: list[Fit] = []
+    name, mated, moved = orientation or "common_frame", (0.0, 0.0), False
     if flat:
-        fits, name, mated = [], orientation or "common_frame", (0.0, 0.0)
-        report.append(f"the {flat[0]} wall is flat, parallel to the mean plane of the other")
+        report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
     else:
         fits = _compared(placed[0], placed[1], spacing)
         name = _chosen(fits, orientation, unusual_values, report)
-        best = _refined(
-            placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
+        fit = next(fit for fit in fits if fit.orientation == name)
+        whole_cells = all(isinstance(scan, Scan) for scan in scans)
+        mated = _refined(placed[0], placed[1], spacing, fit, whole_cells)
+        moved = shift == "mated" or (shift is None and name != "common_frame")
+        by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
+        report.append(
+            f"the upper wall was moved by {by}, to the position of best fit"
+            if moved
+            else "the walls were left in their scanned position; best fit with the upper moved by "
+            f"{by}"
         )
-        whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
-        mated = best.whole if whole_cells else best.exact
-    moved = not flat and (shift == "mated" or (shift is None and name != "common_frame"))
     applied = mated if moved else (0.0, 0.0)
-    if not flat:
-        report.append(_describe_shift(mated, moved))
-    turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
-    raised = turned + np.array([applied[1], applied[0], 0.0])
-    overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
+    turned = ORIENTATIONS[name].points(clouds[0], placed[0], spacing)
+    clouds[0] = turned + np.array([applied[1], applied[0], 0.0])
+    overlap = overlap_of(clouds, spacing, distances, largest_filled_share)
     if flat:
-        overlap = _flattened(overlap, flat[0])
-    box = (
-        np.maximum(*(cloud[:, :2].min(axis=0) for cloud in (raised, clouds[1]))),
-        np.minimum(*(cloud[:, :2].max(axis=0) for cloud in (raised, clouds[1]))),
-    )
-    for side, cloud, holes in zip(
-        ("upper", "lower"), (raised, clouds[1]), overlap.holes, strict=True
-    ):
-        if side not in flat:
+        overlap = _flattened(overlap, flat)
+    for side, cloud, holes in zip(_SIDES, clouds, overlap.holes, strict=True):
+        if side != flat:
             known = np.where(holes, np.nan, getattr(overlap, side))
-            lost = smoothing(cloud, known, spacing, box)
+            lost = smoothing(cloud, known, spacing, overlap.box)
             report += [prefixed(f"{side} wall: ", remark) for remark in lost]
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     walls = {"upper": pair.upper, "lower": pair.lower}
@@ -233,10 +274,9 @@ def _both_scans(
     for side, wall in (("upper", upper), ("lower", lower)):
         if isinstance(wall, str) and wall != FLAT:
             raise InputError(f"{side} = {wall!r}: must be a Scan, a Cloud or {FLAT!r}")
-    if isinstance(upper, str) and isinstance(lower, str):
-        raise InputError("upper and lower: both walls are flat; one must be a scan")
     if isinstance(upper, str):
-        assert not isinstance(lower, str)
+        if isinstance(lower, str):
+            raise InputError("upper and lower: both walls are flat; one must be a scan")
         if orientation is not None:
             raise InputError(f"orientation = {orientation!r}: must be left out for a flat wall")
         return plane_of(lower), lower
@@ -260,22 +300,12 @@ def _flattened(overlap: Overlap, side: str) -> Overlap:
     return overlap._replace(**flat, holes=holes * (np.arange(2)[:, None, None] != of_flat))
 
 
-def _without_spikes(scan: Scan | Cloud, side: str, report: list[str]) -> Scan | Cloud:
-    kept, removed = without_spikes(scan)
-    report += [f"{side} wall: {removed}; they were cut"] if removed else []
-    return kept
-
-
-def _not_finer(
-    upper: Scan | Cloud, lower: Scan | Cloud, spacing: float, report: list[str]
-) -> tuple[Scan | Cloud, Scan | Cloud]:
+def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> list[Scan | Cloud]:
     """Sample scanned grids of at most half of the spacing [m] at the nodes of one grid."""
-    anchor = (0.0, 0.0)
-    for scan in (upper, lower):
-        if isinstance(scan, Scan) and scan.origin is not None:
-            anchor = scan.origin  # that of the lower wall if both have one
+    origins = [scan.origin for scan in scans if isinstance(scan, Scan) and scan.origin is not None]
+    anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
     result = []
-    for side, scan in (("upper", upper), ("lower", lower)):
+    for side, scan in zip(_SIDES, scans, strict=True):
         distance = point_distance(scan)
         if 2.0 * distance <= spacing:
             report.append(
@@ -289,7 +319,7 @@ def _not_finer(
                 report += [prefixed(f"{side} wall: ", remark) for remark in lost]
                 scan = nodes
         result.append(scan)
-    return result[0], result[1]
+    return result
 
 
 class _Placed(NamedTuple):
@@ -303,46 +333,18 @@ class _Placed(NamedTuple):
         return cls(wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
 
 
-class _Shift(NamedTuple):
-    """Shift (y, x) [m] of best fit, to a fraction of a cell and in whole cells."""
-
-    exact: tuple[float, float]
-    whole: tuple[float, float]
-
-
-def _check_choices(orientation: str | None, shift: str | None) -> None:
-    for name, value, allowed in (
-        ("orientation", orientation, ORIENTATIONS),
-        ("shift", shift, SHIFTS),
-    ):
-        if value is not None and value not in allowed:
-            raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
-
-
-def _turned(wall: np.ndarray, orientation: Orientation) -> np.ndarray:
-    steps = tuple(slice(None, None, -1 if axis else 1) for axis in orientation.mirrored)
-    return orientation.sign * wall[steps]
-
-
-def _oriented(
-    points: np.ndarray, placed: _Placed, spacing: float, orientation: Orientation
-) -> np.ndarray:
-    """Reverse points of the upper wall like its grid, about the middle of the grid."""
-    turned = points * np.array([1.0, 1.0, orientation.sign])
-    for axis, column in ((0, 1), (1, 0)):
-        if orientation.mirrored[axis]:
-            across = (placed.wall.shape[axis] - 1) * spacing
-            turned[:, column] = 2.0 * placed.low[axis] + across - turned[:, column]
-    return turned
+def _block_cells(upper: _Placed, lower: _Placed) -> int:
+    """Return the number of cells along the side of the blocks that are compared."""
+    return max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
 
 
 def _compared(upper: _Placed, lower: _Placed, spacing: float) -> list[Fit]:
     """Compare the walls in all orientations, on means over blocks of cells; the best first."""
-    cells = max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
+    cells = _block_cells(upper, lower)
     fixed = _block_means(lower.wall, cells)
     fits = []
     for name, orientation in ORIENTATIONS.items():
-        moved = _block_means(_turned(upper.wall, orientation), cells)
+        moved = _block_means(orientation.grid(upper.wall), cells)
         shifts = slope_correlation_over_shifts(fixed, moved, LEAST_OVERLAP)
         blocks, correlation = best_shift(shifts)
         if np.isnan(correlation):
@@ -380,7 +382,7 @@ def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str
         f"orientation of the upper wall, {how}: {name} ({ORIENTATIONS[name].meaning}); slopes "
         f"correlate by {listed}"
     )
-    if stated is not None and clear and best.orientation != stated:
+    if clear and best.orientation != name:
         if not unusual:
             raise InputError(
                 f"orientation = {stated!r}: {best.orientation} fits clearly better, and closures "
@@ -396,26 +398,28 @@ def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str
     return name
 
 
-def _refined(upper: _Placed, lower: _Placed, spacing: float, fit: Fit) -> _Shift:
-    """Refine the best shift of a comparison of blocks at the spacing of the grid."""
-    orientation = ORIENTATIONS[fit.orientation]
+def _refined(
+    upper: _Placed, lower: _Placed, spacing: float, fit: Fit, whole_cells: bool
+) -> tuple[float, float]:
+    """Refine the best shift (y, x) [m] of a comparison of blocks at the spacing of the grid.
+
+    It is in whole cells, or to a fraction of a cell.
+    """
     shifts = slope_correlation_over_shifts(
-        lower.wall, _turned(upper.wall, orientation), 0.9 * LEAST_OVERLAP
+        lower.wall, ORIENTATIONS[fit.orientation].grid(upper.wall), 0.9 * LEAST_OVERLAP
     )
-    cells = max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
     start = (np.array(fit.shift) - lower.low + upper.low) / spacing
     distance = [
         np.abs((np.arange(n) - at + n / 2.0) % n - n / 2.0)
         for n, at in zip(shifts.shape, start, strict=True)
     ]
-    near = np.maximum(distance[0][:, None], distance[1][None, :]) <= 2.0 * cells
-    whole = np.array(best_shift(np.where(near, shifts, np.nan))[0])
-    part = [_vertex(np.roll(shifts, 1 - whole, (0, 1))[line]) for line in (_COLUMN, _ROW)]
-    at = [lower.low - upper.low + spacing * (whole + more) for more in (np.zeros(2), part)]
-    return _Shift(*((float(y), float(x)) for y, x in at[::-1]))
-
-
-_COLUMN, _ROW = np.s_[:3, 1], np.s_[1, :3]
+    reach = 2.0 * _block_cells(upper, lower)
+    near = np.maximum(distance[0][:, None], distance[1][None, :]) <= reach
+    cells = np.array(best_shift(np.where(near, shifts, np.nan))[0])
+    around = np.roll(shifts, 1 - cells, (0, 1))[:3, :3]
+    part = np.zeros(2) if whole_cells else [_vertex(around[:, 1]), _vertex(around[1])]
+    y, x = lower.low - upper.low + spacing * (cells + part)
+    return float(y), float(x)
 
 
 def _vertex(values: np.ndarray) -> float:
@@ -424,13 +428,6 @@ def _vertex(values: np.ndarray) -> float:
     if not bend < 0.0:
         return 0.0
     return float(np.clip(0.5 * (values[0] - values[2]) / bend, -0.5, 0.5))
-
-
-def _describe_shift(mated: tuple[float, float], moved: bool) -> str:
-    by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
-    if moved:
-        return f"the upper wall was moved by {by}, to the position of best fit"
-    return f"the walls were left in their scanned position; best fit with the upper moved by {by}"
 
 
 def _described(
@@ -443,45 +440,57 @@ def _described(
     aperture = together.max() - together
     ny, nx = upper.shape
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
+    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm"
+    shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
         mismatch, fit = measured_mismatch(upper, lower, spacing), mating(upper, lower, spacing)
+        report += [
+            f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
+            f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
+            f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and "
+            "are set parallel",
+            f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
+        ]
     else:  # one wall is flat and has no waves
         correlation, mismatch = 0.0, Mismatch(np.inf, np.inf, np.inf)
         fit = Mating(np.empty(0), np.empty(0), np.empty(0))
-    early = float(np.quantile(aperture, 1e-3))
-    gap = float(np.mean(overlap.upper - overlap.lower))
-    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm"
-    shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
-    of_both = [
-        f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
-        f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
-        f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and are "
-        "set parallel",
-        f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
-    ]
-    of_one = [
-        f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; its "
-        "mean plane was removed"
-    ]
-    report += [
-        *(of_both if fits else of_one),
+        report.append(
+            f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; "
+            "its mean plane was removed"
+        )
+    report.append(
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
-        f"{1e3 * aperture.mean():.3g} mm",
-    ]
+        f"{1e3 * aperture.mean():.3g} mm"
+    )
+    early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
-    stands_out = early > _FAR * aperture.std()
-    report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
+    if early > _FAR * aperture.std():
+        touches = caution(
+            "the first contact stands out far and may be a remaining spike; use closures since "
+            "seating, not those from first touch",
+            f"{touches}: ",
+        )
+    report.append(touches)
     report += [caution(doubt) for doubt in _doubts(overlap, bool(fits), applied == mated)]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
-        report.append(caution(_ONE_WALL))
-    if fits and name == "common_frame" and applied == (0.0, 0.0):
-        side = "above" if gap > 0.0 else "below"
-        lies = (
-            f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm {side} the lower one in the "
-            "mean"
+        report.append(
+            caution(
+                "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
+                "do; check that the files are of different walls"
+            )
         )
-        report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
+    if fits and name == "common_frame" and applied == (0.0, 0.0):
+        gap = float(np.mean(overlap.upper - overlap.lower))
+        lies = f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm "
+        lies += f"{'above' if gap > 0.0 else 'below'} the lower one in the mean"
+        if gap <= 0.0:
+            lies = caution(
+                "if both scans have one zero of heights, the walls are interchanged or heights "
+                "count downwards",
+                f"{lies}: ",
+            )
+        report.append(lies)
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
         fit, mismatch, max(overlap.shares), np.logical_or(*overlap.holes), report,
@@ -506,11 +515,10 @@ def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
             f"{100.0 * LEAST_OVERLAP:.0f} %{', even ' if best_fit else ': '}{question}"
         )
     if overlap.inclination > STEEP_PLANE:
-        plane = "common plane" if both else "plane"
         doubts.append(
-            f"the {plane} is inclined by {overlap.inclination:.1f} degrees, more than "
-            f"{STEEP_PLANE:g}; it was removed along z, so that heights are not normal to it; turn "
-            "the scans"
+            f"the {'common plane' if both else 'plane'} is inclined by {overlap.inclination:.1f} "
+            f"degrees, more than {STEEP_PLANE:g}; it was removed along z, so that heights are not "
+            "normal to it; turn the scans"
         )
     if both and overlap.relative > STEEP_WEDGE:
         doubts.append(
@@ -518,28 +526,6 @@ def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
             f"{STEEP_WEDGE:g}; walls of one joint are about parallel"
         )
     return doubts
-
-
-STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
-"""Inclinations [degrees] above which the plane of two scans, and the angle between them, are
-unusual. 5 degrees cause errors of heights and lengths of 0.4 %; 1 degree opens 65 mm by 1.1 mm."""
-_FAR = 1.5
-"""Largest usual distance, in standard deviations of the aperture, between first touch and the touch
-of a thousandth of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the
-largest was 0.95."""
-_STANDS_OUT = (
-    "the first contact stands out far and may be a remaining spike; use closures since "
-    "seating, not those from first touch"
-)
-_ALIKE = 0.99
-"""Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
-_ONE_WALL = (
-    "the walls fit each other at all wavelengths of the grid, as two scans of one wall do; check "
-    "that the files are of different walls"
-)
-_BELOW = (
-    "if both scans have one zero of heights, the walls are interchanged or heights count downwards"
-)
 
 
 def _describe_mating(mismatch: Mismatch) -> str:

@@ -31,6 +31,7 @@ NORMALISATIONS = ("wall", "expectation")
 ROLL_OFF = 3e-3
 """Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
 (docs/decisions/0013-readings.md)."""
+_LN2 = 0.6931471805599453
 
 
 class Spectrum(NamedTuple):
@@ -46,12 +47,33 @@ class Spectrum(NamedTuple):
     rule: str = "self_affine"
     roll_off: float | None = None
 
+    @property
+    def exponent(self) -> float:
+        """Exponent of the squared wave number in the power."""
+        return -1.0 if self.rule == "walk" else -(self.hurst + 1.0)
+
+    def squares(self, ny: int, wave_x: np.ndarray) -> np.ndarray:
+        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
+
+        The value of the mean is 1. For a walk, the squares are those of the differences d between
+        neighbours, |d|^2 = 4 sin^2(pi f) along each axis, over (2 pi)^2. Independent slopes g of
+        variance 1 have white spectra; the heights z that minimise
+        sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
+        (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power
+        1/(|d_x|^2 + |d_y|^2).
+        """
+        wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
+        if self.rule == "walk":
+            wave_y, wave_x = (_sines(wave) / np.pi for wave in (wave_y, wave_x))
+        square = wave_y * wave_y + wave_x * wave_x
+        square[0, 0] = 1.0
+        if self.roll_off is not None:
+            square = np.maximum(square, 1.0 / (self.roll_off * self.roll_off))
+        return square
+
 
 def gaussian_field(
-    shape: tuple[int, int],
-    spectrum: Spectrum,
-    random: np.random.Generator,
-    oversize: int = 2,
+    shape: tuple[int, int], spectrum: Spectrum, random: np.random.Generator, oversize: int = 2
 ) -> np.ndarray:
     """Generate Gaussian heights (y, x) of a spectrum and arbitrary scale.
 
@@ -66,54 +88,28 @@ def gaussian_field(
 def _random_waves(
     size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
 ) -> np.ndarray:
-    """Return Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
+    """Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
     noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
     return noise * _amplitudes(*size, spectrum)
 
 
-def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
-    """Return wave numbers in cycles per cell."""
-    ny, nx = size
-    return np.hypot(scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :])
-
-
 @lru_cache(maxsize=8)
 def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
-    """Return amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
-    amplitudes = power(_squares(ny, scipy.fft.rfftfreq(nx), spectrum), 0.5 * _exponent(spectrum))
+    """Amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    squares = spectrum.squares(ny, scipy.fft.rfftfreq(nx))
+    amplitudes = power(squares, 0.5 * spectrum.exponent)
     amplitudes[0, 0] = 0.0
     amplitudes.flags.writeable = False
     return amplitudes
 
 
-def _exponent(spectrum: Spectrum) -> float:
-    """Return the exponent of the squared wave number in the power."""
-    return -1.0 if spectrum.rule == "walk" else -(spectrum.hurst + 1.0)
-
-
-def _squares(ny: int, wave_x: np.ndarray, spectrum: Spectrum) -> np.ndarray:
-    """Return squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
-
-    Notes
-    -----
-    The value of the mean is 1. For a walk, the squares are those of the differences d between
-    neighbours, |d|^2 = 4 sin^2(pi f) along each axis, over (2 pi)^2. Independent slopes g of
-    variance 1 have white spectra; the heights z that minimise
-    sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
-    (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power 1/(|d_x|^2 + |d_y|^2).
-    """
-    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
-    if spectrum.rule == "walk":
-        wave_y, wave_x = (_sines(wave) / np.pi for wave in (wave_y, wave_x))
-    square = wave_y * wave_y + wave_x * wave_x
-    square[0, 0] = 1.0
-    if spectrum.roll_off is not None:
-        square = np.maximum(square, 1.0 / (spectrum.roll_off * spectrum.roll_off))
-    return square
+def _wave_numbers(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
+    """Wave numbers of `scipy.fft.rfft2` in cycles per cell, along y (ny, 1) and x (1, waves)."""
+    return scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :]
 
 
 def _sines(wave: np.ndarray) -> np.ndarray:
-    """Compute sin(pi f) with the same bits on any processor, as `power`."""
+    """sin(pi f) with the same bits on any processor, as `power`."""
     return np.vectorize(math.sin)(np.pi * wave)
 
 
@@ -143,9 +139,6 @@ def power(base: np.ndarray, exponent: float) -> np.ndarray:
     return np.ldexp(answer, whole.astype(int))
 
 
-_LN2 = 0.6931471805599453
-
-
 def synthetic_wall(
     z2: float,
     shape: tuple[int, int],
@@ -156,28 +149,10 @@ def synthetic_wall(
     rule: str = "self_affine",
     roll_off: float | None = None,
 ) -> np.ndarray:
-    """Generate one wall (y, x) [m] of given RMS slope, plane-detrended.
+    """Generate one wall (y, x) [m] of RMS slope ``z2``, plane-detrended; keywords as `wall_pair`.
 
-    Parameters
-    ----------
-    z2 : float
-        RMS slope at the grid spacing.
-    shape : (ny, nx)
-        Cells.
-    spacing : float
-        Grid spacing [m].
-    hurst : float
-        Hurst exponent in (0, 1].
-    random : Generator
-        Generator, used once.
-    normalise : {"wall", "expectation"}
-        Whether every wall has exactly this Z2, or walls have it on average. With
-        "expectation" all walls are scaled by the RMS slope of the spectrum.
-    rule : {"self_affine", "walk"}
-    roll_off : float, optional
-        Wavelength [m] beyond which the power is flat; see `wall_pair`.
+    With "expectation" all walls are scaled by the RMS slope of the spectrum.
     """
-    check_one_of("normalise", normalise, NORMALISATIONS)
     spectrum = spectrum_of(hurst, rule, roll_off, spacing)
     field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
@@ -218,7 +193,7 @@ def wall_pair(
     jrc_relation : str
         Key of `jointclosure.walls.roughness.RELATIONS`.
     normalise : {"wall", "expectation"}
-        See `synthetic_wall`.
+        Whether every wall has exactly the Z2 of its JRC, or walls have it on average.
     correlation : float
         Correlation of the lower wall with the negative of the upper one, in [0, 1]: 0 for
         independent walls (as in the paper), 1 for mated walls.
@@ -239,7 +214,6 @@ def wall_pair(
         3 mm is for walls as in the paper's study, whose Table 3 asks for it (docs/decisions/
         0013-readings.md). Natural walls have waves of all lengths: take None for them, as
         `jointclosure.fit` and docs/first_hour.md do.
-
     unusual_values : bool
         Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
 
@@ -263,20 +237,18 @@ def wall_pair(
         check_usual((), roll_off=roll_off, mismatch_wavelength=mismatch_wavelength)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
-    ny, nx = shape
-    wide = (ny, nx + shift_in_cells)
+    wide = (shape[0], shape[1] + shift_in_cells)
+    spectrum = spectrum_of(hurst, rule, roll_off, spacing)
     if mismatch_wavelength is not None:
         longest = float(mismatch_wavelength) / spacing
-        spectrum = spectrum_of(hurst, rule, roll_off, spacing)
         pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
         if normalise == "wall":
-            slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
-        else:
-            slope = _expected_rms_slope(wide, spectrum, spacing)
+            return _scaled_together(pair, z2, spacing)
+        slope = _expected_rms_slope(wide, spectrum, spacing)
         return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
     upper, lower = (
         synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
-        for random in (generator(seed_of(seed, side)) for side in ("upper", "lower"))
+        for random in _generators(seed)
     )
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
@@ -289,6 +261,19 @@ def wall_pair(
     return walls[0], walls[1]
 
 
+def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
+    """Generators of the upper and of the lower wall."""
+    return generator(seed_of(seed, "upper")), generator(seed_of(seed, "lower"))
+
+
+def _scaled_together(
+    pair: tuple[np.ndarray, np.ndarray], z2: float, spacing: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Scale two walls by one factor, so that their pooled slopes have the RMS ``z2``."""
+    slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
+    return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
+
+
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -298,13 +283,10 @@ def _partly_mated(
     displaced.
     """
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
-    upper, other = (
-        _random_waves(size, spectrum, generator(seed_of(seed, side))) for side in ("upper", "lower")
-    )
-    lower = np.where(_wave_numbers(size) * wavelength < 1.0, -upper, other)
-    fields = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
-    cells = wide[1] - shift
-    (upper, lower), rows = fields, slice(wide[0])
+    upper, other = (_random_waves(size, spectrum, random) for random in _generators(seed))
+    lower = np.where(np.hypot(*_wave_numbers(*size)) * wavelength < 1.0, -upper, other)
+    upper, lower = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
+    rows, cells = slice(wide[0]), wide[1] - shift
     return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
 
 
@@ -359,14 +341,81 @@ def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: flo
     """Return the expected RMS slope of `gaussian_field`, from its spectrum."""
     ny, nx = (2 * max(n, 2) for n in shape)
     wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
-    squares = _squares(ny, wave_x[0], spectrum)
-    powers = power(squares, _exponent(spectrum)) / (ny * nx)
+    powers = power(spectrum.squares(ny, wave_x[0]), spectrum.exponent) / (ny * nx)
     powers[0, 0] = 0.0
-    directions = [
-        4.0 * _sines(frequency) ** 2
-        for frequency, cells in ((wave_y, shape[0]), (wave_x, shape[1]))
-        if cells > 1
-    ]
-    weights = [(n0 - 1) * n1 for n0, n1 in (shape, shape[::-1]) if n0 > 1]
-    mean_squares = [float(np.sum(powers * factor)) for factor in directions]
-    return float(np.sqrt(np.average(mean_squares, weights=weights))) / spacing
+    mean_squares, weights = [], []
+    for wave, n, across in ((wave_y, *shape), (wave_x, *shape[::-1])):
+        if n > 1:
+            mean_squares.append(float(np.sum(powers * (4.0 * _sines(wave) ** 2))))
+            weights.append((n - 1) * across)
+    return float(np.sqrt(np.average(np.array(mean_squares), weights=weights))) / spacing
+
+
+def tilted(wall: np.ndarray, spacing: float, degrees: float) -> np.ndarray:
+    """Tilt a wall (y, x) [m] about the middle axis along y in its mean plane.
+
+    Heights increase by x tan(degrees). The displacement of cells by the cosine is neglected (4e-5
+    at 0.5 degrees).
+    """
+    nx = wall.shape[1]
+    x = spacing * (np.arange(nx) - 0.5 * (nx - 1))
+    return wall + np.tan(np.deg2rad(degrees)) * x
+
+
+def rotated_pair(
+    z2: float,
+    shape: tuple[int, int],
+    spacing: float,
+    spectrum: Spectrum,
+    seed: int,
+    mismatch_wavelength: float = np.inf,
+    rotation: float = 0.0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Make the walls of a joint whose lower wall is rotated about the normal, anticlockwise.
+
+    The walls are those of `wall_pair` with this seed, with waves longer than the mismatch
+    wavelength [m] in common (infinite: none), whose lower wall is evaluated at points rotated by
+    ``rotation`` [degrees] about its middle: as a sum of waves, so that no interpolation damps any.
+    The RMS slope ``z2`` is that of both walls pooled, after the rotation.
+
+    At multiples of 90 degrees cells map to cells. At other angles the waves in the corners of
+    the square of wave numbers are shorter than two spacings along x or y after the rotation, and
+    are aliased to longer waves. Heights at other angles may differ in their last digits between
+    processors, because the waves are summed by the matrix product of the installed BLAS.
+    """
+    n = shape[0]
+    if shape[1] != n:
+        raise InputError(f"shape = {tuple(shape)!r}: a wall is rotated on a square grid only")
+    size = (2 * n, 2 * n)
+    upper, other = (
+        scipy.fft.rfft2(gaussian_field(size, spectrum, random, oversize=1), workers=1)
+        for random in _generators(seed)
+    )
+    lower = np.where(np.hypot(*_wave_numbers(*size)) < spacing / mismatch_wavelength, -upper, other)
+    still = scipy.fft.irfft2(upper, s=size, workers=1)[:n, :n]
+    turned = _at_rotated_points(lower, n, rotation)
+    return _scaled_together((detrended(still), detrended(turned)), z2, spacing)
+
+
+def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
+    """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
+    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    middle = 0.5 * (n - 1)
+    about = np.arange(n) - middle
+    wave_y, wave_x = _wave_numbers(2 * n, 2 * n)
+    # waves of a real field with negative wave numbers along x are mirror images and not stored
+    twice = np.where((wave_x > 0.0) & (wave_x < 0.5), 2.0, 1.0)
+    weighted = (waves * twice).T / (2 * n) ** 2
+    # rotated point: (middle + cosine x + sine y, middle - sine x + cosine y)
+    of_x = _phases(cosine * about, wave_x), _phases(-sine * about, wave_y.T)
+    of_y = _phases(middle + sine * about, wave_x), _phases(middle + cosine * about, wave_y.T)
+    rows = []
+    for along_x, along_y in zip(*of_y, strict=True):
+        summed = of_x[0] @ (along_x[:, None] * weighted)
+        rows.append(np.sum(summed * of_x[1] * along_y, axis=1).real)
+    return np.stack(rows)
+
+
+def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
+    """Return exp(2 pi i f x) for places x [cells] (n,) and wave numbers f (1, waves)."""
+    return np.exp(2j * np.pi * places[:, None] * waves)

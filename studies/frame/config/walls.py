@@ -6,10 +6,10 @@ from pathlib import Path
 from jointclosure.engine.settings import SIDES, Walls
 from jointclosure.inputs import InputError
 from jointclosure.walls.measured import FLAT
-from jointclosure.walls.measured_pairs import PARTNERS
 from jointclosure.walls.scans import files_of
 from studies.frame.config.keys.configuration import SECTIONS
 from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.windows import PARTNERS
 
 
 def wall_files(walls: Walls) -> dict[str, str]:

@@ -15,8 +15,7 @@ from jointclosure.engine.settings import Grid, Surface
 from jointclosure.engine.surfaces import walls_of_seed
 from jointclosure.statistics.control_variates import Known
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.walls.bearing import bearing_depths, bearing_excess
-from jointclosure.walls.roughness import z2_of_jrc
+from jointclosure.walls.roughness import bearing_depths, bearing_excess, z2_of_jrc
 
 OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)
 """Covariates by which closures of the first and of later cycles are adjusted (docs/accuracy.md)."""

@@ -12,14 +12,13 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.walls.measured import Cloud, Scan, disjoint, filled, wall_on_grid
-from jointclosure.walls.measured_pairs import Cutter, MeasuredWalls
+from jointclosure.walls.measured import Cloud, Scan, filled, wall_on_grid
 from jointclosure.walls.measures import hurst_of
 from jointclosure.walls.outliers import without_plateaus
-from jointclosure.walls.plausibility import doubts, slope_doubts, unit_doubts
+from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import jrc_of_z2, rms_slope
-from jointclosure.walls.smoothing import smoothing_of
+from studies.frame.ensemble.windows import Cutter, MeasuredWalls, disjoint
 
 
 def prepared_walls(

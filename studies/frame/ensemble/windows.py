@@ -1,4 +1,4 @@
-"""Joints of scanned walls: windows of a scan, and the partner of a single wall."""
+"""Joints of a study cut from scanned walls: windows of a scan, and the partner of a single wall."""
 
 from typing import NamedTuple
 
@@ -6,17 +6,13 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.measured import FLAT, windows
+from jointclosure.walls.measured import FLAT
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.synthesis import synthetic_wall
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
 mirrored in x, an independent synthetic wall with its slope and Hurst exponent, or a flat wall."""
-
-_SYNTHETIC_STREAM = "matching"
-"""Name of the random stream of synthetic partners: a former term, kept because another name would
-give other walls."""
 
 
 class MeasuredWalls(NamedTuple):
@@ -44,22 +40,11 @@ class Placed(NamedTuple):
 
 
 class Cutter:
-    """Cutter of the joints of a study from scanned walls.
+    """Cutter of the joints of a study, of ``shape`` (ny, nx), from scanned walls.
 
-    Parameters
-    ----------
-    shape : (ny, nx)
-        Cells of a joint.
-    order_seed : int
-        Seed of the order of windows. Realisation r has the r-th window, so that realisations
-        have different windows, and adding realisations does not change the others.
-    normalise : {"wall", "expectation"}
-        For synthetic partners, see `jointclosure.walls.synthesis.synthetic_wall`.
-
-    Raises
-    ------
-    InputError
-        If no window of this shape fits.
+    ``order_seed`` is the seed of the order of windows. Realisation r has the r-th window, so that
+    realisations have different windows, and adding realisations does not change the others.
+    ``normalise`` is that of synthetic partners (`jointclosure.walls.synthesis.synthetic_wall`).
     """
 
     def __init__(
@@ -85,24 +70,23 @@ class Cutter:
 
     def joint(self, realization: int, seed: int) -> Placed:
         """Return the walls of a realisation, each plane-detrended, from its number and seed."""
-        names = list(self.walls.measured)
-        origin = self._origin("measured", realization)
-        cut = {name: self._cut(name, origin) for name in names}
-        origins = dict.fromkeys(names, origin)
-        for other in {"upper", "lower"} - set(names):
-            if self.walls.partner == "synthetic":
-                random = generator(seed_of(seed, _SYNTHETIC_STREAM))
+        walls, origin = self.walls, self._origin("measured", realization)
+        cut = {name: self._cut(name, origin) for name in walls.measured}
+        origins = dict.fromkeys(cut, origin)
+        for other in {"upper", "lower"} - set(walls.measured):
+            origins[other] = (-1, -1)
+            if walls.partner == "synthetic":
+                # the name of the stream is a former term: another would give other walls
+                random = generator(seed_of(seed, "matching"))
                 cut[other] = synthetic_wall(
-                    self.walls.z2, self.shape, self.walls.spacing, self.walls.hurst, random,
-                    self.normalise,
-                )  # fmt: skip
-                origins[other] = (-1, -1)
-            elif self.walls.partner == FLAT:
-                cut[other], origins[other] = np.zeros(self.shape), (-1, -1)
+                    walls.z2, self.shape, walls.spacing, walls.hurst, random, self.normalise
+                )
+            elif walls.partner == FLAT:
+                cut[other] = np.zeros(self.shape)
             else:
                 origins[other] = self._origin("partner", realization)
-                same = self._cut(names[0], origins[other])
-                turned = same[::-1, ::-1] if self.walls.partner == "rotated" else same[:, ::-1]
+                same = self._cut(next(iter(walls.measured)), origins[other])
+                turned = same[::-1, ::-1] if walls.partner == "rotated" else same[:, ::-1]
                 cut[other] = np.ascontiguousarray(turned)
         return Placed(cut["upper"], cut["lower"], origins["upper"], origins["lower"])
 
@@ -112,6 +96,47 @@ class Cutter:
         return y, x
 
     def _cut(self, name: str, origin: tuple[int, int]) -> np.ndarray:
-        y, x = origin
-        ny, nx = self.shape
+        (y, x), (ny, nx) = origin, self.shape
         return detrended(self.walls.measured[name][y : y + ny, x : x + nx])
+
+
+def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is none; the message states the largest size that fits.
+    """
+    offsets = _full_windows(wall, *shape)
+    if not len(offsets):
+        size = min(wall.shape)
+        while size > 0 and not len(_full_windows(wall, size, size)):
+            size -= 1
+        raise InputError(
+            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
+            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
+        )
+    return offsets
+
+
+def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
+    if wall.shape[0] < ny or wall.shape[1] < nx:
+        return np.empty((0, 2), int)
+    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
+    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
+    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
+    return np.argwhere(inside == 0)
+
+
+def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
+    """Count windows that fit side by side, taken in their order.
+
+    It is a lower bound of the largest number of disjoint windows.
+    """
+    count = 0
+    while len(offsets):
+        apart = np.abs(offsets - offsets[0])
+        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
+        count += 1
+    return count
