@@ -1,7 +1,7 @@
 """How long the flow through a published gap takes, here and in reynoldsflow.
 
 Both codes solve the same discretisation of Reynolds' equation on the same gap with periodic sides
-(`studies.verification.published_flow`), and must give the published flux. Times are those of
+(`studies.verification.analytic`), and must give the published flux. Times are those of
 one thread's processor time, of the whole call (connections, matrix, factorisation, solution,
 fluxes), medians of runs in turn after one that is not counted. Its solvers that need only its own
 dependencies are asked for: "scipy-spsolve" factorises by SuperLU as we do, "scipy.amg-rs" is
@@ -32,7 +32,7 @@ from yardstick import machine
 
 from jointclosure.joint.reynolds import flow_along
 from jointclosure.storage.text import write_csv
-from studies.verification.published_flow import PUBLISHED_FLUXES, published_gap
+from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
 

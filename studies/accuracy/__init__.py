@@ -14,11 +14,11 @@ from studies.accuracy.cost import (
     cost_table,
     order_table,
     runs_of,
+    setting_table,
     source_table,
 )
 from studies.accuracy.design import Setting, design_of, joint_of
 from studies.accuracy.figures import SCENE_TITLES, error_sources, work_precision
-from studies.accuracy.presets_table import setting_table
 from studies.frame.config.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 

@@ -83,24 +83,7 @@ def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint
 
 
 def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
-    """Return all settings of a configuration's ``accuracy`` section, and the runs by name.
-
-    Parameters
-    ----------
-    keys : dict
-        Keys of a checked configuration, see `studies.frame.config.configuration.Configured`.
-
-    Returns
-    -------
-    settings : list of Setting
-        The base of each variant first.
-    runs : dict
-
-    Raises
-    ------
-    ConfigurationError
-        If a variant, knob or key does not exist, or the model refuses a setting; names all.
-    """
+    """Return all settings of a configuration's ``accuracy`` section, and the runs by name."""
     problems = list(_unknown(keys))
     settings: list[Setting] = []
     runs: dict[str, Run] = {}

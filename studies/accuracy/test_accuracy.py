@@ -15,11 +15,7 @@ from studies.accuracy.cost import (
     runs_of,
     source_table,
 )
-from studies.accuracy.design import (
-    Setting,
-    design_of,
-    label_of,
-)
+from studies.accuracy.design import Setting, design_of, label_of
 from studies.frame.config.files import read_plain
 from tests.studied import ROOT, checked_study
 

@@ -5,13 +5,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.inputs import InputError
-from studies.accuracy.total import (
-    Cheap,
-    Diagram,
-    method_table,
-    point_table,
-    split_table,
-)
+from studies.accuracy.total import Cheap, Diagram, method_table, point_table, split_table
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS}

@@ -8,8 +8,8 @@ import pytest
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Numerics
 from jointclosure.storage.text import read_csv
+from studies.accuracy.cost import setting_table
 from studies.accuracy.design import design_of
-from studies.accuracy.presets_table import setting_table
 from studies.frame.config.configuration import configured
 from studies.frame.config.files import MEASURED, read_plain
 from studies.frame.config.presets import SCENES, chosen_numerics, numerics_in_full
@@ -101,10 +101,7 @@ def test_it_is_the_rocks_own_effects_that_break_or_not():
         ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
         ({"preset": "paper", "accuracy": 0.1}, "only one of them"),
         ({"accuracy": 0.001}, "must be at least 0.006"),
-        (
-            {"accuracy": 0.1, "radius": 10.0},
-            "largest_radius_mm = 10.0: must be one of null, 20",
-        ),
+        ({"accuracy": 0.1, "radius": 10.0}, "largest_radius_mm = 10.0: must be one of null, 20"),
         ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: must be left out"),
     ],
 )

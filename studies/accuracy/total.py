@@ -29,11 +29,7 @@ from jointclosure.statistics.total_error import (
 )
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.accuracy.design import Joint
-from studies.frame.ensemble.covariates import (
-    OF_FIRST_CYCLE,
-    OF_LATER_CYCLES,
-    covariates_of_pair,
-)
+from studies.frame.ensemble.covariates import OF_FIRST_CYCLE, OF_LATER_CYCLES, covariates_of_pair
 
 RESPONSES = {"mean": "levels", "interval": "interval"}
 """Measure of `studies.accuracy.cost` whose error is the bias of each response.
@@ -88,34 +84,14 @@ class Diagram(NamedTuple):
 
 
 def method_table(
-    diagram: Diagram,
-    costs: pd.DataFrame,
-    variance: pd.DataFrame,
-    cheap: Cheap,
+    diagram: Diagram, costs: pd.DataFrame, variance: pd.DataFrame, cheap: Cheap
 ) -> pd.DataFrame:
     """Compute bias, scatter and cost of every method, for each response, cycle and rock.
 
-    Parameters
-    ----------
-    diagram : Diagram
-    costs : DataFrame
-        As from `studies.accuracy.cost.cost_table`.
-    variance : DataFrame
-        ``variance_reduction.csv`` of the default study, as stored.
-    cheap : Cheap
-
-    Returns
-    -------
-    DataFrame
-        ``response``, ``cycle``, ``rock``, ``method``, ``control_variates``; ``bias_percent`` with
-        ``bias_low`` and ``bias_high``; the other fields of
-        `jointclosure.statistics.total_error.Method`. A method without these ends for a rock,
-        because an interval is absent from many resamples, has no row for that response and cycle.
-
-    Raises
-    ------
-    InputError
-        If the accuracy study lacks a setting, or a table a rock or response.
+    ``response``, ``cycle``, ``rock``, ``method``, ``control_variates``; ``bias_percent`` with
+    ``bias_low`` and ``bias_high``; the other fields of
+    `jointclosure.statistics.total_error.Method`. A method without these ends for a rock,
+    because an interval is absent from many resamples, has no row for that response and cycle.
     """
     scene = costs[costs.scene == diagram.total["scene"]]
     base = scene[scene.knob == BASE].iloc[0]
@@ -203,19 +179,11 @@ def _scatter(variance: pd.DataFrame, about: dict, diagram: Diagram) -> list[dict
 def point_table(methods: pd.DataFrame) -> pd.DataFrame:
     """Compute total error and core-minutes of every method with every split of a budget.
 
-    Parameters
-    ----------
-    methods : DataFrame
-        As from `method_table`.
-
-    Returns
-    -------
-    DataFrame
-        For each response, cycle, method and control variates: ``surfaces`` closed and
-        ``measured``, ``core_minutes`` of the rock where they are most; ``total_percent`` of the
-        rock where it is largest, its parts ``bias_percent``, ``bias_error_percent`` (1.96 standard
-        errors of it) and ``sampling_percent``.
-        ``best``: whether no other row of the response and cycle is both faster and more exact.
+    For each response, cycle, method and control variates: ``surfaces`` closed and
+    ``measured``, ``core_minutes`` of the rock where they are most; ``total_percent`` of the
+    rock where it is largest, its parts ``bias_percent``, ``bias_error_percent`` (1.96 standard
+    errors of it) and ``sampling_percent``.
+    ``best``: whether no other row of the response and cycle is both faster and more exact.
     """
     rows = []
     for names, part in methods.groupby(KEYS, sort=False):

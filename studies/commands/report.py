@@ -51,25 +51,7 @@ def run(arguments) -> int:
 
 
 def write_report(folder: Path, output: Path) -> int:
-    """Write a page with the results, figures and job times of a study, or with those of a joint.
-
-    Parameters
-    ----------
-    folder : path
-        Folder of a study's results, or one that `jointclosure close` wrote.
-    output : path
-        File of the page.
-
-    Returns
-    -------
-    int
-        Size of the page in bytes.
-
-    Raises
-    ------
-    InputError
-        If the study is not finished, or a file does not match its seal.
-    """
+    """Write a page with the results, figures and job times of a study, or with those of a joint."""
     with needs("report", "a report"):
         from studies.paper.report.content import content
         from studies.paper.report.page import render

@@ -7,11 +7,7 @@ from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
 from studies.frame.jobs.seals import write_seal
 
-COMMANDS = {
-    "plan": ["--standard-error", "0.01"],
-    "engineering": [],
-    "compare": ["the other study"],
-}
+COMMANDS = {"plan": ["--standard-error", "0.01"], "engineering": [], "compare": ["the other study"]}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

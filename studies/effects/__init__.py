@@ -71,20 +71,11 @@ def effects_design(configured: Configured) -> Design:
 def effect_table(joints: pd.DataFrame) -> pd.DataFrame:
     """Compute the contribution of each effect at each condition, and its cost.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `jointclosure.engine.points.close_points`, with the columns ``rock``, ``scene``,
-        ``jrc`` and ``stress`` [Pa].
-
-    Returns
-    -------
-    DataFrame
-        For each rock, roughness, stress, effect and cycle: of each of `TARGETS`
-        the mean with and without the effect, the change due to the effect
-        (closures in percent of the mean with it, hysteresis in percent of the
-        work) with the standard error of the paired differences, and the time
-        with the effect over that without, in FFT pairs.
+    For each rock, roughness, stress, effect and cycle: of each of `TARGETS`
+    the mean with and without the effect, the change due to the effect
+    (closures in percent of the mean with it, hysteresis in percent of the
+    work) with the standard error of the paired differences, and the time
+    with the effect over that without, in FFT pairs.
     """
     scenes = dict(list(joints.groupby(["rock", "scene"])))
     rows = []

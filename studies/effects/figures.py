@@ -32,13 +32,6 @@ _JOINTS = 180
 def effect_figure(table: pd.DataFrame) -> Figure:
     """Draw the change of the maximum closure due to each effect over its time.
 
-    Parameters
-    ----------
-    table : DataFrame
-        As from `studies.effects.effect_table`.
-
-    Notes
-    -----
     There is a column for each effect and a row for each cycle. A mark for each roughness (size)
     and stress (colour) is the median over the rocks, with a line from the smallest to the largest
     change. Changes below a tenth of a percent are drawn there.
@@ -111,13 +104,6 @@ def _over_rocks(table: pd.DataFrame) -> pd.DataFrame:
 def region_figure(table: pd.DataFrame) -> Figure:
     """Draw the error made without each effect over the stress, relative to the rock's strength.
 
-    Parameters
-    ----------
-    table : DataFrame
-        Rows as from `studies.effects.validation.validate`.
-
-    Notes
-    -----
     There is a panel for each effect, and a point for each random condition, with its roughness as
     colour and its ratio of modulus to strength as marker. Shaded bands, named in each panel, are
     the errors below the tolerances of the table. Errors below the axis are drawn at its lower end.
@@ -182,13 +168,6 @@ _STIFFNESSES = {"o": f"E / strength below {_STIFF:g}", "s": f"{_STIFF:g} and abo
 def choice_figure(table: pd.DataFrame) -> Figure:
     """Draw the error of the selected effects over stress, and the time that the selection saves.
 
-    Parameters
-    ----------
-    table : DataFrame
-        Rows as from `studies.effects.validation.validate`.
-
-    Notes
-    -----
     There is a column for each tolerance. Grey conditions keep all effects: they have no error,
     are counted in the upper panels instead of drawn, and lose only the time of the pilot. Errors
     below a hundredth of a percent are drawn there. Selections for the paper's 180 joints of a rock

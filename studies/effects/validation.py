@@ -68,13 +68,7 @@ class ValidationSettings(NamedTuple):
 
 
 def validation_settings(configuration: Configuration) -> ValidationSettings:
-    """Return the settings of the random conditions of a study.
-
-    Raises
-    ------
-    InputError
-        If the study has no ``ablation.validation``.
-    """
+    """Return the settings of the random conditions of a study."""
     study, ablation = configuration.study, configuration.ablation
     if ablation is None:
         raise InputError(
@@ -179,19 +173,16 @@ def validate(
 ) -> pd.DataFrame:
     """Select effects at random conditions, and compare with all effects and with the best scene.
 
-    Returns
-    -------
-    DataFrame
-        For each tolerance and number of ``joints`` that share a selection: the conditions, the
-        ``chosen`` effects, ``estimated_percent`` and ``actual_percent`` (the largest change of a
-        cycle's mean maximum closure), ``holds``; ``full_s``, ``chosen_s`` and ``best_s``, times of
-        as many joints with all effects, with the chosen ones, and of the fastest scene
-        (``best``) that keeps the tolerance; ``pilot_s``, the time of closures that no result
-        uses; ``saved_percent`` and ``best_saved_percent`` of the full time, the former with the
-        pilot; ``regret`` and ``effectivity``. Times are processor times. Surfaces on which the full
-        model fails are left out (``samples`` remain). If the selected effects fail on others
-        (``failed``), there is no error, and ``holds`` is false. ``without_<effect>_percent`` is the
-        change of the mean maximum closure without an effect, on the first surfaces at least.
+    For each tolerance and number of ``joints`` that share a selection: the conditions, the
+    ``chosen`` effects, ``estimated_percent`` and ``actual_percent`` (the largest change of a
+    cycle's mean maximum closure), ``holds``; ``full_s``, ``chosen_s`` and ``best_s``, times of
+    as many joints with all effects, with the chosen ones, and of the fastest scene
+    (``best``) that keeps the tolerance; ``pilot_s``, the time of closures that no result
+    uses; ``saved_percent`` and ``best_saved_percent`` of the full time, the former with the
+    pilot; ``regret`` and ``effectivity``. Times are processor times. Surfaces on which the full
+    model fails are left out (``samples`` remain). If the selected effects fail on others
+    (``failed``), there is no error, and ``holds`` is false. ``without_<effect>_percent`` is the
+    change of the mean maximum closure without an effect, on the first surfaces at least.
     """
     scene = random_scene(settings, number)
     report(f"conditions {number}: {scene}")

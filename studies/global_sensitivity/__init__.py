@@ -20,12 +20,7 @@ from studies.global_sensitivity.design import (
     settings_of_rock,
 )
 from studies.global_sensitivity.figures import conclusions, convergence, indices
-from studies.global_sensitivity.table import (
-    QUANTITIES,
-    by_rock,
-    elasticity_table,
-    index_table,
-)
+from studies.global_sensitivity.table import QUANTITIES, by_rock, elasticity_table, index_table
 
 PREFIX = "global_sensitivity_"
 TRIED = 8

@@ -48,29 +48,14 @@ class _Margins(NamedTuple):
 def conclusion_tables(
     sampling: Sampling, keys: Mapping, closed
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Compute the share of choices for which conclusions hold, and the inputs behind their margins.
+    """Compute shares of choices for which conclusions hold, and the inputs behind their margins.
 
-    Returns
-    -------
-    conclusions : DataFrame
-        ``number`` and ``conclusion`` of a statement of `studies.paper.claims`,
-        ``response`` (closure, with and without bulk indentation), ``cycle``, ``rock`` ("all": in
-        every rock at once), ``share`` of the drawn choices at which it holds for the fitted
-        elasticities by more than the tolerance, ``share_error`` (jackknife over rows, the same rows
-        left out in all rocks), ``share_low`` and ``share_high`` (95 %: by that error, but at least
-        as wide as for a count of single rows), number of ``rows`` and of ``rows_true``, for whose
-        changes it holds, including their noise.
-    margins : DataFrame
-        For each rock and ``input``: the ``share`` of the variance of the conclusion's margin over
-        the drawn choices due to the input's first function, with its jackknife error.
-
-    Statements on properties that do not vary, and responses that are not positive everywhere, are
-    left out.
-
-    Raises
-    ------
-    InputError
-        If the joints of a sampled rock are missing.
+    A conclusion holds at a drawn choice if it does for the fitted elasticities by more than the
+    tolerance. ``rock`` "all" is in every rock at once; ``share_error`` is by jackknife over rows,
+    ``share_low`` and ``share_high`` (95 %) are at least as wide as for a count of single rows;
+    ``rows_true`` are those for whose changes, noise included, it holds. The second table has the
+    ``share`` of the variance of the margin due to each input's first function. Statements on
+    properties that do not vary, and responses that are not positive everywhere, are left out.
     """
     fits = _elasticities(sampling, keys, closed)
     shares: list[dict] = []

@@ -97,13 +97,7 @@ _points = lru_cache(maxsize=None)(sampled_rows)
 
 
 def sampling_of(keys: dict) -> Sampling:
-    """Return the inputs and rows of a configuration's ``global_sensitivity`` section.
-
-    Raises
-    ------
-    ConfigurationError
-        If inputs or rows contradict each other.
-    """
+    """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
     section = GlobalSensitivityKeys.model_validate(keys["global_sensitivity"]).model_dump()
     sampling = Sampling(
         inputs=tuple(_inputs(section["inputs"])),

@@ -27,15 +27,6 @@ _ROWS = "rows of the design"
 def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     """Draw first and total indices of every input, with a panel for each response.
 
-    Parameters
-    ----------
-    table : DataFrame
-        From `studies.global_sensitivity.table.index_table`.
-    titles : dict
-        Titles of the rocks.
-
-    Notes
-    -----
     Filled: total; hollow: first. Bars: 95 % intervals.
     """
     most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
@@ -89,16 +80,7 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 
 @styled
 def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Draw the share of the open choices for which each conclusion holds, with 95 % intervals.
-
-    Parameters
-    ----------
-    table : DataFrame
-        From `studies.global_sensitivity.conclusions.conclusion_tables`; if it is
-        empty the figure is a text.
-    titles : dict
-        Titles of the rocks.
-    """
+    """Draw the share of the open choices for which each conclusion holds, with 95 % intervals."""
     if table.empty:
         figure, axes = subplots(figsize=(6.0, 2.0), layout=None)
         axes.set_axis_off()

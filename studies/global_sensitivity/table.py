@@ -10,18 +10,8 @@ import xarray as xr
 from jointclosure.engine.points import gridded
 from jointclosure.statistics.orthonormal import Fit, Term, design_matrix, fitted
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.variance_indices import (
-    Indices,
-    shapley_effects,
-    variance_indices,
-)
-from studies.global_sensitivity.design import (
-    SURFACES,
-    Input,
-    Sampling,
-    is_positive,
-    value_at,
-)
+from jointclosure.statistics.variance_indices import Indices, shapley_effects, variance_indices
+from studies.global_sensitivity.design import SURFACES, Input, Sampling, is_positive, value_at
 from studies.paper.claims import LOOP
 
 RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
@@ -86,18 +76,7 @@ class Elasticities(NamedTuple):
 
 
 def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
-    """Put the joints of each rock on a grid.
-
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `jointclosure.engine.points.close_points`.
-
-    Returns
-    -------
-    dict of Dataset
-        `QUANTITIES` over (row, point, surface, cycle), NaN where a simulation failed.
-    """
+    """Put the joints of each rock on a grid."""
     joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
     return {
         str(rock): gridded(part, ("row", "point", "surface"), QUANTITIES)
@@ -128,20 +107,11 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Compute indices of all inputs and responses, for a quarter, half and all of the rows.
 
-    Parameters
-    ----------
-    sampling : Sampling
-    closed : mapping
-        As from `by_rock`.
-
-    Returns
-    -------
-    DataFrame
-        Without responses of fewer than `FEWEST` complete rows. ``rock``, ``response``, ``cycle``,
-        ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
-        rows also the Shapley effects of the fitted function (``shapley``, and
-        ``shapley_dependent`` with its dependent inputs) with jackknife errors. The input
-        "surfaces" has the share of the surfaces in a single joint's variance.
+    Without responses of fewer than `FEWEST` complete rows. ``rock``, ``response``, ``cycle``,
+    ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
+    rows also the Shapley effects of the fitted function (``shapley``, and
+    ``shapley_dependent`` with its dependent inputs) with jackknife errors. The input
+    "surfaces" has the share of the surfaces in a single joint's variance.
     """
     rows, fits = [], []
     for response in responses_of(sampling, closed):
@@ -163,13 +133,10 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
 def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
     """Compute elasticities of properties, and their variation with all other inputs.
 
-    Returns
-    -------
-    DataFrame
-        ``rock``, ``response``, ``cycle``, ``input``; over all other inputs the mean ``elasticity``,
-        its standard deviation ``spread`` and the share for which it is positive,
-        ``share_positive``, with their jackknife errors; ``fit_over_noise``. A response that is not
-        positive everywhere has none.
+    ``rock``, ``response``, ``cycle``, ``input``; over all other inputs the mean ``elasticity``,
+    its standard deviation ``spread`` and the share for which it is positive,
+    ``share_positive``, with their jackknife errors; ``fit_over_noise``. A response that is not
+    positive everywhere has none.
     """
     rows = []
     for response in filter(has_elasticities, responses_of(sampling, closed)):

@@ -18,17 +18,8 @@ from studies.frame.ensemble.slices import block_settings
 from studies.frame.experiments import checked_design, experiment_named
 from studies.global_sensitivity import figures as figures
 from studies.global_sensitivity.conclusions import conclusion_tables
-from studies.global_sensitivity.design import (
-    keys_at,
-    sampling_of,
-    settings_of_rock,
-)
-from studies.global_sensitivity.table import (
-    QUANTITIES,
-    by_rock,
-    elasticity_table,
-    index_table,
-)
+from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
+from studies.global_sensitivity.table import QUANTITIES, by_rock, elasticity_table, index_table
 from tests.studied import ROOT, checked_study
 
 EXPERIMENT = experiment_named("global_sensitivity")

@@ -114,14 +114,11 @@ class _Walls(NamedTuple):
 def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
     """Compare each variant and kind of walls with each measured joint.
 
-    Returns
-    -------
-    DataFrame
-        ``variant``, ``walls`` ("independent" or "mated"), ``joint``, fitted ``wavelength_mm``
-        (infinite: independent) with its ``wavelength_error``, ``observable``, ``unit``, mean
-        ``value`` over surfaces with its standard ``error`` (bootstrap over surfaces, with the
-        wavelength fitted anew), ``low`` and ``high`` end of the 95 % interval of a single joint,
-        ``measured_low``, ``measured_high``, ``judgement``, number of ``surfaces``.
+    ``variant``, ``walls`` ("independent" or "mated"), ``joint``, fitted ``wavelength_mm``
+    (infinite: independent) with its ``wavelength_error``, ``observable``, ``unit``, mean
+    ``value`` over surfaces with its standard ``error`` (bootstrap over surfaces, with the
+    wavelength fitted anew), ``low`` and ``high`` end of the 95 % interval of a single joint,
+    ``measured_low``, ``measured_high``, ``judgement``, number of ``surfaces``.
     """
     rows = []
     for variant, part in observables.groupby("variant", sort=False):
@@ -210,11 +207,8 @@ def _between(logs: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
 def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
     """Predict each measured joint from each other one, and from all others.
 
-    Returns
-    -------
-    DataFrame
-        ``fitted_to`` (joints, as in "1+2"), ``joint``, ``observable``, ``low``, ``median``,
-        ``high`` of the 95 % interval, ``measured_low``, ``measured_high``, ``judgement``, ``hit``.
+    ``fitted_to`` (joints, as in "1+2"), ``joint``, ``observable``, ``low``, ``median``,
+    ``high`` of the 95 % interval, ``measured_low``, ``measured_high``, ``judgement``, ``hit``.
     """
     base = observables[(observables.variant == BASE) & np.isfinite(observables.wavelength)]
     fits = {joint: _likelihood(base, "first_closure", joint) for joint in JOINTS}

@@ -34,13 +34,7 @@ SHOWN = (
 
 
 def misalignment_design(configured: Configured) -> Design:
-    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
-
-    Raises
-    ------
-    ConfigurationError
-        If the study sets walls that the experiment sets, or walls that cannot be rotated.
-    """
+    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
     keys, configuration = configured.keys, configured.typed
     section = MisalignmentKeys.model_validate(keys["misalignment"])
     refuse(_problems(keys, section))

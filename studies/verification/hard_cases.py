@@ -31,8 +31,7 @@ from jointclosure.solvers.joint import CONVERGED, Joint, Settled
 from jointclosure.solvers.registry import solver_named
 from studies.frame.config.schema import problems
 from studies.verification import oracle
-from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys
-from studies.verification.hard_walls import hard_walls
+from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys, hard_walls
 from studies.verification.requirements import EXTRA, broken_requirements, limits_of
 
 _LARGEST_JUDGED = 2500
@@ -136,17 +135,6 @@ def merged_cases(study: dict) -> dict[str, dict]:
     """Return cases by name, each merged over the defaults, in SI.
 
     A case with several ways of breakage is one case for each, named after it.
-
-    Parameters
-    ----------
-    study : dict
-        The contents of ``hard_cases.yaml``.
-
-    Raises
-    ------
-    InputError
-        If a case is not valid (`studies.verification.hard_case_keys`), two cases have one
-        name, or a case is compared with one that does not exist.
     """
     _refuse(problems(HardCasesKeys, study))
     cases = {}
@@ -188,13 +176,7 @@ def _refuse(lines: Iterable[str]) -> None:
 
 
 def run_case(case: dict) -> Outcome:
-    """Close and judge a case's joint and measure the time; the result is kept for the process.
-
-    Parameters
-    ----------
-    case : dict
-        As from `merged_cases`.
-    """
+    """Close and judge a case's joint and measure the time; the result is kept for the process."""
     return _run(json.dumps(case, sort_keys=True))
 
 

@@ -25,23 +25,7 @@ MEANS, DEVIATIONS, SAMPLES = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083), 20
 
 
 def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
-    """Compute delta_a [m] by Eqs. (11) and (13) with the principal cube root.
-
-    Parameters
-    ----------
-    overlap : float
-        delta_S [m].
-    gamma : float
-        gamma of Eq. (12) [m^(-1/2)].
-    sign : int
-        Sign of 81 gamma^2 delta_S^2 - 12 delta_S under the root: -1 as printed, +1
-        as derived.
-
-    Returns
-    -------
-    array (2,) of complex
-        Values for the upper and the lower sign of Eq. (13).
-    """
+    """Compute delta_a [m] by Eqs. (11) and (13) with the principal cube root."""
     return _deformations(overlap, gamma, sign)[:, 0]
 
 
@@ -114,15 +98,7 @@ def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
 
 
 def displacement_as_printed(distance: float, base_radius: float, modulus: float) -> float:
-    """Compute displacement per unit force [m/N] by Eqs. (17) and (19) as printed.
-
-    Parameters
-    ----------
-    distance, base_radius : float
-        zeta >= r [m].
-    modulus : float
-        E* [Pa].
-    """
+    """Compute displacement per unit force [m/N] by Eqs. (17) and (19) as printed."""
     zeta, r = np.float64(distance), np.float64(base_radius)
     pressure = 3.0 / (2.0 * np.pi * r**2)
     bracket = (2.0 * r**2 - zeta**2) * np.arcsin(r / zeta) + r * np.sqrt(zeta**2 - r**2)
@@ -160,21 +136,6 @@ def length_as_printed(levels, means, deviations, samples: int, critical: float) 
 
     The correlations and the quartic are in powers of the parameter itself, and the roots by
     `numpy.roots`; a root is real if `numpy.roots` returns it as real.
-
-    Parameters
-    ----------
-    levels, means, deviations : array (3,)
-        p_L, p_M, p_H, and x_max and S there.
-    samples : int
-        n, 20 in the paper.
-    critical : float
-        t_cr.
-
-    Returns
-    -------
-    float
-        |p - p_M| of the closest real root; NaN without one, or if Eqs. (25) and (27)
-        are singular in double precision.
     """
     powers = np.vander(np.asarray(levels, dtype=float), 3)
     values = np.stack([np.asarray(means, dtype=float), np.asarray(deviations, dtype=float)], 1)
@@ -273,3 +234,56 @@ def _table(subject: str, rows: list[tuple[str, float, float]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=["series", "at", "error"])
     frame.insert(0, "subject", subject)
     return frame
+
+
+FORMULAS = {
+    "cubic": ("contact law over 24 decades of g", 1e-14),
+    "far field": ("interaction up to zeta/r = 1e9", 1e-13),
+    "quartic": ("indifference interval of levels 1e-9 apart, relative", 1e-13),
+}
+"""Difficulty of each formula, and the largest allowed relative error."""
+OURS = "jointclosure"
+_SOLVED = 1.01e-10
+
+
+def formula_rows(errors: pd.DataFrame, loads: pd.DataFrame) -> list[dict]:
+    """Return rows for the table of hard cases.
+
+    With the columns of rows of joints, and ``largest_error``.
+    """
+    rows = []
+    for subject, (hard, limit) in FORMULAS.items():
+        ours = errors[(errors.subject == subject) & errors.series.str.startswith(OURS)]
+        worst = float(np.max(ours.error.to_numpy())) if len(ours) else np.inf
+        rows.append(
+            _row(subject.replace(" ", "_"), hard, f"relative error at most {limit:g}", worst, limit)
+        )
+    for joint, part in loads.groupby("joint", sort=False):
+        beyond = part[part.spectral_radius >= 1.0]
+        name = joint.replace("'s", "").replace(" ", "_")
+        rows.append(
+            _row(
+                f"interaction_{name}",
+                f"{len(part)} loads, on {len(beyond)} of which the sweep of the paper, read as "
+                "simultaneous, does not converge",
+                f"the fast solver's residual is at most {_SOLVED:g}, by a dense matrix",
+                float(np.max(part.fast_residual.to_numpy())),
+                _SOLVED,
+            )
+        )
+    return rows
+
+
+def _row(name: str, hard: str, must_hold: str, worst: float, limit: float) -> dict:
+    holds = bool(worst <= limit)
+    return {
+        "name": name,
+        "group": "numerics",
+        "hard": hard,
+        "must_hold": must_hold,
+        "expected": "answer",
+        "status": "success" if np.isfinite(worst) else "not found",
+        "holds": holds,
+        "failed": "" if holds else f"error {worst:.3g}, at most {limit:g}",
+        "largest_error": worst,
+    }

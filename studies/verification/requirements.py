@@ -1,8 +1,9 @@
 """Requirements of every hard case, and of single ones."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
+import pandas as pd
 
 from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 
@@ -21,15 +22,7 @@ SOLVED = 1.01
 
 
 def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
-    """List the requirements that do not hold for a case, one line each.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        As from `studies.verification.hard_cases.run_case`.
-    tolerances : dict
-        ``residual``, ``strength`` and ``target``, all relative.
-    """
+    """List the requirements that do not hold for a case, one line each."""
     case = outcome.case
     failed = [f"warned: {text}" for text in outcome.warned]
     answered = outcome.dataset is not None and int(outcome.dataset.status) < FAILURE
@@ -179,3 +172,39 @@ EXTRA: dict[str, Callable[..., list[str]]] = {
     "forgets": _forgets,
 }
 """Requirements of single cases, by their key under ``must``."""
+
+
+ERRORS: dict[str, tuple[str, ...]] = {
+    "forces": ("residual", "without_overlap", "without_force"),
+    "load": ("load",),
+    "volume": ("volume",),
+    "strength": ("strength",),
+}
+"""Errors of a case, all relative: the largest of these fields of `oracle.Verdict`."""
+GROWTH = 4.0
+"""Allowed ratio of an error to the stored one."""
+FLOOR = 64.0 * np.finfo(float).eps
+"""Error below which nothing is judged: rounding of sums."""
+
+
+def error_table(cases: pd.DataFrame, origin: Mapping[str, str]) -> pd.DataFrame:
+    """Tabulate the errors of the judged cases, with what gave them."""
+    judged = cases[cases.states_judged > 0]
+    table = pd.DataFrame({"name": judged.name, "group": judged.group})
+    for error, fields in ERRORS.items():
+        largest = judged[[f"oracle_{field}" for field in fields]].max(axis=1)
+        table[error] = [float(f"{value:.3g}") for value in largest]
+    return table.assign(**origin)
+
+
+def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
+    """List the errors that have grown beyond `GROWTH`, one line each."""
+    grown = []
+    for error, fields in ERRORS.items():
+        for field in fields:
+            if not worst[field] <= GROWTH * max(float(stored[error]), FLOOR):
+                grown.append(
+                    f"{field} is {worst[field]:.3g}, {stored[error]:.3g} is stored for {error} "
+                    f"({stored['processor']}, {stored['versions']})"
+                )
+    return grown

@@ -88,11 +88,7 @@ def problem_at(
     )
     order = np.argsort(-overlap, kind="stable")
     contacts = Contacts(
-        cells[order],
-        overlap[order],
-        compliance[order],
-        np.full(cells.size, np.inf),
-        law.substrate,
+        cells[order], overlap[order], compliance[order], np.full(cells.size, np.inf), law.substrate
     )
     table = influence_table(*upper.shape, law.base_radius, law.substrate_modulus, law.spacing)
     return Problem(contacts, table, dense_influence_matrix(contacts.cells, upper.shape[1], law))
@@ -216,14 +212,11 @@ def critical_closure(upper: np.ndarray, lower: np.ndarray, steps: int = 24) -> f
 def load_table() -> pd.DataFrame:
     """Tabulate both readings and the fast solver over loads, for the paper's and polished walls.
 
-    Returns
-    -------
-    DataFrame
-        For each load: nominal stress, number of contacts, spectral radius of a
-        simultaneous pass; passes of both readings until the 1 % test (0: never, in
-        `MOST_SIMULTANEOUS_PASSES` or `MOST_PASSES`) and the error of the forces then
-        (sum |F - F*| / sum F*, and the largest relative error); sweeps and products
-        to a residual of 1e-10, and the fast solver's residual.
+    For each load: nominal stress, number of contacts, spectral radius of a
+    simultaneous pass; passes of both readings until the 1 % test (0: never, in
+    `MOST_SIMULTANEOUS_PASSES` or `MOST_PASSES`) and the error of the forces then
+    (sum |F - F*| / sum F*, and the largest relative error); sweeps and products
+    to a residual of 1e-10, and the fast solver's residual.
     """
     upper, lower = paper_walls()
     critical = critical_closure(upper, lower)

@@ -10,7 +10,7 @@ import jointclosure as jc
 from jointclosure.storage.text import read_csv
 from studies.frame.config.files import read_plain
 from studies.verification.hard_cases import failed_requirements, merged_cases, run_case
-from studies.verification.ratchet import ERRORS, FLOOR, grown_errors
+from studies.verification.requirements import ERRORS, FLOOR, grown_errors
 
 ROOT = Path(__file__).parents[2]
 STUDY = read_plain(ROOT / "studies/verification/hard_cases.yaml")

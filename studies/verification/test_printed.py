@@ -2,17 +2,19 @@
 
 import mpmath
 import numpy as np
+import pandas as pd
 import pytest
 
 from studies.verification import printed
+from studies.verification.printed import FORMULAS, formula_rows
 
 
-def errors(frame):
-    return frame.pivot(index="at", columns="series", values="error")
+def by_series(frame):
+    return frame.pivot_table("error", "at", "series")
 
 
 def test_the_cubic_as_printed_is_never_right_and_its_best_root_loses_what_ours_keeps():
-    found = errors(printed.cubic_errors(np.logspace(-12, 12, 25)))
+    found = by_series(printed.cubic_errors(np.logspace(-12, 12, 25)))
     assert found["Eq. (13) as printed"].min() > 0.1
     assert found["sign corrected, principal root"].min() > 0.1
     best = found["sign corrected, best root"]
@@ -30,7 +32,7 @@ def test_the_exact_deformation_solves_eq_10_to_50_digits():
 
 
 def test_the_far_field_as_printed_loses_every_digit_and_ours_none():
-    found = errors(printed.far_field_errors(np.logspace(0, 9, 40)))
+    found = by_series(printed.far_field_errors(np.logspace(0, 9, 40)))
     as_printed = found["Eq. (17) as printed"]
     assert as_printed[as_printed.index < 2.0].max() < 1e-14
     assert as_printed[as_printed.index > 3e8].max() > 0.1
@@ -39,7 +41,7 @@ def test_the_far_field_as_printed_loses_every_digit_and_ours_none():
 
 @pytest.mark.parametrize("base", [1e-9, 0.2, 78e9])
 def test_the_quartic_as_printed_loses_every_digit_and_ours_none(base):
-    found = errors(printed.quartic_errors(np.logspace(-9, -0.5, 18), base))
+    found = by_series(printed.quartic_errors(np.logspace(-9, -0.5, 18), base))
     as_printed = found[f"Eq. (29) as printed, p = {base:g}"]
     assert as_printed.iloc[-1] < 1e-12
     assert as_printed.iloc[0] > 1.0
@@ -51,3 +53,50 @@ def test_a_missing_root_is_none_in_all_forms():
     assert mpmath.isnan(printed.exact_length(levels, flat, flat, 20, 2.0))
     assert np.isnan(printed.length_as_printed(levels, flat, flat, 20, 2.0))
     assert printed.relative_error(np.nan, mpmath.mpf(1)) == np.inf
+
+
+LOADS = pd.DataFrame(
+    {
+        "joint": ["paper's grid"] * 2 + ["polished"],
+        "spectral_radius": [0.9, 1.2, 3.0],
+        "fast_residual": [1e-12, 2e-11, 3e-12],
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return pd.concat(
+        [
+            printed.cubic_errors(np.logspace(-12, 12, 5)),
+            printed.far_field_errors(np.logspace(0, 9, 5)),
+            printed.quartic_errors(np.logspace(-9, -0.5, 4), 78e9),
+        ]
+    )
+
+
+def test_every_formula_and_every_joint_is_a_row_that_holds(measured):
+    rows = pd.DataFrame(formula_rows(measured, LOADS)).set_index("name")
+    assert rows.index.tolist() == [
+        *(name.replace(" ", "_") for name in FORMULAS),
+        "interaction_paper_grid",
+        "interaction_polished",
+    ]
+    assert rows.holds.all()
+    assert rows.loc["interaction_paper_grid", "largest_error"] == 2e-11
+    assert "2 loads, on 1 of which" in rows.loc["interaction_paper_grid", "hard"]
+
+
+@pytest.mark.parametrize("subject", FORMULAS)
+def test_a_formula_that_loses_digits_or_is_not_measured_does_not_hold(measured, subject):
+    ours = measured.series.str.startswith("jointclosure") & (measured.subject == subject)
+    worse = measured.assign(error=measured.error.where(~ours, 1e-9))
+    for spoilt in (worse, measured[~ours]):
+        rows = pd.DataFrame(formula_rows(spoilt, LOADS)).set_index("name")
+        assert rows.index[~rows.holds].tolist() == [subject.replace(" ", "_")]
+        assert rows.loc[subject.replace(" ", "_"), "failed"]
+
+
+def test_a_load_that_is_not_solved_does_not_hold(measured):
+    rows = pd.DataFrame(formula_rows(measured, LOADS.assign(fast_residual=[1e-9, 0.0, np.nan])))
+    assert rows.set_index("name").holds.tolist() == [True, True, True, False, False]

@@ -16,7 +16,7 @@ from jointclosure.joint.reynolds import (
     SIDES,
     flow_along,
 )
-from studies.verification.published_flow import PUBLISHED_FLUXES, published_gap
+from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 
 def random_field(seed: int, shape=(40, 60), contact=0.1) -> np.ndarray:

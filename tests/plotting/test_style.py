@@ -18,7 +18,7 @@ matplotlib.use("svg")
 before = dict(matplotlib.rcParams)
 from studies.accuracy import figures as accuracy
 from studies.effects import figures as effects
-from studies.verification import figures as hard_cases, numerics_figure as numerics
+from studies.verification import figures as verification
 from jointclosure.plotting import joint
 from studies.paper import closure_figures
 from jointclosure.plotting import walls

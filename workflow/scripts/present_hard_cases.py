@@ -7,10 +7,9 @@ from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.jobs.job import job, listed
 from studies.frame.jobs.logbook import Logbook
-from studies.verification.figures import hard_case_page
-from studies.verification.formulas import formula_rows
-from studies.verification.numerics_figure import numerics_figure
-from studies.verification.ratchet import error_table
+from studies.verification.figures import hard_case_page, numerics_figure
+from studies.verification.printed import formula_rows
+from studies.verification.requirements import error_table
 
 INPUTS = ("tables", "curves", "formulas", "loads")
 

@@ -4,6 +4,7 @@ from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
 from studies.accuracy.design import Joint
+from studies.accuracy.figures import total_error_figure
 from studies.accuracy.total import (
     Diagram,
     method_table,
@@ -11,7 +12,6 @@ from studies.accuracy.total import (
     split_table,
     time_cheap,
 )
-from studies.accuracy.total_figures import total_error_figure
 from studies.frame.jobs.job import job
 from studies.frame.jobs.logbook import Logbook
 

@@ -56,7 +56,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     Parameters
     ----------
     measured : DataFrame
-        As from `studies.accuracy.presets_table.setting_table`.
+        As from `studies.accuracy.cost.setting_table`.
     configuration, default : dict
         Configuration of the study, and that of the paper.
     """
