@@ -43,7 +43,7 @@ export MPLBACKEND := Agg
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
 	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
-	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/operations.md#run-on-a-cluster)."
+	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/reference.md#run-on-a-cluster)."
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
 	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
@@ -130,10 +130,9 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 	$(BIN)/lint-imports
 	$(BIN)/snakemake --lint
 
-docs: $(STAMP) ## Write the pages made of docs/templates, and build the site, without a network, to build/docs/index.html
+docs: $(STAMP) ## Write the pages made of templates, and build the site, without a network, to build/docs/index.html
 	@$(BIN)/python docs/site/templates.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
-	@$(BIN)/python docs/site/links.py build/docs
 
 publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
 	@$(BIN)/python docs/site/publish.py "$$STUDY"

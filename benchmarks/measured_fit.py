@@ -5,7 +5,7 @@ The wavelength is fitted to the first loading (closure and recovery), by `fit` o
 cycles. Conditions are those of measured_joints.yaml. Then simulated joints of granite whose
 wavelength is known are fitted alike, to count how often the interval contains it. Run as `python
 benchmarks/measured_fit.py`, about five minutes of processor time; `python docs/site/publish.py
-build/benchmarks measured_fit` stores its tables for docs/mismatch.md.
+build/benchmarks measured_fit` stores its tables for docs/beyond.md.
 """
 
 import os

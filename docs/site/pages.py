@@ -1,20 +1,10 @@
-"""Pages of the site that are made when it is built: hooks of mkdocs (see mkdocs.yml).
-
-- Documents that lie outside of docs/ become pages, and links to them are followed.
-- A link to another file of the project leads to a copy of it.
-- The modules of the package have a page each, from their docstrings.
-- Notebooks (docs/notebooks/*.py, cells marked by ``# %%``) are run, and shown with what they
-  put out.
-- Equations become MathML, which browsers draw by themselves.
-"""
+"""Hooks of mkdocs: pages from outside of docs/, notebooks that are run, equations as MathML."""
 
 import os
 import re
-from functools import cache
 from pathlib import Path
 
 import jupytext
-import nbformat
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
@@ -27,51 +17,50 @@ from traitlets.config import Config
 
 ROOT = Path(__file__).parents[2]
 OUTSIDE = {
-    "README.md": "about.md",
+    "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changes.md",
     "config/README.md": "keys.md",
 }
-"""Documents outside of docs/, and what their pages are called."""
-SHOWN = ["image/svg+xml", "image/png", "text/markdown", "text/plain"]
-"""Forms of a cell's value, in order of preference. HTML would bring scripts and styles."""
-FIGURES = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
-"""Environment of a kernel whose figures become outputs of their cells; with Agg there are none."""
+"""Documents outside of docs/, and their pages."""
+PICTURES = {".png", ".pdf", ".svg", ".npz"}
 _LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(\))")
 _EQUATION = re.compile(r'<(span|div) class="arithmatex">\\([\[(])(.*?)\\[\])]</\1>', re.S)
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """Name the pages of the API and the decisions in the navigation."""
-    sections = {title: entry for each in config.nav or [] for title, entry in each.items()}
-    sections["API"] += [f"api/{name}.md" for name, _ in modules()]
-    records = sorted((ROOT / "docs/decisions").glob("[0-9]*.md"))
-    sections["Decisions"] += ["decisions/README.md", *(f"decisions/{r.name}" for r in records)]
+    """Name the pages of the API in the navigation."""
+    config.nav.append({"API": [f"api/{name}.md" for name in modules()]})
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pages that are not in docs/."""
+    """Add the pages that are not in docs/, and copies of the files that pages link to."""
     for path, name in OUTSIDE.items():
         files.append(File.generated(config, name, abs_src_path=str(ROOT / path)))
-    for name, page in modules():
+    for name, page in modules().items():
         files.append(File.generated(config, f"api/{name}.md", content=page))
     for source in sorted((ROOT / "docs/notebooks").glob("*.py")):
         for name, content in notebook(source).items():
             files.append(File.generated(config, f"notebooks/{name}", content=content))
-    for path in sorted(linked_files(files)):
-        copy = contents_of(ROOT / path)
-        files.append(File.generated(config, f"files/{shown_as(path)}", content=copy))
+    linked = {
+        link[2]: (here.parent / link[2]).resolve()
+        for here in map(source_of, files.documentation_pages())
+        if here
+        for link in _LINK.finditer(here.read_text(encoding="utf-8"))
+        if (site_path(here, link[2]) or "").startswith("files/")
+    }
+    for path in sorted(set(linked.values())):
+        name = f"files/{shown_as(path)}"
+        files.append(File.generated(config, name, content=path.read_bytes()))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Lead links to where their targets are in the site."""
     here = source_of(page.file)
-    if here is None:
-        return markdown
 
     def moved(link: re.Match) -> str:
-        target = site_path(here, link[2])
+        target = site_path(here, link[2]) if here else None
         if target is None:
             return link[0]
         near = os.path.relpath(target, Path(page.file.src_uri).parent)
@@ -81,7 +70,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Equations as MathML."""
+    """Equations as MathML, which browsers draw by themselves."""
 
     def drawn(found: re.Match) -> str:
         text = found[3].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
@@ -90,48 +79,38 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
     return _EQUATION.sub(drawn, html)
 
 
-@cache
-def modules() -> tuple[tuple[str, str], ...]:
-    """Modules and packages right below the package: their names, and their pages."""
+def modules() -> dict[str, str]:
+    """API pages of the package and of the packages right below it."""
     package = ROOT / "src/jointclosure"
-    found = ["jointclosure"]
-    for path in sorted(package.iterdir()):
-        source = path / "__init__.py" if path.is_dir() else path
-        if source.is_file() and source.suffix == ".py" and not path.name.startswith("__"):
-            found.append(path.stem)
-    return tuple((name, _api_page(name)) for name in found)
-
-
-def _api_page(name: str) -> str:
-    whole = name if name == "jointclosure" else f"jointclosure.{name}"
-    title = f"---\ntitle: {name}\n---\n\n# {whole}\n\n"
-    if name == "jointclosure":  # its names are defined elsewhere: those, and no module of it
-        return f"{title}::: {whole}\n    options:\n      show_submodules: false\n"
-    return f"{title}::: {whole}\n"
+    names = [path.parent.name for path in sorted(package.glob("*/__init__.py"))]
+    pages = {name: f"# jointclosure.{name}\n\n::: jointclosure.{name}\n" for name in names}
+    own = "# jointclosure\n\n::: jointclosure\n    options:\n      show_submodules: false\n"
+    return {"jointclosure": own} | pages
 
 
 def notebook(source: Path) -> dict[str, str | bytes]:
-    """A notebook that was run, as files: a page, its pictures, and itself for Jupyter."""
+    """A notebook that was run, as files: a page and its pictures."""
     book = executed(jupytext.read(source), source.name)
-    shown = Config({"NbConvertBase": {"display_data_priority": SHOWN}})
-    page, parts = MarkdownExporter(config=shown).from_notebook_node(book)
-    files: dict[str, str | bytes] = {}
-    for name, picture in parts["outputs"].items():
-        own = f"{source.stem}_{name}"
-        page = page.replace(f"]({name})", f"]({own})")
-        files[own] = picture
-    files[f"{source.stem}.ipynb"] = nbformat.writes(book)
-    download = f"[download it]({source.stem}.ipynb)"
-    files[f"{source.stem}.md"] = f"{page}\nA notebook, run when this site was built: {download}.\n"
-    return files
+    shown = ["image/png", "text/markdown", "text/plain"]  # HTML would bring scripts
+    exporter = MarkdownExporter(config=Config({"NbConvertBase": {"display_data_priority": shown}}))
+    page, parts = exporter.from_notebook_node(book)
+    renamed = {name: f"{source.stem}_{name}" for name in parts["outputs"]}
+    for name, other in renamed.items():
+        page = page.replace(f"]({name})", f"]({other})")
+    pictures = {renamed[name]: picture for name, picture in parts["outputs"].items()}
+    return pictures | {f"{source.stem}.md": page}
 
 
 def executed(book: NotebookNode, name: str) -> NotebookNode:
     """Run a notebook in place; `PluginError` where a cell shows a figure and has no image of it."""
-    local = Config({"KernelManager": {"transport": "ipc"}})  # no port is opened
-    where = {"metadata": {"path": str(ROOT)}}
-    client = NotebookClient(book, kernel_name="python3", resources=where, config=local)
-    client.execute(env=os.environ | FIGURES)
+    client = NotebookClient(
+        book,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(ROOT)}},
+        config=Config({"KernelManager": {"transport": "ipc"}}),  # no port is opened
+    )
+    # figures become outputs of their cells; with Agg there are none
+    client.execute(env=os.environ | {"MPLBACKEND": "module://matplotlib_inline.backend_inline"})
     for cell in book.cells:
         images = [kind for out in cell.get("outputs", []) for kind in out.get("data", {})]
         if "show()" in cell.source and not any(kind.startswith("image/") for kind in images):
@@ -146,41 +125,18 @@ def source_of(file: File) -> Path | None:
 
 def site_path(here: Path, link: str) -> str | None:
     """Where in the site a link of a document leads; None where mkdocs follows it by itself."""
-    if "://" in link or link.startswith("mailto:"):
-        return None
     target = (here.parent / link).resolve()
-    if not target.is_relative_to(ROOT):
+    if "://" in link or link.startswith("mailto:") or not target.is_relative_to(ROOT):
         return None
     path = target.relative_to(ROOT).as_posix()
     if path in OUTSIDE:
         return OUTSIDE[path]
-    if target.is_relative_to(ROOT / "docs/notebooks"):
-        return f"notebooks/{target.stem}.md"
     if target.is_relative_to(ROOT / "docs"):
-        return target.relative_to(ROOT / "docs").as_posix()
-    return f"files/{shown_as(path)}" if target.exists() else None
+        return path.removeprefix("docs/").replace(".py", ".md")
+    return f"files/{shown_as(target)}" if target.is_file() else None
 
 
-def linked_files(files: Files) -> set[str]:
-    """Files of the project outside of docs/ that a document links to."""
-    found = set()
-    for file in files.documentation_pages():
-        here = source_of(file)
-        for link in _LINK.finditer(here.read_text(encoding="utf-8")) if here else ():
-            target = (here.parent / link[2]).resolve()
-            if (site_path(here, link[2]) or "").startswith("files/"):
-                found.add(target.relative_to(ROOT).as_posix())
-    return found
-
-
-def contents_of(path: Path) -> bytes:
-    """Return the content of a copy of a file; of a folder, that of each file in it."""
-    if path.is_file():
-        return path.read_bytes()
-    parts = (f"# {each.name}\n".encode() + each.read_bytes() for each in sorted(path.iterdir()))
-    return b"\n".join(parts)
-
-
-def shown_as(path: str) -> str:
+def shown_as(path: Path) -> str:
     """Name of a copied file: a browser shows text, whatever its language."""
-    return path if Path(path).suffix in {".png", ".pdf", ".svg", ".npz"} else f"{path}.txt"
+    name = path.relative_to(ROOT).as_posix()
+    return name if path.suffix in PICTURES else f"{name}.txt"

@@ -1,72 +1,129 @@
-"""Pages of docs/ that are made of docs/templates/ and committed: readable where they lie.
+"""Write README.md and the pages of docs/ that are made of templates and stored results.
 
     python docs/site/templates.py
-    python docs/site/templates.py '{{ size.exponents() }}'
 
-The first writes the pages, the second prints what a text becomes: a table of content/size.py.
-`{{ number("p") }}` is a number of content/numbers.py.
+A template is Jinja: docs/templates/<page>.md.j2, or page.md.j2 in the folder of a study. Rows of a
+stored table are `rows("size/size", "cycle == 1")`: run, table, and a query of pandas.
 """
 
-import sys
-import traceback
+import json
+from collections.abc import Iterable
+from functools import cache
 from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 
-import content
-from jinja2 import Environment, StrictUndefined
+import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-DOCS = Path(__file__).parents[1]
-ALL = sorted(DOCS.glob("templates/*.md.j2"))
-NOTE = "<!-- Made by `make docs`: edit docs/templates/{name}. -->\n\n"
-NAMES = {
-    module.name: import_module(f"content.{module.name}")
-    for module in iter_modules(content.__path__)
+from jointclosure.engine.quantities import HEADINGS, QUANTITIES
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[2]
+STUDIES = {
+    "accuracy": "accuracy",
+    "effects": "effects",
+    "hard_cases": "verification",
+    "measured": "measured_joints",
+    "paper": "paper",
 }
-PAGES = Environment(undefined=StrictUndefined, keep_trailing_newline=True)
-PAGES.globals = NAMES | {"number": NAMES["numbers"].number}
+"""Pages that are about one study; the others are parts of docs/beyond.md."""
+NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
+OLDER_SOLVER = (
+    "accuracy", "accuracy_biases", "conclusions", "continuum", "effects", "flow",
+    "global_sensitivity", "global_sensitivity_full", "growth", "hard_cases", "measured_fit",
+    "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
+    "solver_speed",
+)  # fmt: skip
+"""Stored runs of a solver before the present one (0d329c6)."""
+
+Rows = list[dict]
 
 
-class PageError(Exception):
-    """A page that asks for what there is not: a name, a stored file, a column."""
+def folder_of(run: str) -> Path:
+    """Folder of the stored results of a run: of a study, or of a benchmark."""
+    of_studies = list(ROOT.glob(f"studies/*/results/{run}"))
+    return of_studies[0] if of_studies else ROOT / "benchmarks/results" / run
 
 
-def filled(text: str, page: str) -> str:
-    """Fill the expressions of a page; `PageError` names page, line and expression if one fails."""
-    try:
-        return PAGES.from_string(text).render()
-    except Exception as error:
-        frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame.lineno for frame in frames if frame.filename == "<template>"]
-        line = lines[-1] if lines else getattr(error, "lineno", 1)
-        source = text.splitlines()[line - 1].strip()
-        raise PageError(
-            f"{page}, line {line}: {source}: {type(error).__name__}: {error}"
-        ) from error
+@cache
+def stored(table: str) -> pd.DataFrame:
+    """Read a stored table, "run/table"."""
+    run, _, name = table.partition("/")
+    return read_csv(folder_of(run) / f"{name}.csv")
+
+
+def rows(table: str, query: str = "") -> Rows:
+    """Rows of a stored table; `ValueError` where the query chooses none."""
+    chosen = stored(table).query(query, engine="python") if query else stored(table)
+    if chosen.empty:
+        raise ValueError(f"{table}: no row has {query}")
+    return chosen.to_dict("records")
+
+
+def groups(chosen: Iterable[dict], *names: str) -> list[tuple]:
+    """Rows by their values in columns, in the order of the table: (value, ..., rows)."""
+    chosen = list(chosen)
+    keys = [tuple(row[name] for name in names) for row in chosen]
+    return [
+        (*key, [row for row, at in zip(chosen, keys, strict=True) if at == key])
+        for key in dict.fromkeys(keys)
+    ]
+
+
+def ends(values: Iterable[float], form: str = "{:g}") -> str:
+    """Least and largest of some values."""
+    least, *_, largest = sorted(values := [float(value) for value in values]) * 2
+    return form.format(least) + (f" to {form.format(largest)}" if len(values) > 1 else "")
+
+
+def pm(row: dict, name: str, error: str = "", scale: float = 1.0) -> str:
+    """Value and standard error of a row, rounded to the error; empty where there is none."""
+    value, doubt = row[name], row[error or f"{name}_error"]
+    return "" if pd.isna(value) else rounded(scale * value, scale * doubt)
+
+
+def origin(run: str) -> dict:
+    """What made the stored results of a run."""
+    return json.loads((folder_of(run) / "origin.json").read_text(encoding="utf-8"))
+
+
+def pages() -> dict[Path, Path]:
+    """Templates of all pages, by page."""
+    made = {ROOT / "docs" / path.stem: path for path in (ROOT / "docs/templates").glob("*.j2")}
+    made |= {
+        ROOT / f"docs/{page}.md": ROOT / f"studies/{study}/page.md.j2"
+        for page, study in STUDIES.items()
+    }
+    made[ROOT / "README.md"] = made.pop(ROOT / "docs/README.md")
+    return made
 
 
 def made(template: Path) -> str:
-    """Make the page of a template."""
-    text = template.read_text(encoding="utf-8")
-    return NOTE.format(name=template.name) + filled(text, f"docs/templates/{template.name}")
+    """Page of a template."""
+    jinja = Environment(
+        loader=FileSystemLoader(ROOT),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    parts = sorted(ROOT.glob("studies/*/page.md.j2"))
+    others = [path for path in parts if path.parent.name not in STUDIES.values()]
+    jinja.globals |= {
+        "rows": rows, "groups": groups, "ends": ends, "pm": pm, "origin": origin,
+        "use": import_module, "headings": HEADINGS, "quantities": QUANTITIES,
+        "others": [str(path.relative_to(ROOT)) for path in others],
+    }  # fmt: skip
+    name = str(template.relative_to(ROOT))
+    return NOTE.format(name) + jinja.get_template(name).render()
 
 
-def page_of(template: Path) -> Path:
-    """Return where the page of a template lies."""
-    return DOCS / template.stem
-
-
-def main(words: list[str]) -> None:
-    """Print what a text becomes, or write all pages."""
-    if words:
-        print(filled(words[0], "argument"))
-        return
-    for template in ALL:
-        page_of(template).write_text(made(template), encoding="utf-8")
+def main() -> None:
+    """Write all pages."""
+    for page, template in pages().items():
+        page.write_text(made(template), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except PageError as error:
-        raise SystemExit(str(error)) from None
+    main()

@@ -219,7 +219,7 @@ class CaseKeys(Keys):
         "The ways of breakage to run the case with.", min_length=1
     )
     expect: Literal[("answer", "refused", "success", *FLAGS.values())] = entry(
-        'What must come out, see docs/statuses.md; "answer" is a success with or without remarks.'
+        'What must come out, see docs/reference.md; "answer" is a success with or without remarks.'
     )
     message: str = entry("What the message of a refusal must hold.")
     seconds: float = entry("Time budget on one idle core: reported, not required.", gt=0)

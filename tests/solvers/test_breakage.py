@@ -135,7 +135,7 @@ def test_a_strength_that_nothing_reaches_leaves_the_walls_alone(solver, small_jo
 
 
 def test_solvers_agree_in_the_mean_within_the_spread_of_the_order_of_breakage():
-    """Equal in the mean over surfaces: see docs/decisions/0006-order-of-breakage.md."""
+    """Equal in the mean over surfaces: see docs/decisions.md#0006-order-of-breakage."""
     maxima = {name: [] for name in SOLVERS}
     for seed in range(12):
         walls = jc.wall_pair(8.0, (16, 16), SPACING, seed=seed, roll_off=None)

@@ -1,4 +1,4 @@
-"""The pipeline on a real Slurm, where there is one (to get one: docs/operations.md)."""
+"""The pipeline on a real Slurm, where there is one (to get one: docs/reference.md)."""
 
 import importlib.util
 import shutil

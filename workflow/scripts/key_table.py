@@ -24,7 +24,7 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `default.yaml` | the paper's study (a link to the package's file) |
 | `smoke.yaml` | the same, small |
 | `common_draws.yaml` | the same 20 surfaces in all cases, with the paired test |
-| `no_roll_off.yaml` | walls with waves of all lengths, the former default ([readings](../docs/readings.md)) |
+| `no_roll_off.yaml` | walls with waves of all lengths, the former default ([readings](../docs/decisions.md)) |
 | `many_levels.yaml` | nine levels of every property: does a quadratic suffice? |
 | `regularised.yaml`, `paper_at_10_mpa.yaml` | the model that converges as steps shrink, to 10 MPa, and the paper's beside it |
 | `accuracy.yaml` | cost of accuracy (`make accuracy`) |
@@ -33,9 +33,9 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `mismatch.yaml` | walls from mated to independent, and shifted (`make mismatch`) |
 | `size.yaml` | nested patches of several sizes and spacings (`make size`) |
 | `misalignment.yaml` | tilted or rotated walls (`make misalignment`) |
-| `measured_joints.yaml` | the model beside three measured joints ([validation](../docs/validation.md), `make measured-joints`) |
+| `measured_joints.yaml` | the model beside three measured joints ([validation](../docs/measured.md), `make measured-joints`) |
 | `global_sensitivity.yaml`, `global_sensitivity_full.yaml` | properties and open choices varied together (`make global-sensitivity`); at full size, for a cluster |
-| `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/operations.md#run-on-a-cluster)) |
+| `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/reference.md#run-on-a-cluster)) |
 | `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/two_scans.md)) |
 | `hard_cases.yaml` | joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py` |
 | `my_rock.yaml` | worked example: another rock and a measured curve ([how to](../docs/first_hour.md)) |

@@ -44,7 +44,7 @@ _EXAMPLES = """examples:
       --size 40 --stress-unit MPa --closure-unit mm --seating 0.25
 
 The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
-(docs/mismatch.md).
+(docs/beyond.md).
 """
 
 

@@ -18,7 +18,7 @@ from jointclosure.storage.text import write_csv
 from jointclosure.walls.scans.units import UNITS
 
 SPACING = 0.25e-3
-"""Grid spacing [m], that of the synthetic walls of docs/validation.md."""
+"""Grid spacing [m], that of the synthetic walls of docs/measured.md."""
 
 
 def add_to(commands) -> None:
@@ -29,7 +29,7 @@ def add_to(commands) -> None:
         description="Reads the later loadings, contact maps and scans of three granodiorite "
         "joints from clones of the repositories danielvogler/hm_coupled_fracture_response and "
         "danielvogler/contact_stress_evaluation, closes the scanned walls, and prints measured "
-        "values beside those of the model (docs/validation.md).",
+        "values beside those of the model (docs/measured.md).",
     )
     command.add_argument("folder", type=Path, help="folder that contains both clones")
     add_keywords(command, close, units={"choices": list(UNITS)})

@@ -1,4 +1,4 @@
-"""Measured values of three granodiorite joints (docs/validation.md).
+"""Measured values of three granodiorite joints (docs/measured.md).
 
 They are read off publications and public files. ``measured_joints.csv`` beside this module has the
 source, the way of reading and the range of each value.

@@ -1,6 +1,6 @@
 """Load cycles of a joint under displacement control.
 
-The protocol works with any solver of the registry. See docs/decisions/0005-protocol.md.
+The protocol works with any solver of the registry. See docs/decisions.md#0005-protocol.
 """
 
 from collections.abc import Callable, Sequence

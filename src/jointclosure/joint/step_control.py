@@ -1,6 +1,6 @@
 """Displacement steps of a loading with resolved breakage, from estimates of their error.
 
-See docs/decisions/0010-resolved-breakage.md.
+See docs/decisions.md#0010-resolved-breakage.
 """
 
 from collections.abc import Callable

@@ -8,7 +8,7 @@ Eq. (13), with the wrong sign under its root. Here the force is the unknown,
 with the compliance A of the substrates (0 without them) and B of the asperities.
 The equation has one positive root for every delta_S > 0 and is regular for flat
 contacts (B = 0) and without substrate (A = 0). See
-docs/decisions/0001-contact-cubic.md.
+docs/decisions.md#0001-contact-cubic.
 """
 
 import math

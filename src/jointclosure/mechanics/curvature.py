@@ -29,7 +29,7 @@ def gaussian_curvature(west, east, south, north, here, concave, spacing):
     and y by Menger's formula, 4 area / (product of the sides). Both are under one root,
     because this is the innermost operation of the breakage loop. A valley has the
     curvature of the mirrored peak, times the weight of the choice ``concave``:
-    "magnitude" is 1 and "flat" 0 (docs/decisions/0002-curvature.md).
+    "magnitude" is 1 and "flat" 0 (docs/decisions.md#0002-curvature).
     """
     area = spacing * spacing
     second_x, second_y = (west - here) + (east - here), (south - here) + (north - here)

@@ -143,7 +143,7 @@ class Numerics(NamedTuple):
     step, or "resolved", where a contact loses only the height that brings it back to its strength.
     With "resolved" the displacement steps start from those given and follow an estimate of their
     error; ``tolerance``, in (0, 0.1], is the accepted relative error of mean closures
-    (docs/decisions/0010-resolved-breakage.md); and the breakage steps are not used.
+    (docs/decisions.md#0010-resolved-breakage); and the breakage steps are not used.
 
     ``force_tolerance`` is the relative residual of equilibrium that the fast solver reaches.
     ``sweep_tolerance`` is the largest relative change of a force between two sweeps at which the
@@ -156,7 +156,7 @@ class Numerics(NamedTuple):
     smaller.
 
     With ``replay``, a cycle that repeats the load of the cycle before is copied from the unloading
-    curve of that cycle if nothing broke on it (docs/decisions/0005-protocol.md). Without, every
+    curve of that cycle if nothing broke on it (docs/decisions.md#0005-protocol). Without, every
     state is solved and checked for breakage again.
 
     With an ``idle_interaction`` above 0, the first loading is solved without interaction as long as

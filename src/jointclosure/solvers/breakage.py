@@ -11,7 +11,7 @@ one colour do not overlap. The colours are processed in turn:
    overlapping neighbours for the turn of their colour.
 
 When no pair waits, all overlapping pairs are checked again, until nothing breaks. The
-model does not prescribe the order of breakage: docs/decisions/0006-order-of-breakage.md
+model does not prescribe the order of breakage: docs/decisions.md#0006-order-of-breakage
 measures its effect.
 """
 

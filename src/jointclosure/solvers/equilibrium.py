@@ -11,7 +11,7 @@ These are the optimality conditions of
 
 strictly convex because A + K is positive definite for a base radius of at most a
 cell (Choices.base_radius_in_cells). Therefore the solution is unique and does not
-depend on the method: docs/decisions/0004-equilibrium.md. The limits C are
+depend on the method: docs/decisions.md#0004-equilibrium. The limits C are
 infinite for elastic contacts, and the strength of the contacts if breakage is resolved.
 
 Either the shift is given (0), or the total force is given and the shift is its

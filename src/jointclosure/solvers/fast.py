@@ -20,7 +20,7 @@ The first round begins in one of three ways:
   small, so that contacts that hold would break). Then the forces are extrapolated too, and the
   equilibrium is solved to the required residual;
 - resolved breakage: an equilibrium in which no contact exceeds its strength, from extrapolated
-  forces and interaction, docs/decisions/0010-resolved-breakage.md. The difference between its
+  forces and interaction, docs/decisions.md#0010-resolved-breakage. The difference between its
   force and the force at rest measures the error of the step.
 
 Finally the residual is recomputed from walls and forces alone. If it exceeds the required one,

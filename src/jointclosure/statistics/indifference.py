@@ -2,7 +2,7 @@
 
 The quartic is solved in u = (p - p_M)/half-range, where the constant of x cancels exactly and the
 coefficients are near 1; in the parameter itself they span 40 decades. See
-docs/decisions/0008-quartic.md.
+docs/decisions.md#0008-quartic.
 """
 
 from typing import NamedTuple

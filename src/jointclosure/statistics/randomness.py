@@ -1,7 +1,7 @@
 """Random generators; no other module makes them.
 
 Every wall has a separate stream, named by the identity of the wall: adding, removing or reordering
-cases changes no surface (docs/decisions/0007-surfaces.md).
+cases changes no surface (docs/decisions.md#0007-surfaces).
 """
 
 import hashlib

@@ -2,7 +2,7 @@
 
 The compound algorithm of Rezaei Niya & Selvadurai (2019) is not described in the paper. Here a wall
 is a self-affine Gaussian field, scaled to the RMS slope that a published relation gives for the
-JRC, see docs/decisions/0007-surfaces.md.
+JRC, see docs/decisions.md#0007-surfaces.
 """
 
 import math
@@ -30,7 +30,7 @@ NORMALISATIONS = ("wall", "expectation")
 """Ways to reach the given slope: by every wall, or by walls on average."""
 ROLL_OFF = 3e-3
 """Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
-(docs/decisions/0013-readings.md)."""
+(docs/decisions.md#0013-readings)."""
 _LN2 = 0.6931471805599453
 
 

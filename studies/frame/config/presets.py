@@ -138,7 +138,7 @@ def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
     if scene == SCENES[None]:
         raise InputError(
             f"numerics.accuracy = {accuracy!r}: without choices.largest_radius_mm the first cycle "
-            "does not converge to a limit (docs/decisions/0010-resolved-breakage.md); "
+            "does not converge to a limit (docs/decisions.md#0010-resolved-breakage); "
             f"choices.largest_radius_mm must be {_measured_radii(bounded=True)}, or give "
             "numerics.preset instead"
         )

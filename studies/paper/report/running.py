@@ -100,7 +100,7 @@ _IN_WORDS = {
 
 
 def in_words(name: str) -> str:
-    """Return the text of a status (docs/statuses.md)."""
+    """Return the text of a status (docs/reference.md)."""
     return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
 
 

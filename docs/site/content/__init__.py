@@ -1,1 +1,0 @@
-"""Tables and numbers that pages show of stored results, one module for each page."""

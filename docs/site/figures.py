@@ -1,0 +1,193 @@
+"""Draw the pictures of README and of the model's page: python docs/site/figures.py (half a minute)
+
+The diagrams are SVG whose text stays text; forges and the site show them without a network.
+"""
+
+import itertools
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import jointclosure as jc
+from jointclosure.engine.aggregation import since_seating
+
+IMAGES = Path(__file__).parents[1] / "images"
+FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"
+"""Colours of boxes: files, steps or rules, decisions."""
+
+
+class Box(NamedTuple):
+    """A box of a diagram: its centre in columns and rows (downwards), its text and colour."""
+
+    x: float
+    y: float
+    text: str
+    colour: str = STEP
+
+
+SOLVER = {
+    "walls": Box(0, 0, "two walls at first touch, D = 0", FILES),
+    "step": Box(0, 1, "closure D grows by a displacement step"),
+    "contacts": Box(0, 2, "contacts: overlap $\\delta_S$ > 0\n(Eqs. 1 to 4)"),
+    "forces": Box(0, 3, "equilibrium of all forces: asperities (5),\n"
+                  "substrates (6, 7), interaction (17, 18)"),
+    "strong": Box(0, 4, "is a contact beyond its strength?\n(Eqs. 22, 23)", QUESTION),
+    "breaks": Box(1, 3, "breakage: height is lost,\ngouge fills lower neighbours,\n"
+                  "curvatures are renewed"),
+    "next": Box(-1, 3, "a further step"),
+    "target": Box(0, 5, "is the target stress reached?", QUESTION),
+    "land": Box(0, 6, "the last step is repeated, smaller,\n"
+                "until the stress is within 1e-3 of the target"),
+    "unload": Box(0, 7, "unloading in the same way to last contact;\nthen the next cycle", FILES),
+}  # fmt: skip
+SOLVER_ARROWS = (
+    "walls step", "step contacts", "contacts forces", "forces strong", "strong breaks yes 0.2",
+    "breaks contacts - 0.2", "strong target no", "target next no -0.2", "next step - -0.2",
+    "target land yes", "land unload",
+)  # fmt: skip
+"""Start, end, label and bend of each arrow."""
+RULES = {
+    "config": Box(0, 0, "config/*.yaml, studies/*/*.yaml,\nmerged and checked", FILES),
+    "close": Box(0, 1, "an ensemble is closed:\nwalls, kernels, cases"),
+    "study": Box(0, 2, "study.nc, pool.nc", FILES),
+    "products": Box(0, 3, "products: statistics, tables, figures, checks"),
+    "tables": Box(0, 4, "tables/, figures/", FILES),
+    "report": Box(1, 4, "report.html", FILES),
+    "stored": Box(0, 5, "make publish: studies/*/results/", FILES),
+    "pages": Box(1, 5, "make docs: pages"),
+}
+RULES_ARROWS = (
+    "config close", "close study", "study products", "products tables", "tables report",
+    "tables stored", "stored pages",
+)  # fmt: skip
+
+
+def diagram(boxes: dict[str, Box], arrows: tuple[str, ...]) -> Figure:
+    """Draw boxes and arrows; a column is 3.2 inches wide, a row 0.75 high."""
+    low, high = (function(box.x for box in boxes.values()) for function in (min, max))
+    rows = max(box.y for box in boxes.values())
+    figure = plt.figure(figsize=(3.2 * (high - low + 1), 0.75 * (rows + 1)))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(low - 0.5, high + 0.5), ylim=(rows + 0.5, -0.5))
+    axes.axis("off")
+    drawn = {}
+    for name, box in boxes.items():
+        style = {"boxstyle": "round,pad=0.4", "facecolor": box.colour, "edgecolor": "0.5"}
+        text = axes.text(box.x, box.y, box.text, ha="center", va="center", size=9, bbox=style)
+        figure.canvas.draw()
+        drawn[name] = text.get_bbox_patch()
+    for arrow in arrows:
+        start, end, *rest = arrow.split()
+        label, bend = (*rest, "-", "0")[:2] if len(rest) != 1 else (*rest, "0")
+        a, b = boxes[start], boxes[end]
+        style = {"arrowstyle": "-|>", "color": "0.3", "connectionstyle": f"arc3,rad={bend}",
+                 "patchA": drawn[start], "patchB": drawn[end]}  # fmt: skip
+        axes.annotate("", (b.x, b.y), (a.x, a.y), arrowprops=style)
+        middle = ((a.x + b.x) / 2 + 0.03, (a.y + b.y) / 2 + 1.2 * abs(float(bend)))
+        axes.text(*middle, label.strip("-"), size=9, va="center")
+    return figure
+
+
+def composite() -> Figure:
+    """Draw two walls, their composite, and the asperities of this model (the paper's Fig. 1)."""
+    figure, panels = plt.subplots(1, 3, figsize=(10, 2.6), layout="constrained")
+    cells = np.arange(24.0)
+    lower = 0.6 * np.sin(0.55 * cells) + 0.35 * np.sin(1.3 * cells + 1.0)
+    upper = 0.5 * np.sin(0.8 * cells + 2.0) + 0.3 * np.sin(1.7 * cells)
+    gap = (lower + upper).max()
+    for axes, title in zip(panels, ("(a) two walls", "(b) composite", "(c) here"), strict=True):
+        axes.set_title(title)
+        axes.axis("off")
+    for axes, shape in ((panels[0], "polygon"), (panels[2], "asperities")):
+        axes.fill_between(cells, -2.5, lower, color="0.8", lw=0)
+        axes.fill_between(cells, 3.2, gap - upper, color="0.65", lw=0)
+        if shape == "asperities":
+            for heights, up in ((lower, 1), (gap - upper, -1)):
+                bends = np.abs(np.gradient(np.gradient(heights)))
+                for x, z, bend in zip(cells, heights, bends, strict=True):
+                    arc = np.linspace(-0.5, 0.5, 9)
+                    axes.plot(x + arc, z - up * 0.5 * bend * arc**2, color="C0", lw=1.5)
+    panels[1].bar(cells, lower + upper + 2.5, 0.9, bottom=-2.5, color="0.8")
+    panels[1].axhline(gap, color="0.3")
+    return figure
+
+
+def contact() -> Figure:
+    """Draw two asperities in contact between their substrates (the paper's Fig. 2)."""
+    figure, axes = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
+    x = np.linspace(-1, 1, 41)
+    axes.fill_between([-2, 2], -2.2, -1.0, color="0.85", lw=0)
+    axes.fill_between([-2, 2], 1.0, 2.2, color="0.7", lw=0)
+    axes.fill_between(x, -1.0, -(x**2), color="0.85", ec="0.4")
+    axes.fill_between(x, 1.0, x**2, color="0.7", ec="0.4")
+    for sign, place in ((1, "t"), (-1, "b")):
+        arrow = {"arrowstyle": "-|>", "color": "C3", "lw": 2}
+        axes.annotate("F", (0, 1.5 * sign), (0, 2.15 * sign), ha="center", arrowprops=arrow)
+        axes.text(-1.9, 1.6 * sign, f"substrate: $E_{place}, \\nu_{place}, \\delta_{place}$")
+        axes.text(1.05, 0.6 * sign, f"asperity: $R_{{a{place}}}, E_{{a{place}}}$", va="center")
+    axes.annotate("", (1, -1.05), (0, -1.05), arrowprops={"arrowstyle": "<->"})
+    axes.text(0.5, -1.3, "$r_b$", ha="center")
+    axes.text(-1.3, 0, "$\\delta_a$", va="center")
+    axes.axis("off")
+    return figure
+
+
+def overview() -> Figure:
+    """Draw two walls, where they touch at the largest stress, and the closure of 20 pairs."""
+    rock = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
+    load = {"spacing": 0.25e-3, "rock": rock, "max_normal_stress": 10e6}
+    upper, lower = _walls(0)
+    joint = jc.simulate(upper, lower, **load, cycles=2, snapshots=[10e6])
+    ensemble = jc.simulate_ensemble(_walls, seeds=range(20), **load)
+    figure, (section, contacts, curves) = plt.subplots(
+        1, 3, figsize=(14, 4), width_ratios=(1.25, 1.1, 1.2), layout="constrained"
+    )
+    jc.plot.walls(upper, lower, spacing=0.25e-3, axes=section)
+    jc.plot.aperture(joint, 0, contacts)
+    _band(curves, ensemble)
+    section.set_title("two walls at first touch")
+    contacts.set_title("the joint at 10 MPa")
+    curves.set_title("closure of 20 pairs: mean and 90 % band")
+    return figure
+
+
+def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    return jc.wall_pair(jrc=8, shape=(100, 100), spacing=0.25e-3, seed=seed)
+
+
+def _band(axes: Axes, ensemble: xr.Dataset) -> None:
+    """Draw the mean net closure of each branch, and the 5 to 95 % quantiles of loadings."""
+    net = 1e3 * since_seating(ensemble).sel(stress=ensemble.stress > 0.5e6)
+    for cycle, branch in itertools.product(ensemble.cycle.values, ensemble.branch.values):
+        closure, stress = net.sel(cycle=cycle, branch=branch), 1e-6 * net.stress
+        low, high = (closure.quantile(share, "realization") for share in (0.05, 0.95))
+        mean, colour = closure.mean("realization"), ("C0", "C1")[cycle - 1]
+        if branch == "loading":
+            axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
+        style = {"color": colour} if branch == "loading" else {"color": "0.2", "ls": "--"}
+        axes.plot(mean, stress, label=f"cycle {cycle}, {branch}", **style)
+    axes.set(xlabel="net closure since 0.5 MPa (mm)", ylabel="normal stress (MPa)", ylim=0, xlim=0)
+    axes.legend(frameon=False)
+
+
+def main() -> None:
+    """Write all pictures."""
+    plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "diagrams"})
+    diagrams = {
+        "solver": diagram(SOLVER, SOLVER_ARROWS),
+        "rules": diagram(RULES, RULES_ARROWS),
+        "walls": composite(),
+        "contact": contact(),
+    }
+    for name, figure in diagrams.items():
+        figure.savefig(IMAGES / f"{name}.svg", metadata={"Date": None}, facecolor="white")
+    overview().savefig(IMAGES / "overview.png", dpi=110)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""Tables of the paper's page that are more than rows of a stored table."""
+
+import pandas as pd
+
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
+from studies.paper.claims import OURS
+from studies.paper.conclusions import UNJUDGED
+from studies.paper.report.findings import conclusion_sheet, probability
+from studies.paper.layout import markdown_rows, table_3
+
+COLUMNS = ["No.", "Claim", "As configured", "Studies that find it", "Open choices", "Conclusion"]
+VERDICTS = {STANDS: "stand", FALLS: "fall", UNDECIDED: "undecided", NO_DIFFERENCE: "no difference"}
+REST = "not judged"
+
+
+def intervals(table: list[dict], rocks: list[dict], of: str = "") -> str:
+    """Table 3 of the study, or ("paper_") of the paper."""
+    titles = {rock["rock"]: rock["title"] for rock in rocks}
+    return "\n".join(markdown_rows(table_3(pd.DataFrame(table), titles, of)))
+
+
+def conclusions(table: list[dict]) -> list[list[str]]:
+    """Cells of the table of conclusions, by row."""
+    sheet = conclusion_sheet(pd.DataFrame(table))
+    frame = pd.DataFrame([[cell.text for cell in row] for row in sheet.rows], columns=sheet.titles)
+    frame = frame.rename(columns={"True for so many open choices": "Open choices"})[COLUMNS]
+    return frame.map(lambda text: text.partition(" (")[0]).to_numpy().tolist()
+
+
+def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
+    """Numbers of the paper's claims by verdict: configured, choices varied, readings averaged."""
+    claims = pd.DataFrame(table).set_index("number")
+    claims = claims[claims.section != OURS]
+    averaged = pd.DataFrame(averages).set_index("number").verdict
+    columns = (
+        claims.verdict.mask(claims.index.isin(UNJUDGED)),
+        claims.conclusion,
+        averaged.reindex(claims.index),
+    )
+    counts = [column.map(VERDICTS).fillna(REST).value_counts() for column in columns]
+    return {word: [int(of.get(word, 0)) for of in counts] for word in (*VERDICTS.values(), REST)}
+
+
+def p(row: dict, name: str = "p") -> str:
+    """Probability with its standard error."""
+    return probability(row[name], row[f"{name}_error"]).text
