@@ -2,7 +2,7 @@
 
 COMMANDS = {
     "compare": "list the differences between two studies",
-    "report": "write a page on a finished study, or on a joint",
+    "report": "write a page on a finished study",
     "engineering": "tabulate curves and stiffness of a study, with bands over its joints",
     "plan": "compute how many surfaces a precision or a power needs",
     "repeat": "repeat one realisation of a study",

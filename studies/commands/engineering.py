@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from jointclosure.cli.engineering_files import FIGURES
-from jointclosure.cli.joint_options import check_can_be_made
+from jointclosure.cli.exports import FIGURES
+from jointclosure.cli.options import check_folder
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import write_csv
@@ -44,7 +44,7 @@ def run(arguments) -> int:
         for name in asked:
             if name not in known:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
-        check_can_be_made(folder)
+        check_folder(folder)
         folder.mkdir(exist_ok=True)
         for name in asked:
             table = band_table(study.sel(case=name).load())

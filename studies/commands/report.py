@@ -1,4 +1,4 @@
-"""`python -m studies report`: page on a finished study or a joint, without any computation."""
+"""`python -m studies report`: page on a finished study, without any computation."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,6 @@ import xarray as xr
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
 from studies.commands import COMMANDS
@@ -20,8 +19,8 @@ from studies.frame.config.schema import json_schema
 from studies.frame.jobs.seals import check_folder
 
 if TYPE_CHECKING:  # not loaded by other commands
+    from jointclosure.cli.page import Picture
     from studies.paper.report.content import Material
-    from studies.paper.report.page import Picture
 
 CAPTIONS = ROOTS["studies"] / "paper/report/texts"
 
@@ -31,9 +30,8 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "report",
         help=COMMANDS["report"],
-        description="Writes report.html from the results of a study, or from the folder of a "
-        "joint that `jointclosure close` wrote. They may be from another machine; nothing is "
-        "computed again. Every file must be as it was written.",
+        description="Writes report.html from the results of a study. They may be from another "
+        "machine; nothing is computed again. Every file must be as it was written.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument(
@@ -51,16 +49,10 @@ def run(arguments) -> int:
 
 
 def write_report(folder: Path, output: Path) -> int:
-    """Write a page with the results, figures and job times of a study, or with those of a joint."""
+    """Write a page with the results, figures and job times of a study; return its size in bytes."""
     with needs("report", "a report"):
         from studies.paper.report.content import content
         from studies.paper.report.page import render
-    if (folder / "joint.json").is_file():
-        page = _joint_page(folder)
-        write_text(page, output)
-        if output.parent == folder:  # the page belongs to the folder of the joint
-            add_file(folder, "close", output.name)
-        return len(page.encode())
     sealed = check_folder(folder)
     if folder / "study.nc" not in sealed:
         raise InputError(f"{folder / 'study.nc'}: must exist with a seal; is the study finished?")
@@ -68,38 +60,6 @@ def write_report(folder: Path, output: Path) -> int:
         page = render(content(_material(study, folder, sealed)))
     write_text(page, output)
     return len(page.encode())
-
-
-_OF_A_JOINT = {
-    "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
-                    "fitted laws, net normal stiffness and mean aperture against normal stress."),
-    "range": ("Range of the net closure, and what it is due to", "Net closure of the first and the "
-              "last cycle for each value of each source of uncertainty, and all together."),
-    "closure": ("Gross and net closure since seating", "Normal stress "
-                "against closure: loading in full lines, unloading dashed, a colour for each "
-                "cycle."),
-    "walls": ("Walls before closure", "Maps of both walls and of the aperture at first "
-              "touch, a section there, correlation by wavelength and by orientation."),
-    "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
-                  "the walls' height at the requested stresses."),
-}  # fmt: skip
-"""Figures in a joint's folder: their titles, and text alternatives for screen readers."""
-
-
-def _joint_page(folder: Path) -> str:
-    """Return the page of a single joint, from its folder."""
-    from studies.paper.report.captions import Caption
-    from studies.paper.report.joint import joint_content
-    from studies.paper.report.page import Picture, render
-
-    record = json.loads((folder / "joint.json").read_text(encoding="utf-8"))
-    pictures = [
-        Picture(name, (folder / f"{name}.png").read_bytes(), Caption(title, alternative, []))
-        for name, (title, alternative) in _OF_A_JOINT.items()
-        if (folder / f"{name}.png").is_file()
-    ]
-    with reading_netcdf(folder / "joint.nc") as history:
-        return render(joint_content(history.load(), record, pictures), "joint.html.j2")
 
 
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
@@ -133,8 +93,8 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
 
 def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
     """Return sealed figures that have a caption, in the order in which they were drawn."""
+    from jointclosure.cli.page import Picture
     from studies.paper.report.captions import read_caption
-    from studies.paper.report.page import Picture
 
     figures = [path for path in sealed if path.parent == folder / "figures"]
     return [

@@ -82,7 +82,7 @@ def _defaults(function) -> dict:
 
 _WITH_GRAIN_SIZE = """
 import jointclosure as jc
-from jointclosure.cli.joint_options import NEEDED, OPTIONS
+from jointclosure.cli.options import UNITS
 from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.joint.rocks import named_rock
 from studies.frame.ensemble.cases import cases_of
@@ -101,7 +101,7 @@ assert study.rocks["dolerite"].intact.grain_size == 1e-3
 assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
 assert list(PROPERTIES)[-1] == "grain_size" and PROPERTIES["grain_size"].title == "Grain size"
 assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
-assert OPTIONS["grain_size"] == "grain_size_mm" and "grain_size" not in NEEDED
+assert UNITS["grain_size"] == "mm"
 assert "grain_size_mm" in RockKeys.model_fields
 assert "grain_size_mm" in rock_table(study.rocks)
 for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, "not usual")):

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.cli.page import Picture
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.engine.aggregation import join_cases
 from jointclosure.joint.attributes import ATTRIBUTES
@@ -28,7 +29,7 @@ from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
 from studies.paper.report.captions import read_caption
 from studies.paper.report.content import Material, content
-from studies.paper.report.page import Picture, render
+from studies.paper.report.page import render
 from tests.studied import DEFAULT
 
 ROOT = Path(__file__).parents[2]

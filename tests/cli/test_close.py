@@ -9,8 +9,8 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.engineering_files import FIGURES
-from jointclosure.cli.joint_options import summary
+from jointclosure.cli.exports import FIGURES
+from jointclosure.cli.results import summary
 from jointclosure.engine import scanned_joint
 from jointclosure.engine.budget import ALL, MEASURED, QUANTITIES, TOGETHER, Budget
 from jointclosure.inputs.remarks import cautions
@@ -76,8 +76,9 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
     assert sum("the walls are mated at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
-    values_stated = json.loads(record["provenance"]["configuration"])
-    assert values_stated["rocks"]["granite"]["walls"]["upper"] == str(files[0])
+    settings = json.loads(record["provenance"]["settings"])
+    assert settings["upper"] == str(files[0])
+    assert settings["rock"] == named_rock("granite")._asdict()
     assert record["provenance"]["source_digest"]
     for picture in ("walls.png", "closure.png"):
         assert (tmp_path / "j" / picture).stat().st_size > 20000
@@ -200,7 +201,7 @@ def test_a_range_that_is_not_allowed_is_refused_before_the_joint_is_closed(scans
         (
             ("", ""),
             ["--rock", "granite"],
-            "walls: upper = 'flat', lower = 'flat': at least one must be a file",
+            "both walls are flat; one must be a scan",
         ),
         (
             ("top.xyz", "bottom.xyz"),
@@ -225,10 +226,9 @@ def test_what_is_wrong_is_one_line_and_nothing_is_closed(
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["--set", "choices.largest_radius_mm=20", "--set", "numerics.tolerance=0.05"], 0.05),
-        (["--set", "choices.largest_radius_mm=20", "numerics.force_tolerance=1.0e-6"], 0.01),
-        (["--set", "choices.largest_radius_mm=20", "--config", "file"], 0.03),
-        (["--set", "choices.largest_radius_mm=20", "--set", "numerics.breakage=fixed_step"], None),
+        (["--largest-radius", "20", "--tolerance", "0.05"], 0.05),
+        (["--largest-radius", "20", "--force-tolerance", "1e-6"], 0.01),
+        (["--largest-radius", "20", "--breakage", "fixed_step"], None),
     ],
 )
 def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakage(
@@ -242,16 +242,13 @@ def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakag
         raise jc.InputError("enough")
 
     monkeypatch.setattr("jointclosure.cli.close.close", stopped)
-    (tmp_path / "file").write_text("numerics: {tolerance: 0.03}")
-    words = [tmp_path / word if word == "file" else word for word in words]
     command = ["close", "a.txt", "b.txt", "--rock", "Granite", "--output", tmp_path / "j", *words]
     assert cli.main([str(word) for word in command]) == 2
-    conditions = closed["conditions"]
-    assert conditions.choices.largest_radius == 0.02
+    assert closed["choices"] == jc.Choices(largest_radius=0.02)
     usual = scanned_joint.RESOLVED if expected else jc.Numerics()
     for name in ("breakage", "displacement_step", "later_breakage_step"):
-        assert getattr(conditions.numerics, name) == getattr(usual, name)
-    assert expected in (None, conditions.numerics.tolerance)
+        assert getattr(closed["numerics"], name) == getattr(usual, name)
+    assert expected in (None, closed["numerics"].tolerance)
 
 
 def test_a_wall_that_is_an_array_is_refused_with_what_closes_it(small_joint):
@@ -278,7 +275,7 @@ def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, capsys)
     assert written <= set(contents(twice))
     (_, out, _), _ = (
         # from first touch on GEOS has no form
-        shown(capsys, *words, folder, "--set", "seating_stress_MPa=0")
+        shown(capsys, *words, folder, "--seating", 0)
         for folder in (twice, once)
     )
     listed = out.splitlines()[-1].partition(": ")[2].split(", ")

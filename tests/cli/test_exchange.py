@@ -7,10 +7,11 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.exchange import (
+from jointclosure.cli.exports import (
     OPENING_SLOPE,
     fracture_mesh,
     geos_aperture_table,
@@ -149,7 +150,9 @@ def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     meshio = pytest.importorskip("meshio")
     upper, lower = small_joint
     opening = float((upper + lower).max())
-    write_vtu(*fracture_mesh(upper, lower, opening, SPACING), tmp_path / "a.vtu")
+    axes = {name: SPACING * np.arange(n) for name, n in zip("yx", upper.shape, strict=True)}
+    walls = {"upper_final": (("y", "x"), upper), "lower_final": (("y", "x"), lower)}
+    write_vtu(*fracture_mesh(xr.Dataset(walls, axes)), tmp_path / "a.vtu")
     read = meshio.read(tmp_path / "a.vtu")
     ny, nx = upper.shape
     triangles = read.cells_dict["triangle"]

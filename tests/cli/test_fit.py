@@ -39,8 +39,7 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
     assert out.startswith("assumed (")
     assert found.assumed in out.splitlines()[0]
     assert record["compressive_strength_MPa"] is None
-    stated = json.loads(record["provenance"]["configuration"])
-    assert stated["rocks"]["granite"]["max_normal_stress_MPa"] == 5.0
+    assert json.loads(record["provenance"]["settings"])["shape"] == [12, 12]
     assert (tmp_path / "fitted/fit.png").stat().st_size > 20000
 
 
@@ -48,37 +47,30 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
     ("words", "roll_off", "breakage"),
     [
         ([], None, "resolved"),
-        (["--config", "{}"], 2.0, "resolved"),
-        (
-            ["--set", "numerics.breakage=fixed_step", "surface.hurst=0.7", "--surfaces", "8"],
-            None,
-            "fixed_step",
-        ),
+        (["--roll-off", "2"], 2e-3, "resolved"),
+        (["--breakage", "fixed_step", "--hurst", "0.7", "--surfaces", "8"], None, "fixed_step"),
     ],
 )
 def test_stated_assumptions_replace_those_of_scanned_joints(
     curve, tmp_path, capsys, words, roll_off, breakage
 ):
-    config = tmp_path / "mine.yaml"
-    config.write_text("surface: {roll_off_mm: 2}\n")
-    given = [word.format(config) for word in words]
-    printed(capsys, curve, *SMALL, *given, "--output", tmp_path / "fitted")
+    printed(capsys, curve, *SMALL, *words, "--output", tmp_path / "fitted")
     record = json.loads((tmp_path / "fitted/fit.json").read_text())
-    keys = json.loads(record["provenance"]["configuration"])
-    assert keys["surface"]["roll_off_mm"] == roll_off
-    assert keys["numerics"]["breakage"] == breakage
+    settings = json.loads(record["provenance"]["settings"])
+    assert settings.get("roll_off") == roll_off
+    assert settings["numerics"]["breakage"] == breakage
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["{}", "--rock", "granite"], "--jrc: must be given"),
+        (["{}", "--rock", "granite"], "--jrc must be given"),
         (["{}", *SMALL, "--surfaces", "1"], "surfaces = 1: must be at least 4"),
         (["{}", "--rock", "granite", "--jrc", "10"], "--size: must be given"),
         (["{}", *SIZED, "--size", "nan"], "--size = nan mm: must be positive and finite"),
-        (["{}", *SIZED, "--size", "25", "--spacing", "0"], "--spacing = 0.0 mm: must be positive"),
-        (["{}", "--jrc", "x"], "argument --jrc: 'x': must be a number, or a range such as 6,10"),
-        (["{}", "--jrc", "1,2,3"], "argument --jrc: '1,2,3': must be a number, or a range"),
+        (["{}", *SIZED, "--size", "25", "--spacing", "0"], "--spacing = 0.0 m: must be positive"),
+        (["{}", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
+        (["{}", *SMALL, "--jrc", "1,2,3"], "jrc = (1.0, 2.0, 3.0): must be a number or"),
     ],
 )
 def test_what_is_missing_or_wrong_is_one_line(curve, capsys, words, message):

@@ -9,7 +9,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.exchange import geos_aperture_table
+from jointclosure.cli.exports import geos_aperture_table
 from jointclosure.engine.aggregation import CURVES, join_cases
 from jointclosure.engine.joints import close_surfaces
 from jointclosure.engine.quantities import OF_FLOW

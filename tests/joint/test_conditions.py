@@ -77,7 +77,7 @@ def test_the_rocks_of_the_paper_are_those_of_the_default_study():
     study = study_of()
     assert study.rocks.keys() == ROCKS.keys() - {"granite"}
     for name, rock in study.rocks.items():
-        assert ROCKS[name] == (rock.title, rock.intact, rock.max_normal_stress)
+        assert ROCKS[name] == (rock.title, rock.intact, rock.jrc, rock.max_normal_stress)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli.exchange import itasca_tables
+from jointclosure.cli.exports import itasca_tables
 from jointclosure.joint.curves import area_of, curve_table, cycle_table
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter

@@ -132,4 +132,4 @@ def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, ca
     assert "--snapshots: needs --output FILE.nc" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         cli.main([*words[:-1], "1;2"])
-    assert "must be stresses in MPa" in capsys.readouterr().err
+    assert "must be numbers with commas" in capsys.readouterr().err

@@ -10,7 +10,7 @@ from packaging.requirements import Requirement
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.joint_options import documented
+from jointclosure.cli.options import documented
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, needs
 from jointclosure.walls.registration import registered

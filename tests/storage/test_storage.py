@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.cli.joint_options import check_can_be_made
+from jointclosure.cli.options import check_folder
 from jointclosure.inputs import InputError
 from jointclosure.storage import folders
 from jointclosure.storage.files import atomically
@@ -159,4 +159,4 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
         replace_files(folder, "close", some_files("a"))
     assert (tmp_path / "outside").exists()
     with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
-        check_can_be_made(folder)  # before a joint is closed
+        check_folder(folder)  # before a joint is closed

@@ -6,6 +6,7 @@ COMMANDS = {
     "fit": "find the mismatch wavelength of a joint from its measured closure",
     "validate": "compare the model with three measured joints whose files are public",
     "roughness": "compute slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
-    "doctor": "check whether the environment is ready for a study",
+    "report": "write a page on a joint, from the folder of close",
+    "doctor": "check whether the environment is ready",
 }
 """Names of the modules and their purposes; modules are imported when they are used."""

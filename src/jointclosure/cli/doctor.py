@@ -1,5 +1,6 @@
-"""`jointclosure doctor`: check whether the environment is ready for a study, with advice."""
+"""`jointclosure doctor`: check whether the environment is ready, with advice."""
 
+import argparse
 import importlib.util
 import os
 import platform
@@ -17,11 +18,8 @@ import psutil
 from jointclosure.cli import COMMANDS
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.engine.progress import duration
-from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, installed
 from jointclosure.storage.provenance import versions_of
-from jointclosure.storage.text import read_csv
-from studies.frame.config.configuration import DEFAULT, configured, merged_study
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
@@ -53,7 +51,7 @@ def add_to(commands) -> None:
     command.set_defaults(run=run)
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print all findings; return 1 if there is any advice."""
     unwell = 0
     for finding in findings(Path.cwd()):
@@ -68,51 +66,26 @@ def run(arguments) -> int:
 
 def findings(folder: Path) -> Iterator[Finding]:
     """Generate all findings for a study that is run in a folder."""
-    yield _python()
-    yield _versions()
-    yield _extras()
-    yield _configuration()
+    low, high = _PYTHONS
+    fits = low <= sys.version_info[:2] <= high
+    advice = "" if fits else "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12"
+    yield Finding("python", f"{platform.python_version()} at {sys.executable}", advice)
+    versions = versions_of("jointclosure", *_PACKAGES).items()
+    package, *others = (f"{name} {version}" for name, version in versions)
+    yield Finding("packages", f"{package}; {', '.join(others)}")
+    missing = [extra for extra in EXTRAS if not installed(extra)]
+    state = f"with {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}"
+    if missing:
+        state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
+    yield Finding("extras", state)
     machine = os.cpu_count() or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
     yield Finding("cores", f"{cores} for this process, {machine} of the machine")
     yield _threads(cores)
     yield _memory(cores)
-    yield _cache()
+    yield _kernels()
     yield _results(folder)
     yield _snakemake(folder)
-
-
-def _python() -> Finding:
-    state = f"{platform.python_version()} at {sys.executable}"
-    low, high = _PYTHONS
-    if low <= sys.version_info[:2] <= high:
-        return Finding("python", state)
-    return Finding("python", state, "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12")
-
-
-def _versions() -> Finding:
-    package, *others = (
-        f"{name} {v}" for name, v in versions_of("jointclosure", *_PACKAGES).items()
-    )
-    return Finding("packages", f"{package}; {', '.join(others)}")
-
-
-def _extras() -> Finding:
-    there = [extra for extra in EXTRAS if installed(extra)]
-    missing = [extra for extra in EXTRAS if extra not in there]
-    state = f"with {', '.join(there) or 'none'}"
-    if missing:
-        state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
-    return Finding("extras", state)
-
-
-def _configuration() -> Finding:
-    """Check whether `jointclosure simulate` has its default configuration and can run it."""
-    try:
-        rocks = configured(merged_study(), read_csv).typed.rocks
-    except (InputError, OSError) as error:
-        return Finding("configuration", str(error).splitlines()[-1], "install jointclosure again")
-    return Finding("configuration", f"{DEFAULT}, rocks {', '.join(rocks)}")
 
 
 def _threads(cores: int) -> Finding:
@@ -132,41 +105,30 @@ def _threads(cores: int) -> Finding:
 
 def _memory(cores: int) -> Finding:
     memory = psutil.virtual_memory()
-    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
     jobs = int(memory.available / _MEMORY_OF_A_JOB)
-    if jobs >= cores:
-        return Finding("memory", state)
-    return Finding(
-        "memory",
-        state,
-        f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}",
-    )
+    takes = f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}"
+    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
+    return Finding("memory", state, takes if jobs < cores else "")
 
 
-def _cache() -> Finding:
+def _kernels() -> Finding:
     folder = cache_folder()
-    state = f"{folder}: {_kernels(folder)}"
-    older = [path for path in folder.parent.glob("numba-*") if path != folder]
-    if older:
-        size = sum(_size(path) for path in older)
-        state += f"; {len(older)} of other versions, {size / 1e6:.0f} MB, can be deleted"
-    place = next(path for path in (folder, *folder.parents) if path.exists())
-    if not os.access(place, os.W_OK):
-        return Finding(
-            "compiled kernels", state, "not writable: set JOINTCLOSURE_CACHE to a folder that is"
-        )
-    return Finding("compiled kernels", state)
-
-
-def _kernels(folder: Path) -> str:
     number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
-    if not number:
-        return "cold; the first joint compiles them, which takes about a minute of processor time"
-    return f"warm, {number} kernels, {_size(folder) / 1e6:.0f} MB"
+    state = f"{folder}: " + (
+        f"warm, {number} kernels, {_megabytes(folder):.0f} MB"
+        if number
+        else "cold; the first joint compiles them, which takes about a minute of processor time"
+    )
+    if older := [path for path in folder.parent.glob("numba-*") if path != folder]:
+        size = sum(map(_megabytes, older))
+        state += f"; {len(older)} of other versions, {size:.0f} MB, can be deleted"
+    place = next(path for path in (folder, *folder.parents) if path.exists())
+    advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
+    return Finding("compiled kernels", state, "" if os.access(place, os.W_OK) else advice)
 
 
-def _size(folder: Path) -> int:
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+def _megabytes(folder: Path) -> float:
+    return 1e-6 * sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
 def _results(folder: Path) -> Finding:
@@ -179,9 +141,8 @@ def _results(folder: Path) -> Finding:
             pass
     except OSError as error:
         return Finding("results", f"{state}, {error.strerror}", f"make {place} writable")
-    if free < _DISK_OF_A_STUDY:
-        return Finding("results", state, "a study may take a gigabyte: make room")
-    return Finding("results", state)
+    room = "a study may take a gigabyte: make room" if free < _DISK_OF_A_STUDY else ""
+    return Finding("results", state, room)
 
 
 def _snakemake(folder: Path) -> Finding:

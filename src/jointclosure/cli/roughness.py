@@ -1,11 +1,13 @@
 """`jointclosure roughness`: roughness of a scanned wall."""
 
+import argparse
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from jointclosure.cli import COMMANDS
-from jointclosure.cli.joint_options import add_scans, check_destination
+from jointclosure.cli.options import PICTURES, add_keywords, check_file, keywords
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.storage.figures import save_figure
@@ -17,9 +19,10 @@ from jointclosure.walls.measured import (
     point_distance,
     wall_on_grid,
 )
-from jointclosure.walls.measures import increments, measure_wall
+from jointclosure.walls.measures import Measure, increments, measure_wall
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan
 
 
@@ -33,10 +36,9 @@ def add_to(commands) -> None:
         "plane. Every measure has a 95 % confidence interval.",
     )
     command.add_argument("file", type=Path, help="the scanned wall")
-    add_scans(command, read_scan, "spacing")
-    command.add_argument(
-        "--grid-spacing", type=float, metavar="MM", help="interpolate to this spacing first"
-    )
+    add_keywords(command, read_scan, "units", "spacing", "variable")
+    grid = {"option": "--grid-spacing", "help": "interpolate to this spacing first"}
+    add_keywords(command, registered, spacing=grid | {"dest": "grid_spacing"})
     command.add_argument(
         "--missing",
         choices=MISSING,
@@ -57,26 +59,22 @@ def add_to(commands) -> None:
     command.set_defaults(run=run)
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the measures, and draw the wall if requested."""
-    for name in ("spacing", "grid_spacing"):
-        value = getattr(arguments, name)
-        if value is not None and not 0.0 < value < 1e18:
-            raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
-    check_destination(arguments.picture, (".png", ".pdf", ".svg"))
-    check_destination(arguments.table, (".csv",))
+    for name, value in keywords(arguments, ["spacing", "grid_spacing"]).items():
+        if value is not None and not 0.0 < value < 1e15:
+            raise InputError(f"--{name.replace('_', '-')}: must be a positive number of mm")
+    check_file(arguments.picture, PICTURES)
+    check_file(arguments.table, (".csv",))
     if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
-    spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
-    scan = read_scan(
-        arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
-    )
+    scan = read_scan(arguments.file, **keywords(arguments, ["units", "spacing", "variable"]))
     try:
         scan = without_plateaus(scan)
         kept, spikes = without_spikes(scan)
         if arguments.spikes == "cut":
             scan = kept
-        step = 1e-3 * arguments.grid_spacing if arguments.grid_spacing else point_distance(scan)
+        step = getattr(arguments, "grid_spacing", None) or point_distance(scan)
         wall = wall_on_grid(scan, step)
         smoothed = smoothing_of(scan, wall, step)
         wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
@@ -85,30 +83,25 @@ def run(arguments) -> int:
         reasons = [str(error), *cautions(scan.remarks)]
         raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
     print(measures_text(measures, str(arguments.file), wall, step))
-    remarks = [*scan.remarks, *smoothed]
     doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
-    remarks += [caution(doubt) for doubt in doubts]
+    remarks = [*scan.remarks, *smoothed, *map(caution, doubts)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")
     print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
-        write_csv(measure_table(measures), arguments.table)
+        columns = ["measure", *Measure._fields[1:]]
+        write_csv(pd.DataFrame(measures, columns=columns), arguments.table)
     if arguments.picture:
         figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
         save_figure(figure, arguments.picture)
     return 0
 
 
-def measure_table(measures: list) -> pd.DataFrame:
-    """Return measures of a wall (`jointclosure.walls.measures.Measure`) as a frame."""
-    return pd.DataFrame(measures, columns=["measure", "value", "low", "high", "unit", "remark"])
-
-
-def measures_text(measures: list, title: str, wall, spacing: float) -> str:
+def measures_text(measures: list[Measure], title: str, wall: np.ndarray, spacing: float) -> str:
     """Format measures of a wall (y, x) [m] for reading, with its size and missing cells."""
     ny, nx = wall.shape
-    gaps = int(pd.isna(wall).sum())
+    gaps = int(np.isnan(wall).sum())
     missing = f", {gaps} of them without a height" if gaps else ""
     lines = [
         title,

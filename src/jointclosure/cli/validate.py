@@ -2,11 +2,13 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from jointclosure.cli import COMMANDS
-from jointclosure.cli.joint_options import add_keywords
+from jointclosure.cli.options import add_keywords, keywords
 from jointclosure.engine.measured_joints import JOINTS, measured
 from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import InputError
@@ -15,7 +17,6 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.published import film, later_loading, scans
 from jointclosure.storage.text import write_csv
-from jointclosure.walls.scans.units import UNITS
 
 SPACING = 0.25e-3
 """Grid spacing [m], that of the synthetic walls of docs/measured.md."""
@@ -32,7 +33,7 @@ def add_to(commands) -> None:
         "values beside those of the model (docs/measured.md).",
     )
     command.add_argument("folder", type=Path, help="folder that contains both clones")
-    add_keywords(command, close, units={"choices": list(UNITS)})
+    add_keywords(command, close, "units")
     command.add_argument("--output", type=Path, help="CSV file for the table")
     command.set_defaults(run=run)
 
@@ -43,11 +44,18 @@ def run(arguments: argparse.Namespace) -> int:
     if not folder.is_dir():
         raise InputError(f"{folder}: must be a folder that contains both clones")
     walls = {joint: scans(folder, joint) for joint in JOINTS}
-    reasons: list[str] = []
-    table = pd.concat(
-        [_joint(folder, joint, walls[joint], arguments, reasons) for joint in JOINTS],
-        ignore_index=True,
-    )
+    rows, reasons = [], []
+    for joint, pair in walls.items():
+        read, missing = later_loading(folder, joint)
+        reasons += missing
+        read |= film(folder, joint)
+        model = {} if pair is None else _modelled(pair, keywords(arguments, ["units"]))
+        for name in dict.fromkeys([*read, *model]):
+            stored = np.nan if name == "recovered_load" else measured(name, joint).value
+            values = {"files": read.get(name, np.nan), "stored": stored}
+            row = {"joint": joint, "quantity": name, **values, "model": model.get(name, np.nan)}
+            rows.append(row)
+    table = pd.DataFrame(rows)
     print(table.round(3).to_string(index=False, na_rep="–"))
     print("".join(f"{reason}\n" for reason in reasons), end="")
     if None in walls.values():
@@ -57,38 +65,13 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _joint(
-    folder: Path,
-    joint: str,
-    walls: tuple[Path, Path] | None,
-    arguments: argparse.Namespace,
-    reasons: list[str],
-) -> pd.DataFrame:
-    """Return a row per quantity: value of the files, value stored in the package, model.
-
-    Reasons of missing values are appended.
-    """
-    read, missing = later_loading(folder, joint)
-    reasons += missing
-    read |= film(folder, joint)
-    model = {} if walls is None else _modelled(walls, arguments.units)
-    rows = []
-    for name in dict.fromkeys([*read, *model]):
-        stored = measured(name, joint).value if name != "recovered_load" else float("nan")
-        rows.append(
-            {"joint": joint, "quantity": name, "files": read.get(name, float("nan"))}
-            | {"stored": stored, "model": model.get(name, float("nan"))}
-        )
-    return pd.DataFrame(rows)
-
-
-def _modelled(walls: tuple[Path, Path], units: str | None) -> dict[str, float]:
+def _modelled(walls: tuple[Path, Path], units: dict[str, Any]) -> dict[str, float]:
     """Close scanned walls as the measured joints were loaded, and read the same quantities."""
     stress = 1e6 * measured("largest_stress").value
     rock = named_rock("granite")._replace(youngs_modulus=1e9 * measured("youngs_modulus").value)
     joint = close(
         *walls,
-        units=units,
+        **units,
         spacing=SPACING,
         rock=rock,
         max_normal_stress=stress,

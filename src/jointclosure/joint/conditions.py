@@ -46,10 +46,9 @@ class Conditions(NamedTuple):
         Rock of both walls, or of the upper and the lower wall: its properties, or the name of a
         rock of the package, such as "granite" (`jointclosure.joint.rocks.ROCKS`).
     max_normal_stress : float or sequence of float
-        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns,
-        alternately a maximum and a minimum, starting with a maximum, as in
-        ``[10e6, 2e6, 20e6]``. 0 is last contact. If a maximum comes last, the joint is then
-        unloaded to 0.
+        Maximum of every cycle [Pa]; or the load history, the stresses at which the load turns,
+        alternately a maximum and a minimum, such as 5, 0, 20, 2, 30 MPa. 0 is last contact. If a
+        maximum comes last, the joint is then unloaded to 0.
     cycles : int or None
         Number of load cycles, at least 1: by default 2, or that of the load history.
     seating_stress : float or None

@@ -12,21 +12,22 @@ from jointclosure.parameters import PROPERTIES, Rock, both_walls, key_of
 
 
 class KnownRock(NamedTuple):
-    """Title and properties of a rock, and the largest stress of its joints [Pa], an assumption."""
+    """Title and properties of a rock; JRC and largest stress [Pa], an assumption, of its joints."""
 
     title: str
     intact: Rock
+    jrc: float | None = None
     max_normal_stress: float = 30e6
 
 
 ROCKS = {
-    "dolerite": KnownRock("Dolerite", Rock(78e9, 0.2, 165e6)),
-    "siltstone": KnownRock("Siltstone", Rock(28.5e9, 0.25, 84e6)),
-    "limestone": KnownRock("Limestone", Rock(49e9, 0.2, 152e6)),
-    "slate": KnownRock("Slate", Rock(66e9, 0.25, 159e6)),
+    "dolerite": KnownRock("Dolerite", Rock(78e9, 0.2, 165e6), 8.0),
+    "siltstone": KnownRock("Siltstone", Rock(28.5e9, 0.25, 84e6), 7.0),
+    "limestone": KnownRock("Limestone", Rock(49e9, 0.2, 152e6), 8.0),
+    "slate": KnownRock("Slate", Rock(66e9, 0.25, 159e6), 6.5),
     # middles of 57 to 89 GPa, 0.18 to 0.32 and 133 to 213 MPa, 50 tests of Moragy granite:
     # doi 10.1007/s10706-020-01218-4; 10 MPa: as far as joints are usually loaded in a laboratory
-    "granite": KnownRock("Granite", Rock(73e9, 0.25, 173e6), 10e6),
+    "granite": KnownRock("Granite", Rock(73e9, 0.25, 173e6), max_normal_stress=10e6),
 }
 """Rocks by the names that all functions with an argument ``rock`` take."""
 

@@ -75,7 +75,8 @@ USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() 
 """Smallest and largest usual values for rock and its joints, and their unit. A value outside of
 this range, other than 0, is probably in a wrong unit."""
 AS_IT_IS = (
-    "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
+    "unusual_values=True (on the command line --unusual-values, in a configuration "
+    "study.unusual_values: allow) takes it as it is"
 )
 """Advice on accepting an unusual value: the last part of the messages that refuse one."""
 
@@ -107,14 +108,22 @@ def scene_of(name: str) -> Effects:
 class Choices(NamedTuple):
     """Decisions that the paper leaves open.
 
-    ``base_radius_in_cells`` is r/h in (0, 1]. ``peak_modulus_ratio`` is the modulus of a peak over
-    that of the rock. ``concave`` decides how valleys and saddles are treated: "magnitude" uses the
-    absolute value of their curvature; "flat" sets the curvature of a wall to zero where one of its
-    two profiles is not convex. ``peaks`` decides whether peaks are those of the "pristine" or of
-    the "current" walls. ``largest_radius`` [m] is the upper bound of each wall's Gaussian radius
-    (None: unbounded, as in the paper). ``tie_tolerance`` is the smallest difference in height that
-    makes a cell lower than its neighbour, over the roughness (rms of both walls); it is about 1e-12
-    m for the walls of the paper.
+    Attributes
+    ----------
+    base_radius_in_cells : float
+        Radius of a contact's base over the grid spacing, r/h, in (0, 1].
+    peak_modulus_ratio : float
+        Modulus of a peak over that of the rock, in (0, 1].
+    concave : {"magnitude", "flat"}
+        Curvature of valleys and saddles: its absolute value, or 0 for a wall one of whose two
+        profiles is not convex.
+    peaks : {"pristine", "current"}
+        Whether peaks are those of the walls before loading or as they are.
+    largest_radius : float or None
+        Upper bound of each wall's Gaussian radius [m]. None: unbounded, as in the paper.
+    tie_tolerance : float
+        Smallest difference in height that makes a cell lower than its neighbour, over the rms
+        height of both walls. It is about 1e-12 m for the walls of the paper.
     """
 
     base_radius_in_cells: float = 0.5
@@ -137,36 +146,51 @@ the alternatives. ASSUMPTION: the ends; the paper cites two sources for a ratio 
 class Numerics(NamedTuple):
     """Steps [m] and tolerances of a simulation.
 
-    The ``later_`` steps apply to every branch after the first loading.
-
-    ``breakage`` is "fixed_step", as in the paper, where each broken contact loses the breakage
-    step, or "resolved", where a contact loses only the height that brings it back to its strength.
-    With "resolved" the displacement steps start from those given and follow an estimate of their
-    error; ``tolerance``, in (0, 0.1], is the accepted relative error of mean closures
-    (docs/decisions.md#0010-resolved-breakage); and the breakage steps are not used.
-
-    ``force_tolerance`` is the relative residual of equilibrium that the fast solver reaches.
-    ``sweep_tolerance`` is the largest relative change of a force between two sweeps at which the
-    reference solver stops (1 % in the paper, which does not bound the error). ``target`` is
-    "equilibrate", where a loading ends within the relative distance ``stress_tolerance`` of the
-    target stress, or "interpolate", the linear interpolation of the paper.
-
-    Without breakage the fast solver takes no steps. It solves for ``curve_points`` evenly spaced
-    stresses up to the maximum, to a residual of 1e-10 or the ``force_tolerance``, whichever is
-    smaller.
-
-    With ``replay``, a cycle that repeats the load of the cycle before is copied from the unloading
-    curve of that cycle if nothing broke on it (docs/decisions.md#0005-protocol). Without, every
-    state is solved and checked for breakage again.
-
-    With an ``idle_interaction`` above 0, the first loading is solved without interaction as long as
-    the interaction would displace no contact by more than this share of the closure
-    (docs/effects.md).
-
-    ``most_steps`` bounds the number of displacement steps, and ``most_breakage_steps`` the number
-    of breakage steps over the number of cells. A simulation that exceeds a bound ends with a status
-    that says so. One that is foreseen to exceed it is refused before it starts. Infinity means no
-    bound. The defaults are about a thousand times what the joints of the paper need.
+    Attributes
+    ----------
+    displacement_step : float
+        Displacement step of the first loading [m].
+    breakage_step : float
+        Height that each broken contact loses in a step of the first loading [m].
+    later_displacement_step : float
+        Displacement step of every later branch [m].
+    later_breakage_step : float
+        Height that each broken contact loses in a step of every later branch [m].
+    target : {"equilibrate", "interpolate"}
+        How a loading meets its maximum: within ``stress_tolerance``, or by the linear interpolation
+        of the paper.
+    stress_tolerance : float
+        Relative distance to the maximum stress within which a loading ends.
+    force_tolerance : float
+        Relative residual of equilibrium that the fast solver reaches.
+    sweep_tolerance : float
+        Largest relative change of a force between two sweeps at which the reference solver stops.
+        It is 1 % in the paper, which does not bound the error.
+    solver : {"fast", "reference"}
+        Solver of equilibrium.
+    curve_points : int
+        Number of evenly spaced stresses up to the maximum where nothing breaks. The fast solver
+        then takes no steps, and solves to a residual of 1e-10 or the ``force_tolerance``, whichever
+        is smaller.
+    breakage : {"fixed_step", "resolved"}
+        What a broken contact loses: the breakage step, as in the paper, or only the height that
+        brings it back to its strength. With "resolved" the displacement steps start from those
+        given and follow an estimate of their error; the breakage steps are not used.
+    tolerance : float
+        Accepted relative error of mean closures where breakage is resolved, in (0, 0.1]
+        (docs/decisions.md#0010-resolved-breakage).
+    most_steps : float
+        Largest number of displacement steps. A simulation that exceeds it ends with a status that
+        says so, one that is foreseen to exceed it is refused; infinity is no bound. The defaults
+        of both bounds are about a thousand times what the joints of the paper need.
+    most_breakage_steps : float
+        Largest number of breakage steps over the number of cells, in the same way.
+    replay : bool
+        Whether a cycle that repeats the load of the cycle before is copied from its unloading
+        curve, if nothing broke on it (docs/decisions.md#0005-protocol).
+    idle_interaction : float
+        Share of the closure below which displacements by interaction are left out on the first
+        loading (docs/effects.md).
     """
 
     displacement_step: float = 12.5e-6

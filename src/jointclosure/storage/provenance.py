@@ -13,25 +13,29 @@ from typing import Any
 from jointclosure.compilation.sources import PACKAGE, package_digest
 
 
-def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Return attributes on the provenance of a dataset.
+def origin() -> dict[str, str]:
+    """Return attributes on the provenance of a dataset: code, versions, machine.
 
-    Those with the prefix ``provenance_`` may differ between two runs of the same study, among them
-    the split of work over jobs, which changes no result. The configuration and the digest of the
-    sources may not differ.
+    Those with the prefix ``provenance_`` may differ between two runs of the same study.
     """
     versions = versions_of(
         "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
     )
     return {
         "Conventions": "CF-1.11",
-        "configuration": configuration_text(configuration),
-        "root_seed": str(configuration["study"]["root_seed"]),
         "source_digest": package_digest(),
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": commit(),
-        "provenance_realizations_per_job": str(configuration["study"].get("realizations_per_job")),
         "provenance_machine": f"{platform.system()} {platform.machine()}, {processor()}",
+    }
+
+
+def provenance(configuration: dict[str, Any]) -> dict[str, str]:
+    """Return `origin` with a configuration, without the split of work over jobs, and its seed."""
+    return origin() | {
+        "configuration": configuration_text(configuration),
+        "root_seed": str(configuration["study"]["root_seed"]),
+        "provenance_realizations_per_job": str(configuration["study"].get("realizations_per_job")),
     }
 
 

@@ -5,11 +5,11 @@ Title and alternative text are comments in it, which readers of the text do not 
 ...`` and ``.. alt: ...``.
 """
 
-from typing import NamedTuple
-
 import docutils.core
 import docutils.nodes
 import jinja2
+
+from jointclosure.cli.page import Caption
 
 _SETTINGS = {
     "file_insertion_enabled": False,
@@ -18,14 +18,6 @@ _SETTINGS = {
     "halt_level": 2,  # of docutils: a warning is an error
     "report_level": 5,
 }
-
-
-class Caption(NamedTuple):
-    """Title and alternative text, as plain text, and the plain paragraphs of the caption."""
-
-    title: str
-    alternative: str
-    paragraphs: list[str]
 
 
 def read_caption(text: str, configuration: dict) -> Caption:

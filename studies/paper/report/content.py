@@ -6,12 +6,12 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli.page import Picture, provenance_rows
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
 from studies.frame.config.configuration import resolved
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report import findings, running, settings, summary
-from studies.paper.report.page import Picture
 
 
 class Material(NamedTuple):
@@ -77,7 +77,7 @@ def content(material: Material) -> dict:
         "departures": settings.departures(rows),
         "failed_checks": int((~material.checks.passed).sum()),
         "pictures": material.pictures,
-        "provenance": running.provenance_rows(study.attrs),
+        "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
         "job_time": duration(float(material.benchmarks.s.sum())),
         "sheets": _sheets(material, titles, of_paper, rows) | {numbers.name: numbers},

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from jointclosure.cli.page import Cell, Sheet, cell, given, headings, sheet
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name
-from studies.paper.report.sheets import Cell, Sheet, cell, given, headings, sheet
 
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 

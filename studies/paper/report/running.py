@@ -1,14 +1,12 @@
 """Tables of the page on the run of a study: checks, failures, errors, timing and provenance."""
 
-import hashlib
 import json
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli.page import Sheet, given, sheet
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
@@ -19,7 +17,6 @@ from studies.frame.config.presets import (
     radii_words,
     radius_of,
 )
-from studies.paper.report.sheets import Sheet, given, sheet
 
 MOST_FAILURES = 500
 """Largest number of failed simulations that are listed."""
@@ -193,19 +190,3 @@ def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
     columns = {"rule": "Rule", "size": "Jobs", "median": "Median (s)", "max": "Longest (s)"}
     columns |= {"sum": "In all (s)", "memory": "Largest memory (MB)"}
     return sheet("jobs", "Time of the jobs", seconds.assign(memory=memory).reset_index(), columns)
-
-
-def provenance_rows(about: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return terms and values on the provenance of results, from the attributes of a dataset."""
-    configuration = about["configuration"]
-    digest = hashlib.sha256(configuration.encode()).hexdigest()[:16]
-    rows = [("Model", about["references"])] if "references" in about else []
-    rows += [
-        ("Sources, commit", about["provenance_commit"]),
-        ("Sources, digest", about["source_digest"]),
-        ("Configuration, digest (SHA-256, first 16 digits)", digest),
-        ("Root seed, from which every random number follows", about["root_seed"]),
-        ("Machine", about["provenance_machine"]),
-    ]
-    versions = json.loads(about["provenance_versions"])
-    return rows + [(f"Version of {name}", version) for name, version in versions.items()]

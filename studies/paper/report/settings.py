@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from studies.paper.report.sheets import Sheet, sheet
+from jointclosure.cli.page import Sheet, sheet
 
 _LEFT_OUT = ("accuracy", "ablation")
 """Sections of other targets, which are left out."""

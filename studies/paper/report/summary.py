@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli.page import Sheet, number_text, sheet
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
@@ -18,7 +19,6 @@ from jointclosure.statistics.verdicts import (
 )
 from studies.frame.config.typed import Configuration
 from studies.paper.claims import TOLERANCE
-from studies.paper.report.sheets import Sheet, number_text, sheet
 
 FIRST_PICTURES = {
     "independent": ("closure_since_seating", "table_3_intervals"),

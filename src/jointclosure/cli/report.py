@@ -1,16 +1,85 @@
-"""Page on a single joint, from the results of `jointclosure close`."""
+"""`jointclosure report`: page on a joint, from the folder of `jointclosure close`."""
+
+import argparse
+import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli import COMMANDS
 from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
+from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
 from jointclosure.joint.curves import KINDS, cycle_table, net_responses
 from jointclosure.joint.laws import LAWS, fitted_laws, law_words
 from jointclosure.joint.stiffness import stiffness_table
-from studies.paper.report.page import Picture
-from studies.paper.report.running import provenance_rows
-from studies.paper.report.sheets import Sheet, headings, number_text, sheet
+from jointclosure.storage.folders import add_file
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_text, write_text
+
+with needs("report", "a page"):
+    from jointclosure.cli.page import (
+        Caption,
+        Picture,
+        Sheet,
+        headings,
+        number_text,
+        provenance_rows,
+        render,
+        sheet,
+    )
+
+_PICTURES = {
+    "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
+                    "fitted laws, net normal stiffness and mean aperture against normal stress."),
+    "range": ("Range of the net closure, and what it is due to", "Net closure of the first and the "
+              "last cycle for each value of each source of uncertainty, and all together."),
+    "closure": ("Gross and net closure since seating", "Normal stress "
+                "against closure: loading in full lines, unloading dashed, a colour for each "
+                "cycle."),
+    "walls": ("Walls before closure", "Maps of both walls and of the aperture at first "
+              "touch, a section there, correlation by wavelength and by orientation."),
+    "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
+                  "the walls' height at the requested stresses."),
+}  # fmt: skip
+"""Figures in a joint's folder: their titles, and text alternatives for screen readers."""
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "report",
+        help=COMMANDS["report"],
+        description="Writes report.html from the folder of a joint that `jointclosure close` "
+        "wrote. It may be from another machine; nothing is computed again.",
+    )
+    command.add_argument("folder", type=Path, help="folder that `jointclosure close` wrote")
+    command.add_argument(
+        "--output", type=Path, help="file of the page (default: report.html in the folder)"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the page."""
+    folder, output = arguments.folder, arguments.output or arguments.folder / "report.html"
+    if not (folder / "joint.json").is_file():
+        raise InputError(f"{folder}: must be a folder that `jointclosure close` wrote")
+    record = json.loads(read_text(folder / "joint.json"))
+    pictures = [
+        Picture(name, (folder / f"{name}.png").read_bytes(), Caption(title, alternative, []))
+        for name, (title, alternative) in _PICTURES.items()
+        if (folder / f"{name}.png").is_file()
+    ]
+    with reading_netcdf(folder / "joint.nc") as history:
+        page = render(joint_content(history.load(), record, pictures), "joint.html.j2")
+    write_text(page, output)
+    if output.parent == folder:  # the page belongs to the folder of the joint
+        add_file(folder, "close", output.name)
+    print(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
+    return 0
 
 
 def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) -> dict:

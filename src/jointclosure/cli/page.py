@@ -1,15 +1,88 @@
-"""Tables of the page: frames become cells with text and sort key."""
+"""Pages to read: tables, figures and text in a template, without external parts or scripts.
 
+The page's content security policy forbids everything else, in particular the network.
+"""
+
+import base64
+import hashlib
+import json
 import math
+from collections.abc import Mapping
+from importlib import resources
 from numbers import Integral, Real
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jinja2
 import pandas as pd
 
 from jointclosure.engine.quantities import HEADINGS
 from jointclosure.statistics.standard_errors import rounded, significant
 
+LIBRARY = "jointclosure.cli"
+"""Package with the templates of all pages."""
 ABSENT = "–"
+
+
+class Caption(NamedTuple):
+    """Title and alternative text, as plain text, and the plain paragraphs of the caption."""
+
+    title: str
+    alternative: str
+    paragraphs: list[str]
+
+
+class Picture(NamedTuple):
+    """Figure: its name, the bytes of its PNG, and its caption."""
+
+    name: str
+    png: bytes
+    caption: Caption
+
+    @property
+    def source(self) -> str:
+        """Figure as a data URL."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels, from the first chunk of the PNG."""
+        return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
+
+
+def render(
+    content: dict, template: str, tones: Mapping[str, str] = {}, package: str = LIBRARY
+) -> str:
+    """Render a page as HTML from its content and a template of the library or of a package.
+
+    ``tones`` are classes of cells by their text: "good", "bad" or "unsure".
+    """
+    loaders = [jinja2.PackageLoader(name) for name in dict.fromkeys((package, LIBRARY))]
+    environment = jinja2.Environment(
+        loader=jinja2.ChoiceLoader(loaders),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    style = resources.files(LIBRARY).joinpath("templates/style.css").read_text(encoding="utf-8")
+    return environment.get_template(template).render(content, style=style, tones=tones)
+
+
+def provenance_rows(about: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return terms and values on the provenance of results, from the attributes of a dataset."""
+    settings = about["configuration" if "configuration" in about else "settings"]
+    digest = hashlib.sha256(settings.encode()).hexdigest()[:16]
+    named = {
+        "Model": about.get("references"),
+        "Sources, commit": about["provenance_commit"],
+        "Sources, digest": about["source_digest"],
+        "Configuration, digest (SHA-256, first 16 digits)": digest,
+        "Root seed, from which every random number follows": about.get("root_seed"),
+        "Machine": about["provenance_machine"],
+    }
+    versions = json.loads(about["provenance_versions"])
+    rows = [(term, value) for term, value in named.items() if value is not None]
+    return rows + [(f"Version of {name}", version) for name, version in versions.items()]
 
 
 class Cell(NamedTuple):
@@ -34,14 +107,9 @@ class Sheet(NamedTuple):
 
 
 def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Make a table of columns of a frame; numbers are rounded to their errors, if it has them.
+    """Make a table of the columns of a frame that have titles; numbers are rounded to their errors.
 
-    The error of a column is in the column of its name and ``_standard_error``.
-
-    Parameters
-    ----------
-    titles : dict
-        Headings of the columns that are shown, in order.
+    The error of a column, if there is one, is in the column of its name and ``_standard_error``.
     """
     shown = frame[list(titles)].astype(object)
     for column in titles:

@@ -1,27 +1,90 @@
-"""Data of a closed joint for other programs: parameters, tables and meshes."""
+"""Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
-from typing import NamedTuple
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import curve_table, cycle_table, has_flow, mean_hydraulic
+from jointclosure.joint.curves import (
+    curve_table,
+    cycle_table,
+    has_flow,
+    mean_hydraulic,
+    spacing_of,
+)
 from jointclosure.joint.history import branch_of, read_along
-from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.laws import describe_law, fitted_laws, parameter
+from jointclosure.joint.protocol import FAILURE, LOADING
 from jointclosure.joint.stiffness import closures_at, stiffness_table, stress_levels
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.meshes import write_vtu
+from jointclosure.storage.text import write_csv, write_text
+
+FIGURES = 7
+"""Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
+neighbouring steps."""
+OPENING_SLOPE = 0.95
+"""Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
+the aperture equals the gap, and therefore needs a slope below 1. The mean aperture of a joint has
+slope 1, because each wall keeps its volume."""
+_END = 0.01
+"""Share of the last interval that has this slope."""
+_GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
+     Gap and aperture in m, from joint.nc beside this file. -->
+<TableFunction
+  name="joint_aperture"
+  coordinateFiles="{ geos_gap.csv }"
+  voxelFile="geos_aperture.csv"
+  interpolation="linear"/>
+"""
+_NET = (
+    "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
+    "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
+)
+
+
+def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
+    """Write tables, figure and inputs of other programs of a joint that did not fail; print notes.
+
+    The notes are the kind of closure, the best law of each cycle's loading, and the reasons of
+    inputs that could not be written.
+    """
+    if int(history.status) >= FAILURE:
+        return
+    from jointclosure.plotting.engineering import engineering_figure
+
+    notes, fits = [_NET], fitted_laws(history)
+    notes += [describe_law(fits, cycle, LOADING) for cycle in cycle_table(history).cycle]
+    for names, export in EXPORTS.items():
+        files = [folder / name for name in names.split()]
+        try:
+            contents = export(history)
+            for file, content in zip(files, contents if files[1:] else [contents], strict=True):
+                _write(content, file)
+        except InputError as error:  # the files of other programs are still written
+            notes.append(f"not written: {error}")
+    save_figure(engineering_figure(history, title), folder / "engineering.png")
+    print("\n".join(f"- {note}" for note in notes))
+
+
+def _write(content: Any, path: Path) -> None:
+    """Write an export in the form of its type."""
+    if isinstance(content, pd.DataFrame):
+        write_csv(content, path, FIGURES)
+    elif isinstance(content, FractureMesh):
+        write_vtu(*content, path)
+    else:
+        text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
+        write_text(text, path)
 
 
 def _last_from_seating(history: xr.Dataset, program: str) -> int:
-    """Return the last cycle whose loading begins below the seating stress.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Return the last cycle whose loading begins below the seating stress."""
     seating = float(history.attrs["seating_stress_Pa"])
     for cycle in np.unique(history.cycle.values)[::-1]:
         here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
@@ -36,22 +99,9 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     All constants, including the mean aperture, refer to the net closure, because PorePy computes
     the deformation of the rock itself.
 
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-
-    Returns
-    -------
-    dict
-        ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m], Vm;
-        and ``residual_aperture`` [m], the mean aperture at seating less Vm.
-
-    Raises
-    ------
-    InputError
-        If no loading begins at seating, or if the hyperbola could not be fitted or has a larger
-        closure than the aperture.
+    They are ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m],
+    Vm; and ``residual_aperture`` [m], the mean aperture at seating less Vm. Refused if no loading
+    begins at seating, or if the hyperbola could not be fitted or closes beyond the aperture.
     """
     cycle = _last_from_seating(history, "PorePy")
     fits, cycles = fitted_laws(history), cycle_table(history).set_index("cycle")
@@ -72,14 +122,6 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     }
 
 
-OPENING_SLOPE = 0.95
-"""Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
-the aperture equals the gap, and therefore needs a slope below 1. The mean aperture of a joint has
-slope 1, because each wall keeps its volume."""
-_END = 0.01
-"""Share of the last interval that has this slope."""
-
-
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates and values [m] of the aperture table of GEOS' contact models.
 
@@ -87,23 +129,16 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     net closure since seating, ascending to 0. The value at 0 is the aperture at seating. Values are
     hydraulic apertures (the geometric mean of both directions), which the flow of GEOS uses, or
     mean apertures for a history without flow. If the last slope is larger than `OPENING_SLOPE`, a
-    point just before the end reduces it to this value.
-
-    Raises
-    ------
-    InputError
-        If there is no seating stress, a loading does not extend from it to the maximum of the
-        cycle, or an aperture is not positive (blocked flow).
+    point just before the end reduces it to this value. Refused without a seating stress, if the
+    loading does not extend from it to the maximum, or if an aperture is not positive.
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
     cycle = _last_from_seating(history, "GEOS")
     closure = closures_at(history, stress_levels(history, cycle=cycle))[cycle - 1, 0]
     if not (np.isfinite(closure).all() and (np.diff(closure) > 0.0).all()):
-        raise InputError(
-            f"GEOS: the loading of cycle {cycle} must close monotonically from seating to its "
-            "maximum"
-        )
+        must = "must close monotonically from seating to its maximum"
+        raise InputError(f"GEOS: the loading of cycle {cycle} {must}")
     of_cycle = (history.cycle.values == cycle) & (history.branch.values == LOADING)
     net = read_along(history)[of_cycle]
     order = np.argsort(net)
@@ -123,6 +158,15 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
         gap = np.insert(gap, -1, before)
         values = np.insert(values, -1, values[-1] + OPENING_SLOPE * before)
     return gap, values
+
+
+def geos_files(history: xr.Dataset) -> tuple[str, str, str]:
+    """Return gaps and apertures of `geos_aperture_table` as GEOS reads them, and their element."""
+    gap, aperture = (
+        "\n".join(f"{value:.9e}" for value in values) + "\n"
+        for values in geos_aperture_table(history)
+    )
+    return gap, aperture, _GEOS
 
 
 def itasca_tables(history: xr.Dataset) -> str:
@@ -167,47 +211,40 @@ class FractureMesh(NamedTuple):
     cell_fields: dict[str, np.ndarray]
 
 
-def fracture_mesh(
-    upper: np.ndarray, lower: np.ndarray, opening: float, spacing: float
-) -> FractureMesh:
-    """Triangulate the midplane of a joint, with aperture and contact.
+def fracture_mesh(history: xr.Dataset) -> FractureMesh:
+    """Triangulate the midplane of the joint at its end, where the walls just touch.
 
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights [m] towards the other wall.
-    opening : float
-        Distance of the datum planes of the heights [m]: the sum of the heights where the
-        walls just touch.
-    spacing : float
-        Grid spacing [m].
-
-    Returns
-    -------
-    FractureMesh
-        Two triangles between four neighbouring cells. ``aperture`` [m] is the mean of a
-        triangle's corners, ``contact`` is 1 if one of them is in contact, otherwise 0, and
-        ``MaterialIDs`` is 0.
+    There are two triangles between four neighbouring cells. ``aperture`` [m] is the mean of a
+    triangle's corners, ``contact`` is 1 if one of them is in contact, otherwise 0, and
+    ``MaterialIDs`` is 0.
     """
+    upper, lower = history.upper_final.values, history.lower_final.values
+    opening, spacing = float((upper + lower).max()), spacing_of(history)
     aperture = np.maximum(opening - upper - lower, 0.0)
     midplane = lower + 0.5 * (opening - upper - lower)
     ny, nx = upper.shape
     y, x = np.indices(upper.shape) * spacing
     points = np.column_stack([x.ravel(), y.ravel(), midplane.ravel()])
     corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
-    triangles = np.concatenate(
-        [
-            np.stack([corner, corner + 1, corner + nx], axis=1),
-            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
-        ]
-    )
+    halves = (corner, corner + 1, corner + nx), (corner + 1, corner + nx + 1, corner + nx)
+    triangles = np.concatenate([np.stack(corners, axis=1) for corners in halves])
     of_corners = aperture.ravel()[triangles]
-    return FractureMesh(
-        points,
-        triangles,
-        {
-            "aperture": of_corners.mean(axis=1),
-            "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
-            "MaterialIDs": np.zeros(len(triangles), np.int32),
-        },
-    )
+    fields = {
+        "aperture": of_corners.mean(axis=1),
+        "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
+        "MaterialIDs": np.zeros(len(triangles), np.int32),
+    }
+    return FractureMesh(points, triangles, fields)
+
+
+EXPORTS: dict[str, Callable[[xr.Dataset], Any]] = {
+    "curves.csv": curve_table,
+    "cycles.csv": cycle_table,
+    "stiffness.csv": stiffness_table,
+    "laws.csv": fitted_laws,
+    "joint_stiffness.dat": itasca_tables,
+    "porepy.json": porepy_parameters,
+    "geos_gap.csv geos_aperture.csv geos.xml": geos_files,
+    "fracture.vtu": fracture_mesh,
+}
+"""Functions of a history by the files that their results are written to."""

@@ -1,0 +1,108 @@
+"""What commands print and write of a closed joint: closures, status, snapshots and animation."""
+
+import argparse
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.budget import Budget
+from jointclosure.inputs.plain import to_plain
+from jointclosure.joint.curves import curve_table, cycle_table, has_flow
+from jointclosure.joint.loading import largest_stress
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.storage.figures import save_animation
+from jointclosure.storage.provenance import origin
+
+
+def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
+    """Format the results of each cycle as lines of text, with their range if it is known."""
+    since = f"since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+    cycles = cycle_table(closed)
+    names = {
+        "max_closure_seated_net_mm": f"net {since}",
+        "residual_closure_seated_net_mm": "residual net",
+        "max_closure_seated_mm": f"gross {since}",
+        "max_closure_mm": "gross from its start",
+    }
+    if budget:
+        lines = [
+            "gross closure contains the elastic indentation of the half-spaces, net does not"
+            f"; closures {since}; in brackets the range of 9 in 10 "
+            "random sets of the inputs that are not known",
+            str(budget),
+        ]
+    else:
+        lines = [
+            "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
+            _table(cycles, names),
+        ]
+    full = cycles[cycles.mean_aperture_at_max_mm <= 0.0]
+    for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
+        lines.append(
+            f"warning: the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the "
+            "walls overlap by more than the void that is left, and the model does not hold there"
+        )
+    if has_flow(closed):
+        curves = curve_table(closed)
+        names = {
+            "mean_aperture_mm": "mean aperture",
+            "hydraulic_aperture_x_mm": "hydraulic along x",
+            "hydraulic_aperture_y_mm": "along y",
+        }
+        at_maximum = curves.loc[curves.groupby("cycle").normal_stress_MPa.idxmax()]
+        lines += ["at the maximum (mm)", _table(at_maximum, names)]
+    return "\n".join(lines)
+
+
+def _table(frame, names: dict[str, str]) -> str:
+    """Format columns [mm] of a frame with a row per cycle under other names."""
+    shown = frame[list(names)].rename(columns=names)
+    shown.index = [f"cycle {number}" for number in frame.cycle]
+    return shown.to_string(float_format="{:.5f}".format)
+
+
+def status_text(closed: xr.Dataset) -> str:
+    """Return success or failure, with the remarks of the status in words."""
+    about, status = closed.status.attrs, int(closed.status)
+    named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
+    remarks = ", ".join(name for mask, name in named if status & int(mask))
+    word = "failed" if status >= FAILURE else "success"
+    return f"{word}: {remarks}" if remarks else word
+
+
+def attributes(settings: Mapping[str, Any]) -> dict[str, str]:
+    """Return code, versions and machine, and the keywords of a command's functions as JSON."""
+    return origin() | {"settings": json.dumps(to_plain(settings), default=str)}
+
+
+def finite(values: Iterable[float], scale: float = 1.0) -> list[float | None]:
+    """Return scaled numbers for JSON, with null for numbers that are not finite."""
+    return [scale * float(value) if np.isfinite(value) else None for value in values]
+
+
+def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ...]:
+    """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
+    asked = getattr(arguments, "snapshots", ())
+    if arguments.animation is None:
+        return asked
+    from jointclosure.plotting.animation import animated_stresses
+
+    return (*asked, *animated_stresses(largest_stress(stress)))
+
+
+def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: str) -> xr.Dataset:
+    """Write the animation, if requested; return the joint with only the requested snapshots."""
+    if arguments.animation is None:
+        return closed
+    from jointclosure.plotting.animation import crushing_animation
+
+    if closed.sizes["snapshot"]:
+        save_animation(crushing_animation(closed, title), arguments.animation)
+        print(f"wrote {arguments.animation}")
+    if asked := getattr(arguments, "snapshots", ()):
+        return closed.isel(snapshot=np.isin(closed.snapshot_stress.values, asked))
+    about = [name for name in closed.variables if str(name).startswith("snapshot_")]
+    return closed.drop_vars([*about, "upper_first", "lower_first"], errors="ignore")
