@@ -7,9 +7,8 @@ import pandas as pd
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 from studies.commands import COMMANDS
-from studies.commands.finished import existing
+from studies.commands.finished import existing, study_of
 from studies.frame.ensemble import comparison
-from studies.frame.jobs.seals import check_folder
 
 
 def add_to(commands) -> None:
@@ -32,7 +31,8 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """Print the differences between two studies."""
-    first, second = (_study(_sealed(folder)) for folder in (arguments.first, arguments.second))
+    folders = arguments.first, arguments.second
+    first, second = (read_netcdf(study_of(folder)) for folder in folders)
     if arguments.exact:
         messages = comparison.differences(first, second)
         print("\n".join(messages) or "identical except for provenance and timing")
@@ -41,37 +41,22 @@ def run(arguments) -> int:
     print(comparison.surfaces_sentence(changes))
     print("\nMean closures, over the cases of each rock")
     print(comparison.by_rock(changes).round(4).to_string(index=False))
-    intervals = comparison.interval_changes(_table(arguments.first), _table(arguments.second))
+    tables = (read_csv(existing(folder / "tables/table_3_indifference.csv")) for folder in folders)
+    intervals = comparison.interval_changes(*tables)
     if len(intervals):
         print("\nLength of the indifference intervals, with bootstrap confidence intervals")
         shown = comparison.shown_intervals(intervals).round(3)
         print(shown.to_string(index=False, na_rep="–"))
     else:
         print("\nNo indifference interval in common")
-    claims = [_claims(folder) for folder in (arguments.first, arguments.second)]
-    both = {name: claim.verdict for name, claim in zip(("first", "second"), claims, strict=True)}
+    claims = (read_csv(existing(folder / "tables/claims.csv")) for folder in folders)
+    both = {
+        name: table.set_index("number").verdict
+        for name, table in zip(("first", "second"), claims, strict=True)
+    }
     verdicts = pd.DataFrame(both).fillna("not judged")
     moved = verdicts[verdicts["first"] != verdicts["second"]]
     print("\nVerdicts that differ" if len(moved) else "\nNo verdict differs")
     if len(moved):
         print(moved.to_string())
     return 0
-
-
-def _sealed(folder: Path) -> Path:
-    """Return a folder of results after checking that every file is as it was written."""
-    check_folder(folder)
-    return folder
-
-
-def _study(folder: Path):
-    return read_netcdf(existing(folder / "study.nc"))
-
-
-def _table(folder: Path):
-    return read_csv(existing(folder / "tables/table_3_indifference.csv"))
-
-
-def _claims(folder: Path):
-    claims = read_csv(existing(folder / "tables/claims.csv"))
-    return claims.set_index("number")[["verdict"]]

@@ -10,7 +10,7 @@ import json
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -192,12 +192,9 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
 
 def row_of(outcome: Outcome, failed: list[str]) -> dict:
     """Return the row of the table for a case."""
-    case, data = outcome.case, outcome.dataset
+    case, data, worst = outcome.case, outcome.dataset, outcome.judge.worst
     return {
-        "name": case["name"],
-        "group": case["group"],
-        "hard": case["hard"],
-        "must_hold": case["must_hold"],
+        **{name: case[name] for name in ("name", "group", "hard", "must_hold")},
         "expected": case["expect"],
         "status": outcome.status,
         "holds": not failed,
@@ -205,10 +202,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         **_measured(outcome),
         "steps": data.sizes.get("step", 1) if data is not None else 0,
         "states_judged": outcome.judge.states,
-        **{
-            f"oracle_{name}": outcome.judge.worst.get(name, math.nan)
-            for name in oracle.Verdict._fields
-        },
+        **{f"oracle_{name}": worst.get(name, math.nan) for name in oracle.Verdict._fields},
         "warnings": "; ".join(outcome.warned),
         "message": outcome.message,
         "budget_s": case["seconds"],
@@ -220,40 +214,31 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
 def _measured(outcome: Outcome) -> dict[str, float]:
     """Return the closures of a case for its row; NaN without cycles."""
     data, target = outcome.dataset, outcome.target
-    cycles = data is not None and "max_closure" in data
-
-    def reading(value: Callable[[xr.Dataset], float]) -> float:
-        return float(value(data)) if data is not None and cycles else math.nan
-
-    return {
-        "max_closure_1_m": reading(lambda closed: closed.max_closure[0]),
-        "max_closure_last_m": reading(lambda closed: closed.max_closure[-1]),
-        "residual_closure_last_m": reading(lambda closed: closed.residual_closure[-1]),
-        "target_Pa": target,
-        "max_stress_Pa": math.nan if data is None else float(np.max(data.normal_stress.values)),
-        "unbreakable_share": reading(
-            lambda closed: (closed.locked_share + closed.flat_share).max()
-        ),
-        "unloading_excess_over_target": reading(lambda closed: closed.unloading_excess.max())
-        / target,
-        "breakage_steps": int(data.breakage_steps) if data is not None and cycles else 0,
+    none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
+    row = none | {"residual_closure_last_m": math.nan, "target_Pa": target}
+    row["max_stress_Pa"] = math.nan if data is None else float(np.max(data.normal_stress.values))
+    row |= dict.fromkeys(("unbreakable_share", "unloading_excess_over_target"), math.nan)
+    row["breakage_steps"] = 0
+    if data is None or "max_closure" not in data:
+        return row
+    return row | {
+        "max_closure_1_m": float(data.max_closure[0]),
+        "max_closure_last_m": float(data.max_closure[-1]),
+        "residual_closure_last_m": float(data.residual_closure[-1]),
+        "unbreakable_share": float((data.locked_share + data.flat_share).max()),
+        "unloading_excess_over_target": float(data.unloading_excess.max()) / target,
+        "breakage_steps": int(data.breakage_steps),
     }
 
 
 def curve_of(outcome: Outcome) -> pd.DataFrame:
     """Return the closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
     data = outcome.dataset
+    columns = ["case", "cycle", "branch", "closure_m", "normal_stress_Pa"]
     if data is None or "step" not in data.sizes:
-        return pd.DataFrame(columns=["case", "cycle", "branch", "closure_m", "normal_stress_Pa"])
-    return pd.DataFrame(
-        {
-            "case": outcome.case["name"],
-            "cycle": data.cycle.values,
-            "branch": data.branch.values,
-            "closure_m": data.closure.values,
-            "normal_stress_Pa": data.normal_stress.values,
-        }
-    )
+        return pd.DataFrame(columns=columns)
+    curve = (data[name].values for name in ("cycle", "branch", "closure", "normal_stress"))
+    return pd.DataFrame(dict(zip(columns, (outcome.case["name"], *curve), strict=True)))
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
@@ -269,36 +254,21 @@ def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
     )
 
 
-def compile_for(case: dict) -> None:
-    """Compile the kernels that a case needs before its time is measured."""
-    if case["expect"] != "refused":
-        choices, numerics = Choices(peaks=case["choices"]["peaks"]), case["numerics"]
-        effects = Effects(**case["effects"])
-        _compile_once(effects, choices, numerics["solver"], numerics["breakage"])
-
-
 _compile_once = lru_cache(maxsize=None)(compile_kernels)
-
-
-def status_names(status: int) -> str:
-    """Return the names of the bits of a status, or success."""
-    return " ".join(name for bit, name in FLAGS.items() if status & bit) or "success"
 
 
 @lru_cache(maxsize=None)
 def _run(frozen: str) -> Outcome:
     case = json.loads(frozen)
-    compile_for(case)
+    if case["expect"] != "refused":  # kernels are compiled before the time is measured
+        choices, numerics = Choices(peaks=case["choices"]["peaks"]), case["numerics"]
+        effects = Effects(**case["effects"])
+        _compile_once(effects, choices, numerics["solver"], numerics["breakage"])
     setting = _setting(case)
     upper, lower = setting.pop("walls")
-    given = oracle.Joint(
-        upper - height_datum(upper),
-        lower - height_datum(lower),
-        setting["spacing"],
-        setting["rock"],
-        setting["effects"],
-        setting["choices"],
-    )
+    walls = (wall - height_datum(wall) for wall in (upper, lower))
+    model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
+    given = oracle.Joint(*walls, *model)
     judge = Judge(given, tolerances_of(case))
     dataset, message, target = None, "", math.nan
     start = time.perf_counter()
@@ -323,7 +293,8 @@ def _run(frozen: str) -> Outcome:
                         **setting,
                     ),
                 )
-            status = status_names(int(dataset.status))
+            bits = int(dataset.status)
+            status = " ".join(name for bit, name in FLAGS.items() if bits & bit) or "success"
         except InputError as error:
             status, message = "refused", str(error)
     seconds = time.perf_counter() - start
