@@ -30,21 +30,6 @@ def test_speed_of_the_solvers_is_measured_with_its_parts(tmp_path):
 
 
 @pytest.mark.slow
-def test_methods_are_compared_on_the_same_walls(tmp_path):
-    options = ["--rocks", "dolerite", "--surfaces", "2", "--repeats", "1", "--output", tmp_path]
-    subprocess.run(
-        [sys.executable, BENCHMARKS / "breakage_methods.py", *options],
-        check=True,
-        capture_output=True,
-    )
-    found = pd.read_csv(tmp_path / "breakage_methods.csv")
-    assert set(found.rock) == {"dolerite"}
-    counts = [f"{method} products" for method in ("fixed_step", "resolved")]
-    assert (found[counts] > 100.0).all(axis=None)
-    assert 0.0 < found["least of a surface"].item() <= found["resolved over fixed"].item()
-
-
-@pytest.mark.slow
 def test_selected_effects_are_compared_at_conditions_of_any_seed(tmp_path):
     options = ["--scenes", "2", "--surfaces", "3", "--tolerances", "0.3", "--seed", "7"]
     subprocess.run(

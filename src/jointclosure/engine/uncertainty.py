@@ -3,7 +3,7 @@
 Each source of uncertainty is varied alone, to each end of its range. Then 19 joints are closed in
 which every source has a random value, drawn as a Latin hypercube (McKay, Beckman & Conover 1979).
 Random numbers of a source do not depend on the other sources. `jointclosure.engine.budget` makes
-a range of the results; ``benchmarks/range.py`` counts how many other such joints lie in it.
+a range of the results.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
