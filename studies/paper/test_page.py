@@ -5,9 +5,8 @@ from html.parser import HTMLParser
 import pytest
 
 from studies.paper.conftest import FAILED, JOINTS
-from studies.paper.report.content import content, outcome
+from studies.paper.report.content import STAYS, content, outcome
 from studies.paper.report.page import render
-from studies.paper.report.summary import STAYS
 
 VOID = {"meta", "link", "img", "input", "br"}
 

@@ -20,7 +20,7 @@ from typing import TypeGuard
 PACKAGE = Path(__file__).parents[1]
 ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 """Folders of the packages whose code counts; that of studies exists in a clone only."""
-SHOWN_BY = {"entry": "studies/paper/report/settings.py"}
+SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 """Calls whose first argument is a text for readers (description of a key), and the module through
 which it reaches results. The text counts only if that module is imported."""
 UNCOUNTED = (

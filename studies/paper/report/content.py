@@ -3,28 +3,47 @@
 import json
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.page import Picture, provenance_rows
+from jointclosure.cli.page import Picture, Sheet, number_text, provenance_rows, sheet
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
+from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
+from jointclosure.statistics.standard_errors import Estimate
+from jointclosure.statistics.verdicts import (
+    FALLS,
+    NO_DIFFERENCE,
+    STANDS,
+    UNDECIDED,
+    t_interval,
+    verdict,
+)
 from studies.frame.config.configuration import resolved
+from studies.frame.config.typed import Configuration
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.report import findings, running, settings, summary
+from studies.paper.report import tables
+
+FIRST_PICTURES = {
+    "independent": ("closure_since_seating", "table_3_intervals"),
+    "common": ("closure_since_seating",),
+}
+"""Figures of the first screen by the draws of a study; missing ones are left out."""
+_CLOSURE = "Net closure since seating, cycle {} (mm)"
+STAYS = "Share that remains at seating (%)"
+_LEFT_OUT = ("accuracy", "ablation")
+"""Sections of the configuration for other targets."""
 
 
 class Material(NamedTuple):
-    """Material of a page.
+    """Material of a page: the dataset, whose curves are read case by case, and its tables.
 
-    ``study``: the dataset, whose curves are read case by case. ``closures``, ``checks``,
-    ``intervals``, ``claims`` with their ``margins``, ``predictive``, ``joint``, ``elasticities``:
-    tables of the study; all except the first two are None if a study has none. ``paper``: the
-    paper's Table 3. ``default`` and ``schema``: the paper's configuration, and descriptions of
-    keys. ``pictures``. ``benchmarks``: those of the workflow's jobs. ``measured``: fits of measured
-    curves, or None. ``accuracy``: the table of `make accuracy`, or None. ``presets``: errors of the
-    presets of the numerics. ``flow``: hydraulic apertures, or None for a study without flow.
-    ``conclusions``: the table of `make conclusions`, or None.
+    Tables that a study need not have are None. ``paper``: the paper's Table 3. ``default`` and
+    ``schema``: the paper's configuration, and descriptions of keys. ``benchmarks``: those of the
+    workflow's jobs. ``measured``: fits of measured curves. ``accuracy``: the table of `make
+    accuracy`, ``presets``: errors of the presets of the numerics.
     """
 
     study: xr.Dataset
@@ -55,26 +74,26 @@ def content(material: Material) -> dict:
     configuration = resolved(keys)
     titles = {name: rock.title for name, rock in configuration.rocks.items()}
     of_paper = set(titles) & set(material.paper.rock)
-    rows = settings.setting_rows(keys, material.default, material.schema)
-    numbers = summary.summary_sheet(study, material.closures, titles)
+    rows = setting_rows(keys, material.default, material.schema)
+    numbers = summary_sheet(study, material.closures, titles)
     counts = outcome(study)
     return {
-        "finding": summary.finding(numbers, material.elasticities, configuration),
-        "validity": summary.validity(configuration, counts),
+        "finding": finding(numbers, material.elasticities, configuration),
+        "validity": validity(configuration, counts),
         "first_pictures": [
             picture
             for picture in material.pictures
-            if picture.name in summary.FIRST_PICTURES[configuration.study.draws]
+            if picture.name in FIRST_PICTURES[configuration.study.draws]
         ],
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": counts,
-        "verdicts": {} if material.claims is None else _counts(_of_paper(material.claims).verdict),
+        "verdicts": {} if material.claims is None else _verdicts(material.claims),
         "tolerance": TOLERANCE,
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
-        "departures": settings.departures(rows),
+        "departures": departures(rows),
         "failed_checks": int((~material.checks.passed).sum()),
         "pictures": material.pictures,
         "provenance": provenance_rows(study.attrs),
@@ -87,10 +106,6 @@ def content(material: Material) -> dict:
 def outcome(study: xr.Dataset) -> dict:
     """Count simulations: all, used, failed, and those with each remark or failure."""
     good = succeeded(study)
-    flags = {
-        name: int(((study.status & mask) > 0).sum())
-        for mask, name in running.flag_names(study).items()
-    }
     used = good.sum("realization")
     return {
         "simulations": good.size,
@@ -98,59 +113,247 @@ def outcome(study: xr.Dataset) -> dict:
         "failed": int((~good).sum()),
         "least_used": int(used.min()),
         "most_used": int(used.max()),
-        "flags": flags,
+        "flags": {
+            name: int(((study.status & mask) > 0).sum())
+            for mask, name in tables.flag_names(study).items()
+        },
     }
 
 
-def _of_paper(claims: pd.DataFrame) -> pd.DataFrame:
-    """Return the claims of the paper, without variants added here."""
-    return claims[claims.section != OURS] if "section" in claims else claims
-
-
-def _counts(words: pd.Series) -> dict[str, int]:
-    return words.value_counts(sort=False).to_dict()
+def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
+    """Count the verdicts on the claims of the paper, without variants added here."""
+    ours = claims.section == OURS if "section" in claims else np.zeros(len(claims), dtype=bool)
+    return claims[~ours].verdict.value_counts(sort=False).to_dict()
 
 
 def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame) -> dict:
     """Return all tables of the page by name."""
-    study, intervals = material.study, material.intervals
+    study, intervals, compared = material.study, material.intervals, bool(of_paper)
+    keys = json.loads(study.attrs["configuration"])
     sheets = [
-        findings.closure_sheet(material.closures, titles),
-        running.check_sheet(material.checks),
-        running.preset_sheet(
-            material.presets, json.loads(study.attrs["configuration"]), material.default
-        ),
-        running.status_sheet(study, titles),
-        running.failure_sheet(study),
-        running.simulation_time_sheet(study, titles),
-        running.job_time_sheet(material.benchmarks),
-        settings.setting_sheet(rows),
+        tables.closure_sheet(material.closures, titles),
+        tables.check_sheet(material.checks),
+        tables.preset_sheet(material.presets, keys, material.default),
+        tables.status_sheet(study, titles),
+        tables.failure_sheet(study),
+        tables.simulation_time_sheet(study, titles),
+        tables.job_time_sheet(material.benchmarks),
+        setting_sheet(rows),
     ]
-    if material.claims is not None:
-        sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
-    if material.claims is not None and material.margins is not None:
-        sheets.append(
-            findings.evidence_sheet(material.claims, material.margins, titles, bool(of_paper))
-        )
-    if material.conclusions is not None:
-        sheets.append(findings.conclusion_sheet(material.conclusions))
-        sheets.append(findings.moved_sheet(material.conclusions))
+    if (claims := material.claims) is not None:
+        sheets.append(tables.claim_sheet(claims, compared))
+        if material.margins is not None:
+            sheets.append(tables.evidence_sheet(claims, material.margins, titles, compared))
+    if (conclusions := material.conclusions) is not None:
+        sheets += [tables.conclusion_sheet(conclusions), tables.moved_sheet(conclusions)]
     if material.flow is not None:
-        sheets.append(findings.flow_sheet(material.flow, titles))
+        sheets.append(tables.flow_sheet(material.flow, titles))
     if material.measured is not None:
-        sheets.append(findings.measured_sheet(material.measured, titles))
+        sheets.append(tables.measured_sheet(material.measured, titles))
     if intervals is not None and len(intervals) and "percent" in intervals:
-        sheets += [
-            findings.layout_sheet(intervals, titles, of_paper),
-            findings.interval_sheet(intervals, titles, of_paper),
-        ]
+        sheets.append(tables.layout_sheet(intervals, titles, of_paper))
+        sheets.append(tables.interval_sheet(intervals, titles, of_paper))
     if material.predictive is not None and len(material.predictive):
-        sheets.append(findings.predictive_sheet(material.predictive, titles, bool(of_paper)))
+        sheets.append(tables.predictive_sheet(material.predictive, titles, compared))
     if material.joint is not None and len(material.joint):
-        sheets.append(findings.joint_sheet(material.joint))
-    if material.elasticities is not None and len(material.elasticities):
-        sheets.append(findings.ranking_sheet(material.elasticities, titles))
-        sheets.append(findings.elasticity_sheet(material.elasticities, titles))
+        sheets.append(tables.joint_sheet(material.joint))
+    if (elasticities := material.elasticities) is not None and len(elasticities):
+        sheets.append(tables.ranking_sheet(elasticities, titles))
+        sheets.append(tables.elasticity_sheet(elasticities, titles))
     if material.accuracy is not None:
-        sheets.append(running.accuracy_sheet(material.accuracy))
+        sheets.append(tables.accuracy_sheet(material.accuracy))
     return {sheet.name: sheet for sheet in sheets}
+
+
+def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Tabulate closure, residual share and net normal stiffness of each rock's base case."""
+    base = closures[closures.parameter == "base"]
+    rows = []
+    for rock, of_rock in base.groupby("rock", sort=False):
+        case = study.sel(case=of_rock.case.iloc[0])
+        used = case.isel(realization=succeeded(case).values)
+        first = used.sel(cycle=1)
+        stays = ratio_of_means(
+            first.residual_closure_seated_net.values, first.max_closure_seated_net.values
+        )
+        row = {"rock": titles[rock]} | _estimated("stays", stays, 100.0)
+        for cycle, means in of_rock.set_index("cycle").iterrows():
+            name = "max_closure_seated_net_mean_mm"
+            closure = Estimate(means[name], means[f"{name}_standard_error"])
+            stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
+            row |= _estimated(f"closure_{cycle}", closure)
+            row |= _estimated(f"kn_{cycle}", stiffness, 1e-9)
+        rows.append(row)
+    cycles = [int(cycle) for cycle in study.cycle.values]
+    columns = {"rock": "Rock"}
+    columns |= {f"closure_{cycle}": _CLOSURE.format(cycle) for cycle in cycles}
+    columns |= {"stays": STAYS}
+    columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
+    caption = (
+        "Mean maximum net closure since seating of each rock's base case, share of that of the "
+        "first cycle that remains at seating, and net normal stiffness kn on loading from half "
+        "of the maximum stress to the small steps before the maximum; ± standard error"
+    )
+    return sheet("in-short", caption, pd.DataFrame(rows), columns)
+
+
+def _estimated(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
+    """Return the columns of a number and of its standard error, in the unit of the table."""
+    return {
+        name: scale * estimate.value,
+        f"{name}_standard_error": scale * estimate.standard_error,
+    }
+
+
+def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
+    """Describe closures of the first and last cycle, and their sensitivity, in sentences."""
+    named = dict(zip(numbers.titles, zip(*numbers.rows, strict=True), strict=True))
+    rocks = named.pop("Rock")
+    ranges = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
+    stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
+    who = (
+        f"Joints of {rocks[0].text.lower()}" if len(rocks) == 1 else f"Joints of {len(rocks)} rocks"
+    )
+    first = ranges[_CLOSURE.format(1)]
+    text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
+    if _CLOSURE.format(2) in ranges:
+        text += f", and {ranges[_CLOSURE.format(2)]} mm when they are loaded again"
+    text += f" (net of the half-spaces, since {1e-6 * configuration.seating_stress:g} MPa)"
+    text += f"; {ranges[STAYS]} % of the first closure remains."
+    return f"{text} {sensitivity_sentence(elasticities)}".strip()
+
+
+def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
+    """State the property with the largest effect on the last cycle's closure, if it is clear."""
+    if elasticities is None or not len(elasticities):
+        return ""
+    last = elasticities[elasticities.cycle == elasticities.cycle.max()]
+    last = last.dropna(subset="elasticity")
+    sizes = last.assign(size=last.elasticity.abs()).groupby("rock", sort=False)
+    rocks = len(sizes)
+    if not rocks or sizes.size().min() < 2:
+        return ""
+    first = last.loc[sizes["size"].idxmax()].parameter.value_counts().index[0]
+    answer = most_sensitive(last, str(first))
+    cycle = last.cycle.iloc[0]
+    if answer == STANDS:
+        where = "" if rocks == 1 else f" in all {rocks} rocks"
+        title = _lower(PROPERTIES[str(first)].title)
+        return f"In cycle {cycle} closure is most sensitive to {title}{where}."
+    reason = {
+        FALLS: "differs between rocks",
+        NO_DIFFERENCE: "makes no difference worth noticing",
+        UNDECIDED: "cannot be decided from so few joints",
+    }[answer]
+    return f"Which property the closure of cycle {cycle} is most sensitive to {reason}."
+
+
+def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
+    """Return the verdict on a property having the largest elasticity in all rocks, for one cycle.
+
+    Errors of elasticities are treated as independent. The intervals of all differences between
+    their magnitudes are simultaneous with 95 %. Magnitudes that differ by less than `TOLERANCE`
+    count as equal.
+    """
+    lows, highs = [], []
+    differences = len(elasticities) - elasticities.rock.nunique()
+    confidence = 1.0 - 0.05 / differences
+    for _, of_rock in elasticities.groupby("rock"):
+        of_rock = of_rock.set_index("parameter")
+        if parameter not in of_rock.index:
+            return UNDECIDED
+        first, others = of_rock.loc[parameter], of_rock.drop(parameter)
+        for other in others.itertuples():
+            error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
+            difference = abs(first.elasticity) - abs(other.elasticity)
+            interval = t_interval((difference, error), int(first.samples), confidence)
+            lows.append(interval.low)
+            highs.append(interval.high)
+    return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
+
+
+def _lower(title: str) -> str:
+    """Return a property's title within a sentence: names keep their capitals."""
+    return title if title.startswith(("Young", "Poisson", "JRC")) else title[0].lower() + title[1:]
+
+
+def _range(values: list) -> str:
+    known = [float(value) for value in values if value != ""]
+    if not known:
+        return "an unknown number of"
+    low, high = number_text(min(known), 2), number_text(max(known), 2)
+    return low if low == high else f"{low} to {high}"
+
+
+def validity(configuration: Configuration, outcome: dict) -> list[str]:
+    """Describe the validity of the numbers, in sentences."""
+    surface, sentences = configuration.surface, []
+    if any(rock.walls is None for rock in configuration.rocks.values()):
+        mated = surface.correlation > 0.0 or surface.mismatch_wavelength is not None
+        sentences.append(
+            "Walls are random and mated in part, as the configuration says."
+            if mated
+            else "Walls are random and independent of each other. Natural joints mate in part, "
+            "close less and are stiffer: the numbers are not theirs."
+        )
+    sentences.append(
+        "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
+    )
+    if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
+        sentences.append("Maximum stresses are assumptions.")
+    flagged = outcome["flags"]["outside_model_range"]
+    if flagged or outcome["failed"]:
+        sentences.append(
+            f"{flagged} of {outcome['simulations']} simulations are outside of the model's range, "
+            f"{outcome['failed']} failed."
+        )
+    return sentences
+
+
+def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
+    """Every key of a study with its value, the paper's, whether they differ, and its meaning."""
+    chosen = {key: value for key, value in configuration.items() if key not in _LEFT_OUT}
+    chosen["rocks"] = {name: chosen["rocks"][name] for name in chosen["study"]["rocks"]}
+    theirs = dict(_leaves(paper, schema, ""))
+    rows = []
+    for key, (value, meaning) in _leaves(chosen, schema, ""):
+        known = key in theirs
+        rows.append(
+            {
+                "key": key,
+                "value": _shown(value),
+                "paper": _shown(theirs[key][0]) if known else "",
+                "differs": not known or theirs[key][0] != value,
+                "meaning": meaning,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def departures(rows: pd.DataFrame) -> list[str]:
+    """Return the keys in which a study differs from the paper's, without its name."""
+    return rows[rows.differs & (rows.key != "study.name")].key.tolist()
+
+
+def setting_sheet(rows: pd.DataFrame) -> Sheet:
+    """Make the table of the configuration."""
+    titles = {"key": "Key", "value": "This study", "paper": "The paper's study"}
+    titles |= {"differs": "Differs", "meaning": "What it is"}
+    return sheet("configuration", "Every key of this study", rows, titles)
+
+
+def _leaves(value: dict, schema: dict, path: str):
+    """Generate (key, (value, description)) of everything that is not a section."""
+    known = schema.get("properties", {})
+    extra = schema.get("additionalProperties")
+    order = {name: place for place, name in enumerate(known)}
+    for name, entry in sorted(value.items(), key=lambda item: order.get(item[0], len(order))):
+        about = known.get(name, extra if isinstance(extra, dict) else {})
+        if isinstance(entry, dict):
+            yield from _leaves(entry, about, f"{path}{name}.")
+        else:
+            yield f"{path}{name}", (entry, about.get("description", ""))
+
+
+def _shown(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,540 @@
+"""Tables of the page: what a study found, and how it ran."""
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.cli.page import Cell, Sheet, cell, given, headings, sheet
+from jointclosure.engine.aggregation import succeeded
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.standard_errors import percent, rounded
+from studies.frame.config.presets import (
+    SCENES,
+    anything_breaks,
+    numerics_in_full,
+    radii_words,
+    radius_of,
+)
+from studies.paper.claims import CLAIMS
+from studies.paper.conclusions import COUNTS, FOUND
+from studies.paper.layout import is_paired, table_3, test_name
+
+Titles = Mapping[str, str]
+"""Titles of the rocks of a study, in order."""
+NOT_TRIED = "not tried"
+"""Entry for a claim without readings or choices."""
+LEAST_SHOWN = 0.001
+"""Smallest probability that is shown as a number."""
+MOST_FAILURES = 500
+"""Largest number of failed simulations that are listed."""
+_PROPERTY = {name: about.title for name, about in PROPERTIES.items()}
+_WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
+_HEADS = {
+    "rock": "Rock",
+    "parameter": "Parameter",
+    "cycle": "Cycle",
+    "samples": "Joints used (n)",
+    "number": "No.",
+    "claim": "Claim",
+    "section": "Place in the paper",
+    "found": "Studies that find it",
+}
+"""Headings that several tables have."""
+
+
+def _heads(*columns: str) -> dict[str, str]:
+    return {column: _HEADS[column] for column in columns}
+
+
+def closure_sheet(closures: pd.DataFrame, titles: Titles) -> Sheet:
+    """Maximum closure of each rock's base case."""
+    base = closures[closures.parameter == "base"]
+    columns = _heads("rock", "cycle", "samples") | {
+        "max_closure_mean_mm": "Maximum closure, mean (mm)",
+        "max_closure_adjusted_mean_mm": "Mean, adjusted (mm)",
+        "max_closure_standard_deviation_mm": "Standard deviation between joints (mm)",
+    }
+    columns |= headings(
+        "max_closure_net_mean_mm", "max_closure_seated_mean_mm", "residual_closure_mean_mm"
+    )
+    return sheet(
+        "closures",
+        "Maximum closure of each rock's base case, from the start of the cycle; residual closure "
+        "is from first touch; ± standard error",
+        base.assign(rock=base.rock.map(titles)),
+        columns,
+    )
+
+
+def flow_sheet(flow: pd.DataFrame, titles: Titles) -> Sheet:
+    """Apertures of each rock's base case at the largest stress that all joints reach."""
+    loading = flow[(flow.parameter == "base") & (flow.branch == "loading")]
+    by = ["rock", "cycle", "direction"]
+    most = loading.groupby(by, sort=False).samples.transform("max")
+    reached = loading[loading.samples == most]
+    at = reached.loc[reached.groupby(by, sort=False).stress_MPa.idxmax()]
+    columns = _heads("rock", "cycle") | {
+        "direction": "Flow along",
+        "stress_MPa": "Stress (MPa)",
+        "samples": "Joints (n)",
+        "blocked": "Of these blocked",
+        "mean_aperture_mean_mm": "Mechanical aperture (mm)",
+        "hydraulic_aperture_mean_mm": "Hydraulic aperture (mm)",
+        "hydraulic_aperture_standard_deviation_mm": "Its standard deviation (mm)",
+        "ratio_mean": "Hydraulic / mechanical",
+    }
+    return sheet(
+        "flow",
+        "Hydraulic aperture of each rock's base case, by Reynolds' equation, at the largest stress "
+        "of loading that all of its joints reach; means over the joints",
+        at.assign(rock=at.rock.map(titles)),
+        columns,
+    )
+
+
+def ranking_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
+    """Elasticities of each rock and cycle, the largest first."""
+    rows = []
+    for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
+        order = part.elasticity.abs().sort_values(ascending=False).index
+        ranked = [
+            f"{_PROPERTY[row.parameter]} {rounded(row.elasticity, row.elasticity_standard_error)}"
+            for row in part.loc[order].itertuples()
+        ]
+        rows.append({"rock": titles[rock], "cycle": cycle, "ranked": ", ".join(ranked)})
+    columns = _heads("rock", "cycle") | {"ranked": "Elasticities, the largest first"}
+    return sheet(
+        "ranking",
+        "Elasticities of the mean maximum closure, with standard errors: change in % for a change "
+        "of the property by 1 %. The claims state which differences are significant",
+        pd.DataFrame(rows, columns=list(columns)),
+        columns,
+    )
+
+
+def layout_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
+    """Table 3 in the paper's layout, with the paper's lengths below those of the study."""
+    ours = table_3(intervals, titles)
+    theirs = table_3(intervals, titles, "paper_") if of_paper else None
+    percents = intervals.set_index(["parameter", "cycle", "rock"]).percent.dropna().to_dict()
+    rows = []
+    for parameter in ours.index:
+        for cycle in dict.fromkeys(cycle for cycle, _ in ours.columns):
+            cells = [Cell(_PROPERTY[parameter], parameter), Cell(str(cycle), cycle)]
+            for rock, title in titles.items():
+                text = ours.loc[parameter, [(cycle, title)]].iloc[0]
+                if theirs is not None and rock in of_paper:
+                    text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
+                cells.append(Cell(text, percents.get((parameter, cycle, rock), "")))
+            rows.append(cells)
+    beside = ", the paper's (unpaired) below" if of_paper else ""
+    caption = f"Table 3: length of indifference intervals, {test_name(intervals)}{beside}"
+    return Sheet("table-3", caption, ["Parameter", "Cycle", *titles.values()], rows)
+
+
+def interval_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
+    """Every indifference interval with its confidence interval, and the paper's."""
+    table = intervals.assign(
+        rock=intervals.rock.map(titles),
+        base=intervals.base.map(given),
+        parameter=intervals.parameter.map(_WITH_UNITS),
+    )
+    columns = _heads("rock", "parameter", "cycle", "samples") | {
+        "base": "The rock's value",
+        "length": "Length",
+        "length_low": "From",
+        "length_high": "To",
+        "percent": "% of the rock's value",
+        "length_net": "Net of bulk indentation",
+    }
+    paired = is_paired(intervals)
+    if paired:
+        columns["unpaired_length"] = "By the unpaired t test"
+    if of_paper:
+        table["paper"] = [
+            cell(None) if row.rock not in of_paper
+            else Cell("no real root", "") if pd.isna(row.paper_length)
+            else given(row.paper_length)
+            for row in intervals.itertuples()
+        ]  # fmt: skip
+        columns["paper"] = "The paper's length (unpaired)"
+        if not paired:  # no ratio of lengths by different tests
+            table["ratio"] = intervals.length / intervals.paper_length
+            columns["ratio"] = "This study over the paper"
+    columns["status"] = "Remark"
+    return sheet(
+        "intervals",
+        f"Indifference intervals, {test_name(intervals)}, with their bootstrap confidence "
+        "intervals (from, to)",
+        table,
+        columns,
+    )
+
+
+def measured_sheet(fits: pd.DataFrame, titles: Titles) -> Sheet:
+    """Fit of the joints to the measured curves."""
+    columns = _heads("rock", "cycle") | {
+        "points": "Points measured",
+        "largest_closure_mm": "Largest closure measured (mm)",
+        "samples": "Joints used (n)",
+        "best_realization": "Joint that fits best",
+        "misfit_mm": "Its misfit (mm)",
+        "misfit_percent": "Its misfit (%)",
+        "median_misfit_mm": "Median misfit (mm)",
+    }
+    caption = "Measured closure curves: the joint that fits best, and its misfit"
+    return sheet("measured", caption, fits.assign(rock=fits.rock.map(titles)), columns)
+
+
+def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
+    """Claims with both judgements, and the paper's if it has the rocks."""
+    columns = _heads("number", "claim") | {"verdict": "True of the model"}
+    columns |= _heads("found") | {"found_here": "Found by this study"}
+    if compared and "paper" in claims:
+        columns |= _heads("section") | {"paper_finds": "Found in the paper's Table 3"}
+    caption = "The paper's claims: truth in the model, and studies that find them"
+    return sheet("claims", caption, pd.DataFrame(_judged(claims)), columns)
+
+
+def _judged(claims: pd.DataFrame) -> list[dict]:
+    """Rows of claims with texts of the share of studies that confirm them and of the verdict."""
+    return [
+        row | {"found": found_text(row), "verdict": verdict_text(row)}
+        for row in claims.to_dict("records")
+    ]
+
+
+def evidence_sheet(
+    claims: pd.DataFrame, margins: pd.DataFrame, titles: Titles, compared: bool
+) -> Sheet:
+    """Numbers that decide claims, for the model by rock, and for the paper."""
+    rows = []
+    for claim in claims.itertuples():
+        about = {"number": claim.number, "verdict": claim.verdict}
+        deciding = margins[(margins.number == claim.number) & margins.decides]
+        rows += [
+            about
+            | {"by": "the model", "where": titles[row.rock], "cycle": row.cycle}
+            | {"quantity": row.quantity}
+            | {"value": Cell(rounded(row.value, row.standard_error), row.value)}
+            for row in deciding.itertuples()
+        ]
+        if compared and isinstance(getattr(claim, "paper", None), str):
+            paper = {"by": "the paper", "where": "", "cycle": "", "value": claim.paper}
+            rows.append(about | paper)  # not NaN, which would make fractions of the cycles
+    columns = {"number": "No.", "by": "By", "where": "Of", "cycle": "Cycle", "quantity": "What"}
+    columns |= {"value": "Number", "verdict": "The claim"}
+    frame = pd.DataFrame(rows, columns=list(columns))
+    return sheet("evidence", "The numbers that decide each claim", frame, columns)
+
+
+def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
+    """Evidence for each claim, and the conclusion (`make conclusions`)."""
+    columns = _heads("number", "claim", "section") | {"verdict": "As configured"}
+    columns |= _heads("found") | {
+        "readings": "Readings of all rocks: stands, falls, no difference, open",
+        "partial": "Readings of some rocks: true there, false, no difference, open",
+        "choices": "True for so many open choices",
+        "conclusion": "Conclusion",
+    }
+    shown = [
+        row
+        | {kind: _tried([row[f"{kind}_{name}"] for name in COUNTS])
+           for kind in ("readings", "partial")}
+        | {"choices": NOT_TRIED if pd.isna(row["choices_share"]) else _choices(row)}
+        for row in _judged(conclusions)
+    ]  # fmt: skip
+    caption = "Conclusion on each claim under readings and choices that the paper leaves open"
+    return sheet("conclusions", caption, pd.DataFrame(shown), columns)
+
+
+def _choices(row: Mapping) -> str:
+    share, low, high = (percent(row[f"choices_share{end}"]) for end in ("", "_low", "_high"))
+    return f"{share} ({low} to {high})"
+
+
+def _tried(counts: list[float]) -> str:
+    if pd.isna(counts[0]):
+        return NOT_TRIED
+    return ", ".join(f"{count:.0f}" for count in counts) if sum(counts) else "none"
+
+
+def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
+    """Readings and inputs that change the verdict on claims."""
+    widest = conclusions.jrc_half_width.max()
+    columns = {
+        "number": "No.",
+        "verdict": "As configured",
+        "opposed_by": "Contradicted by the reading",
+        "opened_by": "Left open by the readings",
+        "moved_by": "Over the open choices it varies most with",
+        "jrc_found": f"Studies that find it, JRC known to ±{widest:g}",
+    }
+    filled = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
+    moved = filled[(filled.opposed_by + filled.opened_by + filled.moved_by) != ""]
+    shown = moved.assign(jrc_found=[found_text(row, "jrc_") for row in moved.to_dict("records")])
+    caption = "Causes of a changed verdict: readings, and the input with most effect on a margin"
+    return sheet("moved", caption, shown, columns)
+
+
+def probability(value: float, error: float) -> Cell:
+    """Format a probability with its standard error; "< 0.001" if it is smaller with its error."""
+    if pd.isna(value):
+        return cell(None)
+    small = value < LEAST_SHOWN and not error >= LEAST_SHOWN
+    return Cell(f"< {LEAST_SHOWN:g}" if small else rounded(value, error), value)
+
+
+def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
+    """Format a share and its standard error in percent; with an error of 0, its interval."""
+    if pd.isna(share):
+        return ""
+    text = f"{rounded(100.0 * share, 100.0 * error)} %"
+    if error > 0.0 or pd.isna(low):
+        return text
+    return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
+
+
+def verdict_text(row: Mapping) -> str:
+    """Format the verdict on a claim, with what it rests on where the claim has such a remark."""
+    remark = next((claim.remark for claim in CLAIMS if claim.number == row["number"]), "")
+    return f"{row['verdict']} ({remark})" if remark else row["verdict"]
+
+
+def found_text(row: Mapping, prefix: str = "") -> str:
+    """Format the share of studies that confirm a claim, from `FOUND` of a table's row."""
+    return percent_text(*(row[f"{prefix}{name}"] for name in FOUND))
+
+
+def _with_errors(table: pd.DataFrame, names: Iterable[str], shown: Callable) -> pd.DataFrame:
+    """Replace columns by cells of their numbers and errors (columns with the suffix _error)."""
+    return table.assign(
+        **{
+            name: [shown(*pair) for pair in zip(table[name], table[f"{name}_error"], strict=True)]
+            for name in names
+        }
+    )
+
+
+def predictive_sheet(predictive: pd.DataFrame, titles: Titles, compared: bool) -> Sheet:
+    """Each entry of Table 3 over repetitions of the study, with the paper's value."""
+    table = predictive.assign(
+        rock=predictive.rock.map(titles),
+        parameter=predictive.parameter.map(_WITH_UNITS),
+        none=[
+            Cell(percent_text(row.share_without_root, row.share_error), row.share_without_root)
+            for row in predictive.itertuples()
+        ],
+    )
+    columns = _heads("rock", "parameter", "cycle") | {"median": "Median"}
+    columns |= {"low_95": "2.5 %", "low_90": "5 %", "high_90": "95 %", "high_95": "97.5 %"}
+    columns["none"] = "No real root"
+    if compared and "p" in table:
+        columns |= {"paper_length": "The paper", "p": "Its p", "null_p": "p without effect"}
+        table = _with_errors(table, ("p", "null_p"), probability)
+    return sheet(
+        "predictive",
+        "Predicted results of repetitions of this study, lengths by the unpaired t test on "
+        "independent draws; p: of the paper's entry, two-sided; without "
+        "effect: probability that noise alone gives a length as short",
+        table,
+        columns,
+    )
+
+
+def joint_sheet(joint: pd.DataFrame) -> Sheet:
+    """Joint tests of whether the paper's entries are a draw of this model, or of noise."""
+    columns = {
+        "entries": "Entries",
+        "number": "Number",
+        "dashes": "Dashes in the paper",
+        "p": "p of this model",
+        "null_p": "p without any effect",
+        "log_likelihood": "Log-likelihood, this model",
+        "null_log_likelihood": "Without any effect",
+    }
+    table = _with_errors(joint, ("p", "null_p"), probability)
+    likelihoods = ("log_likelihood", "null_log_likelihood")
+    table = _with_errors(table, likelihoods, lambda *pair: Cell(rounded(*pair), pair[0]))
+    caption = (
+        "Joint tests of the paper's Table 3, including dashes; errors are due to repetitions and, "
+        "for p, to the pool's surfaces. The p without any effect hardly depends on the model; if "
+        "it is small, the table shows that these properties have an effect, but supports no model"
+    )
+    return sheet("joint", caption, table, columns)
+
+
+def elasticity_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
+    """Elasticities of the mean maximum closure, with their standard errors."""
+    table = elasticities.assign(
+        rock=elasticities.rock.map(titles), parameter=elasticities.parameter.map(_PROPERTY)
+    )
+    columns = _heads("rock", "parameter", "cycle", "samples") | {
+        "elasticity_shown": "Elasticity",
+        "elasticity_adjusted_shown": "Adjusted",
+        "elasticity_net_shown": "Net of bulk indentation",
+    }
+    return sheet(
+        "elasticities",
+        "Elasticities, d ln(mean closure)/d ln(property): change in % for a change of the property "
+        "by 1 %",
+        table,
+        columns,
+    )
+
+
+def check_sheet(checks: pd.DataFrame) -> Sheet:
+    """Checks of the results."""
+    verdict = np.where(checks.passed, "passed", "FAILED")
+    verdict = np.where(checks.required == "reported only", "reported only", verdict)
+    columns = {name: name.capitalize() for name in ("ensemble", "check", "required", "found")}
+    columns["verdict"] = "Verdict"
+    return sheet("checks", "Checks of the results", checks.assign(verdict=verdict), columns)
+
+
+def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
+    """Error and time of each setting of `make accuracy`."""
+    columns = {
+        "scene": "Variant of the model",
+        "rock": "Rock",
+        "knob": "Setting",
+        "value": "Value",
+        "cycle": "Cycle",
+        "mean_error_percent": "Error of the mean closure (%)",
+        "mean_low": "From",
+        "mean_high": "To",
+        "relative_time": "Time over the variant's base",
+    }
+    return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
+
+
+def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> Sheet:
+    """Errors of the presets of the numerics, and mark the preset of the study."""
+    mine = numerics_in_full(configuration)
+    changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
+    breaks = anything_breaks(configuration)
+    rows = measured[measured.scene.isin(SCENES.values()) & measured.preset.fillna("").ne("")]
+    radius = configuration["choices"]["largest_radius_mm"]
+    bounded = np.array([radius_of(scene) == radius for scene in rows.scene], dtype=bool)
+    same = rows.numerics.map(json.loads).map(lambda numerics: numerics == changed)
+    errors = ["error_percent", "bound_percent", "relative_time"]
+    columns = {
+        "scene": "Radii",
+        "preset": "Preset",
+        "error_percent": "Error of the mean closure (%)",
+        "bound_percent": "At most, by its confidence interval (%)",
+        "relative_time": "Time over the paper's steps",
+        "mine": "This study's",
+    }
+    return sheet(
+        "presets",
+        "Presets of the numerics, with their errors from the study of accuracy",
+        rows.assign(
+            scene=rows.scene.map(radii_words),
+            mine=np.where(bounded & same & breaks, "yes", ""),
+            **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in errors},
+        ),
+        columns,
+    )
+
+
+_IN_WORDS = {
+    "target_jumped": "Jumped over the target",
+    "outside_model_range": "Outside of the model's range",
+    "not_converged": "Not converged",
+    "breakage_not_at_rest": "Breakage did not come to rest",
+    "rigid_contact": "Contact without compliance",
+    "stress_not_reached": "Stress not reached",
+    "too_many_steps": "Too many steps",
+}
+
+
+def in_words(name: str) -> str:
+    """Return the text of a status (docs/reference.md)."""
+    return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
+
+
+def flag_names(study: xr.Dataset) -> dict[int, str]:
+    """Return the names of the bits of a status."""
+    about = study.status.attrs
+    return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
+
+
+def status_sheet(study: xr.Dataset, titles: Titles) -> Sheet:
+    """Statuses of the simulations of each case."""
+    good = succeeded(study)
+    frame = pd.DataFrame(
+        {
+            "rock": [titles[rock] for rock in study.rock.values],
+            "parameter": [_PROPERTY.get(p, "as it is") for p in study.parameter.values],
+            "level": study.level.values,
+            "scene": study.scene.values,
+            "simulations": study.sizes["realization"],
+            "used": good.sum("realization").values,
+            "failed": (~good).sum("realization").values,
+        }
+    )
+    columns = {"rock": "Rock", "parameter": "Changed", "level": "Level"}
+    columns |= {"simulations": "Simulations", "used": "Used (n)", "failed": "Failed"}
+    for mask, name in flag_names(study).items():
+        frame[name] = ((study.status & mask) > 0).sum("realization").values
+        if mask < FAILURE or frame[name].any():
+            columns[name] = in_words(name)
+    columns["scene"] = "Effects that act"
+    return sheet("statuses", "Statuses by case", frame, columns)
+
+
+def failure_sheet(study: xr.Dataset) -> Sheet:
+    """Every failed simulation, with the seed of its walls."""
+    flags = flag_names(study)
+    rows = []
+    statuses = study.status.transpose("case", "realization").values
+    seeds = study.seed.transpose("case", "realization").values
+    failed = np.argwhere(statuses >= FAILURE)
+    for i, j in failed[:MOST_FAILURES]:
+        status = int(statuses[i, j])
+        rows.append(
+            {
+                "case": study.case.values[i],
+                "realization": int(study.realization.values[j]),
+                "status": ", ".join(
+                    in_words(name) for mask, name in flags.items() if status & mask
+                ),
+                "seed": str(seeds[i, j]),
+            }
+        )
+    columns = {"case": "Case", "realization": "Realisation", "status": "Status"}
+    columns["seed"] = "Seed of its walls"
+    caption = "Failed simulations"
+    if len(failed) > MOST_FAILURES:
+        caption += f", the first {MOST_FAILURES} of {len(failed)}"
+    return sheet("failures", caption, pd.DataFrame(rows, columns=list(columns)), columns)
+
+
+def simulation_time_sheet(study: xr.Dataset, titles: Titles) -> Sheet:
+    """Wall-clock time of the simulations of each rock."""
+    rows = []
+    for rock, title in titles.items():
+        seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
+        least, low, middle, high, most = np.quantile(seconds, (0.0, 0.05, 0.5, 0.95, 1.0))
+        rows.append(
+            {"rock": title, "count": seconds.size, "median": middle, "least": least, "low": low}
+            | {"high": high, "most": most, "total": seconds.sum()}
+        )
+    columns = {"rock": "Rock", "count": "Simulations", "median": "Median (s)"}
+    columns |= {"least": "Least (s)", "low": "5 % (s)", "high": "95 % (s)", "most": "Most (s)"}
+    columns["total"] = "In all (s)"
+    return sheet("simulation-times", "Time of a simulation", pd.DataFrame(rows), columns)
+
+
+def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
+    """Time and memory of the workflow's jobs, by rule."""
+    seconds = benchmarks.groupby("rule", sort=False).s.agg(["size", "median", "max", "sum"])
+    memory = benchmarks.groupby("rule", sort=False).max_rss.max()
+    columns = {"rule": "Rule", "size": "Jobs", "median": "Median (s)", "max": "Longest (s)"}
+    columns |= {"sum": "In all (s)", "memory": "Largest memory (MB)"}
+    return sheet("jobs", "Time of the jobs", seconds.assign(memory=memory).reset_index(), columns)
