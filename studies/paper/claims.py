@@ -359,13 +359,7 @@ class Claim(NamedTuple):
 
     @property
     def judged_by(self) -> Statement:
-        """Statement of the claim.
-
-        Raises
-        ------
-        ValueError
-            If it has none.
-        """
+        """Statement of the claim."""
         if self.statement is None:
             raise ValueError(f"claim {self.number}: {self.remark}")
         return self.statement

@@ -71,27 +71,7 @@ def draw_measured(
     seating_stress: float,
     cycles: Collection[int],
 ) -> str:
-    """Draw a rock's measured curve and each cycle's best realisation, and describe the misfit.
-
-    Parameters
-    ----------
-    axes : Axes
-        Net closure [mm] since seating, and stress [MPa].
-    measured : Measurements
-    rock : str
-        Nothing is drawn for a rock without a measured curve.
-    base : Dataset
-        The rock's base case, over (realization, cycle, branch, stress).
-    seating_stress : float
-        Stress from which closure of each cycle counts [Pa].
-    cycles : collection of int
-        Cycles that are drawn.
-
-    Returns
-    -------
-    str
-        A line for the title, empty without a measured curve.
-    """
+    """Draw a rock's measured curve and each cycle's best realisation, and describe the misfit."""
     if rock not in measured.curves:
         return ""
     curve = measured.curves[rock]
@@ -223,21 +203,6 @@ def closure_figure(
 
     As in the paper's Fig. 5, they are gross and count from first touch, later cycles from their
     start. As in laboratories, they are net of the half-spaces and count from seating.
-
-    Parameters
-    ----------
-    study : Dataset
-        As from `jointclosure.engine.aggregation.join_cases`.
-    rocks : dict
-        By name, in order.
-    seating_stress : float or None
-        Stress from which closure of each cycle counts [Pa], as in laboratories; None for the
-        paper's figure.
-    strength_ratio : float
-        sigma_c/JCS of the Barton-Bandis law, drawn if it is valid. The law counts from zero stress,
-        and since seating it is drawn less its closure there.
-    measured : Measurements
-        Measured curves, and the realisations that fit them best; drawn since seating only.
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
@@ -369,17 +334,7 @@ _QUANTITIES = {
 
 @styled
 def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress: float) -> Figure:
-    """Draw mean hydraulic aperture and its ratio to the mean aperture for each rock's base case.
-
-    Parameters
-    ----------
-    table : DataFrame
-        As from `studies.frame.ensemble.flow_table.flow_table`.
-    rocks : dict
-        Rocks by name, in order; each has a row of panels.
-    seating_stress : float
-        Smallest stress of the curves [Pa].
-    """
+    """Draw mean hydraulic aperture and its ratio to the mean aperture for each rock's base case."""
     directions = list(dict.fromkeys(table.direction))
     kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
     figure, panels = panel_grid(len(rocks), len(kinds), (3.5, 3.1), (0.0, 0.7), sharex="row")

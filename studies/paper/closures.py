@@ -224,24 +224,9 @@ def indifference_table(
 ) -> pd.DataFrame:
     """Tabulate the indifference intervals of all rocks, parameters and cycles.
 
-    Parameters
-    ----------
-    study : Dataset
-        As from `jointclosure.engine.aggregation.join_cases`; its seeds show whether a
-        realisation is the same surface in all cases of a rock.
-    root_seed : int
-        Root seed of the study; the bootstrap has a separate stream.
-    covariates : Covariates, optional
-        Covariates of the study.
-
-    Returns
-    -------
-    DataFrame
-        ``test`` is "paired" or "unpaired"; ``length`` and related columns are by this test, and
-        ``unpaired_length`` by the published test for any draws. ``p_of_ends`` is the p value of the
-        difference between the lowest and the highest level, by both tests.
-        ``adjusted_length`` is by the published test for independent draws, from means and
-        deviations adjusted by the covariates; NaN without covariates.
+    ``test`` is that of ``length`` and related columns, ``unpaired_length`` is by the published test
+    for any draws, ``p_of_ends`` the p value of the difference between the lowest and the highest
+    level, and ``adjusted_length`` from means and deviations adjusted by the covariates.
     """
     rows = []
     both = (responses(study, target, covariates) for target in (TARGET, NET))

@@ -40,32 +40,13 @@ def conclusion_table(
 ) -> pd.DataFrame:
     """Tabulate the evidence for each claim, and the conclusion.
 
-    Parameters
-    ----------
-    claims : DataFrame
-        Claims of the study, as from `studies.paper.judged_claims`.
-    jrc_range : DataFrame, optional
-        How often studies confirm each claim if a JRC is known to a range only.
-    readings : DataFrame, optional
-        Verdicts under readings of the paper. Readings that contradict its text do not count. A
-        reading of only some rocks can contradict a claim about all rocks, but not confirm it.
-    choices, margins : DataFrame, optional
-        Shares of the open choices of `make global-sensitivity`, and inputs that affect margins.
-
-    Returns
-    -------
-    DataFrame
-        A row per claim: ``number``, ``claim``, ``section``, ``verdict`` as configured, `FOUND` of
-        studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
-        numbers of readings by verdict (`COUNTS`) of all rocks (``readings_stand`` and so on) and
-        of some rocks (``partial_stand`` and so on); ``opposed_by`` and ``opened_by`` (titles of
-        readings that contradict the verdict, and that leave it open); ``choices_share`` with its
-        error and interval (in all rocks at once); ``moved_by``, the input with the largest effect
-        on the margin, and its share of the margin's variance; and the ``conclusion``. This is the
-        verdict if no reading contradicts it and the interval of the share of agreeing choices is
-        above `NEARLY_ALL`; `DEPENDS` if a reading contradicts it or this interval is below
-        `NEARLY_ALL`; "undecided" if this is the verdict, or the interval contains
-        `NEARLY_ALL`; and `ONLY_CONFIGURED` if neither readings nor choices were tried.
+    Columns are the verdict as configured, `FOUND` of studies by the paper's protocol and with a JRC
+    known to a range, numbers of readings by verdict (`COUNTS`), the share of open choices, and the
+    input with the largest effect on the margin. Readings that contradict the paper's text do not
+    count; one of only some rocks can contradict a claim about all, but not confirm it. The
+    conclusion is the verdict if no reading contradicts it and the interval of the share of agreeing
+    choices is above `NEARLY_ALL`, `DEPENDS` if a reading does or this interval is below it, and
+    `ONLY_CONFIGURED` if neither was tried.
     """
     rows = []
     for claim in claims.itertuples():

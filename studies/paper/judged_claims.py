@@ -88,24 +88,10 @@ class _Judged(NamedTuple):
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Judge all claims by both criteria, and return the margins that decide them.
 
-    Parameters
-    ----------
-    paper : DataFrame
-        The paper's Table 3.
-
-    Returns
-    -------
-    claims : DataFrame
-        ``section``: sections of the paper, or `OURS`. ``verdict``: whether it is true of the
-        model. ``found_share``: share of the repetitions that confirm it, with a standard error
-        that includes that of the pool, and its 95 % interval; ``found_here``: whether the real
-        study confirms it; ``paper_finds``: whether the paper's Table 3 does. In a study of other
-        rocks only, `OF_PAPER` and claims that cannot be judged are left out.
-    margins : DataFrame
-        A row for each number of the model by which a claim is judged: ``number`` of the claim,
-        ``rock``, ``cycle``, ``quantity``, ``value``, ``standard_error``, the ends of its interval
-        (simultaneous for a claim, with `CONFIDENCE`), and whether it ``decides`` its claim and
-        rock.
+    ``found_share`` is the share of repetitions that confirm a claim, ``found_here`` and
+    ``paper_finds`` whether the study and the paper's Table 3 do. In a study of other rocks only,
+    `OF_PAPER` and claims that cannot be judged are left out. Intervals of margins are simultaneous
+    for a claim; the smallest margin of a rock ``decides``.
     """
     judged = _judged(evidence, paper)
     rows, margins = [], []

@@ -133,18 +133,7 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
 
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
-    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks.
-
-    Parameters
-    ----------
-    table : DataFrame
-        As from `with_paper`.
-    titles : dict
-        Titles of the rocks, in order.
-    column : str
-        "" for this study, "_net" for this study net of bulk indentation, "unpaired_" for this
-        study by the published test for any draws, "paper_" for the paper.
-    """
+    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks."""
     length, percent = (
         (f"{column}length", f"{column}percent")
         if column.endswith("_")

@@ -67,28 +67,9 @@ def plan(
 ) -> pd.DataFrame:
     """Compute the surfaces per case that a goal needs, for every rock, parameter and cycle.
 
-    Parameters
-    ----------
-    ensemble : Dataset
-        A finished study or, better, its pool.
-    significance : float
-        Significance level of the t test.
-    paired : bool
-        Whether the new study closes the same surfaces in all cases (common draws), which needs
-        an ensemble of common surfaces, or draws surfaces for each case.
-
-    Returns
-    -------
-    DataFrame
-        ``surfaces`` per case, infinite if more than a million; ``low_68`` and ``high_68``, the
-        central 68 % of the numbers from resampled surfaces (bootstrap); ``simulations`` of all
-        levels of the parameter, and ``core_minutes`` by the mean times recorded in the ensemble.
-
-    Raises
-    ------
-    InputError
-        If the goal or the significance is out of its range, or paired tests are requested for
-        independent draws.
+    ``ensemble`` is a finished study or, better, its pool; ``paired`` plans common draws, which need
+    an ensemble of common surfaces. ``surfaces`` are infinite if more than `MOST`; ``low_68`` and
+    ``high_68`` are the central 68 % over resampled surfaces, ``core_minutes`` those of all levels.
     """
     _check(goal)
     check_significance(significance)
@@ -245,26 +226,7 @@ def reached_table(
     errors: Mapping[str, PresetErrors],
     significance: float,
 ) -> pd.DataFrame:
-    """Tabulate the total error of each mean, or of each interval, of a study.
-
-    Parameters
-    ----------
-    covariates : Covariates or None
-        Covariates of the study, if means are adjusted.
-    errors : mapping
-        Errors of the preset by rock.
-    significance : float
-        Significance level of the intervals.
-
-    Returns
-    -------
-    DataFrame
-        For each case or parameter and cycle with known bias: number of surfaces, the bias of the
-        preset with its standard error, half the 95 % confidence interval of the study itself
-        (Student's t), the total error of both (`jointclosure.statistics.total_error`), whether
-        the accuracy is ``met``, and ``surfaces_needed``, the expected number for it, infinite if
-        there is none.
-    """
+    """Tabulate the total error of each mean, or of each interval, of a study: bias and sampling."""
     errors_of = _of_means if wanted.of == "mean" else _of_intervals
     rows = []
     for about, surfaces, sampling, needed in errors_of(

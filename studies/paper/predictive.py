@@ -73,19 +73,7 @@ def predictive(
     root_seed: int,
     pools: int = RESAMPLED_POOLS,
 ) -> Predictive:
-    """Draw repetitions of the study from a pool.
-
-    Parameters
-    ----------
-    ensemble : Dataset
-        The pool, or the study itself if it has none.
-    design : Design
-        Number of surfaces that a study draws, and its test.
-    root_seed : int
-        Root seed of the study; the draws have separate streams.
-    pools : int
-        Number of pools resampled from this one.
-    """
+    """Draw repetitions of the study from a pool."""
     samples = maximum_closures(ensemble)
     pool = sensitivities(samples)
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
@@ -168,22 +156,11 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 
 
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate each entry's distribution over repetitions, with the paper's value.
+    """Tabulate each entry's distribution over repetitions, with the paper's value, as in Table 1.
 
-    Parameters
-    ----------
-    paper : DataFrame
-        The paper's Table 3.
-
-    Returns
-    -------
-    DataFrame
-        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite if too
-        many repetitions have no root. ``median_error`` is due to the number of repetitions,
-        ``median_pool_error`` due to that of the pool's surfaces; the ranges include the latter.
-        ``p``: two-sided, of the paper's entry; ``null_p``: probability of a length as short as
-        the paper's if the parameter has no effect. Errors of probabilities are due to both
-        repetitions and pool. Other rocks have no columns of the paper.
+    Ends of ranges are infinite if too many repetitions have no root. ``median_error`` is due to the
+    number of repetitions, ``median_pool_error`` to that of the pool's surfaces. ``p``: two-sided,
+    of the paper's entry; ``null_p``: probability of so short a length without any effect.
     """
     published = _published(paper)
     rows = []

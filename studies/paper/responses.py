@@ -98,15 +98,7 @@ def same_surfaces(study: xr.Dataset, rock: str) -> bool:
 
 
 def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
-    """Select covariates for a cycle; None if there are none, or too few values.
-
-    Parameters
-    ----------
-    covariates : Covariates or None
-        Covariates of a whole study.
-    chosen : tuple
-        Indices of cases and realisations, as for `numpy.ix_`.
-    """
+    """Select covariates for a cycle; None if there are none, or too few values."""
     if covariates is None:
         return None
     of_cycle = covariates.of_cycle(cycle)
@@ -137,13 +129,7 @@ def responses(
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
-    """Return targets of all cases of a rock, for realisations with all of them.
-
-    Parameters
-    ----------
-    variables : dict
-        Variables over (case, realization, cycle) of the dataset.
-    """
+    """Return targets of all cases of a rock, for realisations with all of them."""
     cases = np.flatnonzero((study.rock == rock).values)
     names, values = [], []
     for name, variable in variables.items():

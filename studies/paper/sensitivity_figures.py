@@ -85,17 +85,7 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 @styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw mean maximum closure over each parameter, relative to the base case.
-
-    Parameters
-    ----------
-    closures : DataFrame
-        As from `studies.paper.responses.max_closure_table`.
-    study : Dataset
-        Study with the parameters of the cases.
-    rocks : dict
-        Rocks by name, in order.
-    """
+    """Draw mean maximum closure over each parameter, relative to the base case."""
     parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
     figure, panels = panel_grid(
@@ -146,19 +136,7 @@ _TICKS = (1, 3, 10, 30, 100, 300)
 def predictive_figure(
     drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
 ) -> Figure:
-    """Draw predicted lengths over repetitions of the study, of the null model, and of the paper.
-
-    Parameters
-    ----------
-    drawn : Dataset
-        As from `studies.paper.predictive.lengths_dataset`.
-    paper : DataFrame
-        The paper's Table 3.
-    rocks : dict
-        Rocks of the study by name, in order.
-    draws : int
-        Number of surfaces of a study per level.
-    """
+    """Draw predicted lengths over repetitions of the study, of the null model, and of the paper."""
     parameters = [p for p in PROPERTIES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
     names = [name for name in rocks if name in set(drawn.rock.values.tolist())]

@@ -21,13 +21,7 @@ _SETTINGS = {
 
 
 def read_caption(text: str, configuration: dict) -> Caption:
-    """Return a caption for a study with this configuration.
-
-    Raises
-    ------
-    ValueError
-        If title, alternative text or the caption itself is missing.
-    """
+    """Return a caption for a study with this configuration."""
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
     filled = environment.from_string(text).render(snakemake={"config": configuration})
     document = docutils.core.publish_doctree(filled, settings_overrides=_SETTINGS)
