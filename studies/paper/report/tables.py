@@ -23,7 +23,7 @@ from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name
 
-Titles = Mapping[str, str]
+Titles = dict[str, str]
 """Titles of the rocks of a study, in order."""
 NOT_TRIED = "not tried"
 """Entry for a claim without readings or choices."""
