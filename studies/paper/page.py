@@ -5,8 +5,8 @@ import pandas as pd
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
-from studies.paper.report.tables import conclusion_sheet, probability
 from studies.paper.layout import markdown_rows, table_3
+from studies.paper.report.tables import conclusion_sheet, probability
 
 COLUMNS = ["No.", "Claim", "As configured", "Studies that find it", "Open choices", "Conclusion"]
 VERDICTS = {STANDS: "stand", FALLS: "fall", UNDECIDED: "undecided", NO_DIFFERENCE: "no difference"}
