@@ -1,51 +1,91 @@
 """Files of scanned walls: `read_scan`. Files are only read as data, never run or changed.
 
 numpy, netCDF, MATLAB, Surfer and text files need only the package itself. Meshes, TIFF and files of
-surface scanners need its extra ``walls``. A reader returns the content of a file
-(`contents.Contents`); units are determined here.
+surface scanners need its extra ``walls``. A reader takes a path (and a variable, if its format has
+names) and returns the content of the file (`contents.Contents`); what all formats share is here:
+size of files, errors, units, spacing, missing heights.
 """
 
 import functools
 import hashlib
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, size_of
 from jointclosure.walls.measured import Cloud, Scan
-from jointclosure.walls.scans import esri, grids, instruments, meshes, points, surfer
+from jointclosure.walls.scans import arrays, meshes, points, rasters
 from jointclosure.walls.scans.contents import (
     LARGEST_FILE,
     SAME_SPACING,
     Contents,
     check_no_variable,
+    doubted,
+    missing_heights,
+    reading_as,
+    settled,
 )
-from jointclosure.walls.scans.likeness import nearest_form
-from jointclosure.walls.scans.sentinels import missing_heights
-from jointclosure.walls.scans.units import doubted, settled, size_of
+from jointclosure.walls.scans.text import is_binary
 
-READERS = {
-    ".npy": grids.read_npy,
-    ".npz": grids.read_npz,
-    ".nc": grids.read_netcdf_grid,
-    ".nc4": grids.read_netcdf_grid,
-    ".cdf": grids.read_netcdf_grid,
-    ".tif": grids.read_tiff,
-    ".tiff": grids.read_tiff,
-    ".csv": points.read_text,
-    ".xyz": points.read_text,
-    ".txt": points.read_text,
-    **dict.fromkeys((".stl", ".ply", ".obj"), meshes.read_mesh),
-    ".mat": grids.read_matlab,
+
+class Format(NamedTuple):
+    """Format of a scan's file: what it is called in messages, and its reader.
+
+    ``named`` says that a variable chooses an array, a channel or columns. ``in_parts`` says that
+    the declared sizes are read first, and then only what is needed.
+    """
+
+    title: str
+    read: Callable[..., Contents]
+    named: bool = False
+    in_parts: bool = False
+
+
+_NETCDF = Format("netCDF", arrays.read_netcdf_grid, named=True, in_parts=True)
+_TIFF = Format("TIFF", rasters.read_tiff, in_parts=True)
+_TEXT = Format("points", points.read_text, named=True)
+_SCANNER = Format("a scanner's file", rasters.read_scanner, named=True)
+BY_SUFFIX = {
+    ".npy": Format("an array of numbers", arrays.read_npy, in_parts=True),
+    ".npz": Format("an array of numbers", arrays.read_npz, named=True, in_parts=True),
+    **dict.fromkeys((".nc", ".nc4", ".cdf"), _NETCDF),
+    **dict.fromkeys((".tif", ".tiff"), _TIFF),
+    **dict.fromkeys((".csv", ".xyz", ".txt"), _TEXT),
+    **{f".{form}": Format(form.upper(), meshes.read_mesh) for form in ("stl", "ply", "obj")},
+    ".mat": Format(
+        "a MATLAB file (up to version 7.2: save with -v7)", arrays.read_matlab, True, True
+    ),
 }
-"""Readers by suffix of a file's name; SurfaceTopography reads all other files."""
-_IN_PARTS = (
-    grids.read_npy, grids.read_npz, grids.read_netcdf_grid, grids.read_tiff, grids.read_matlab,
-)  # fmt: skip
-"""Readers that read the declared sizes of a file first, and then only what is needed."""
-BY_CONTENT = {b"ncols": esri.read_asc} | dict.fromkeys(surfer.FORMS, surfer.read_grd)
-"""Readers by the first bytes of a file, which have priority over its name."""
+"""Formats by suffix of a file's name; SurfaceTopography reads all other files."""
+BY_CONTENT = {b"ncols": Format("an ESRI grid", rasters.read_esri)} | dict.fromkeys(
+    rasters.SURFER, Format("a Surfer grid", rasters.read_surfer)
+)
+"""Formats by the first bytes of a file, which have priority over its name."""
+
+_STL = "an STL mesh (.stl)"
+_STARTS = {
+    b"\x93NUMPY": "an array of numpy (.npy)",
+    b"PK\x03\x04": "an archive (.npz, a workbook of Excel, .zip)",
+    b"\x1f\x8b": "a file compressed by gzip",
+    b"\x89HDF": "HDF5 (.nc, .nc4, or MATLAB 7.3: save with -v7)",
+    b"CDF": "netCDF (.nc, .cdf)",
+    b"MATLAB": "a MATLAB file (.mat)",
+    b"ply": "a PLY mesh (.ply)",
+    b"solid": _STL,
+    b"II*\0": "TIFF (.tif, .tiff)",
+    b"MM\0*": "TIFF (.tif, .tiff)",
+    b"%PDF": "PDF, which has no heights",
+    b"\x89PNG": "a PNG picture, which has no heights",
+    b"\xff\xd8\xff": "a JPEG picture, which has no heights",
+}
+"""What a file that cannot be read is most like, by its first bytes."""
+_OBJ = re.compile(rb"^v(\s+[-+.\de]+){3}", re.MULTILINE)
+"""Line of an OBJ file that states a vertex."""
+_PROBED = 4096
+"""Number of bytes by which text is recognised."""
 
 
 def read_scan(
@@ -60,7 +100,7 @@ def read_scan(
     Parameters
     ----------
     path : path, or three paths
-        Its first bytes (`BY_CONTENT`) or the suffix of its name (`READERS`) determine the format.
+        Its first bytes (`BY_CONTENT`) or the suffix of its name (`BY_SUFFIX`) determine the format.
         Three files, as a sequence or as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
     units : {"m", "mm", "um", "nm"}, optional
         Units of heights and distances, if the file does not state them.
@@ -85,17 +125,16 @@ def read_scan(
     for file in files:
         if not file.is_file():
             raise InputError(f"{file}: file not found")
-        if not file.stat().st_size:
+        size = file.stat().st_size
+        if not size:
             raise InputError(f"{file}: the file is empty")
-        if _reader(file) not in _IN_PARTS and file.stat().st_size > LARGEST_FILE:
+        if size > LARGEST_FILE and not _format_of(file).in_parts:
             raise InputError(
-                f"{file}: {file.stat().st_size / 1e9:.3g} GB: must be at most "
-                f"{LARGEST_FILE / 1e9:g} GB for its format, which is read as a whole"
+                f"{file}: {size / 1e9:.3g} GB: must be at most {LARGEST_FILE / 1e9:g} GB for its "
+                "format, which is read as a whole"
             )
     try:
-        contents = (
-            _contents(files[0], variable) if len(files) == 1 else _of_matrices(files, variable)
-        )
+        contents = _contents(files[0], variable) if len(files) == 1 else _joined(files, variable)
         return _in_metres(contents, units, spacing)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from None
@@ -119,35 +158,65 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
     return Path(parts[0]), Path(parts[1]), Path(parts[2])
 
 
-def _contents(path: Path, variable: str | None) -> Contents:
-    """Read one file; an error also names the form that its content is most like."""
-    reader = _reader(path)
-    try:
-        return reader(path, variable)
-    except InputError as error:
-        known = reader in BY_CONTENT.values()
-        raise InputError(f"{error}{'' if known else nearest_form(path)}") from None
-
-
-def _reader(path: Path) -> Callable[[Path, str | None], Contents]:
-    """Return the reader of a file by its content, otherwise by its name."""
+def _format_of(path: Path) -> Format:
+    """Return the format of a file by its content, otherwise by its name."""
     with path.open("rb") as file:
         start = file.read(64).lstrip().lower()
-    readers = (reader for mark, reader in BY_CONTENT.items() if start.startswith(mark.lower()))
-    return next(readers, None) or READERS.get(path.suffix.lower(), instruments.read_any)
+    formats = (form for mark, form in BY_CONTENT.items() if start.startswith(mark.lower()))
+    return next(formats, None) or BY_SUFFIX.get(path.suffix.lower(), _SCANNER)
 
 
-def _of_matrices(files: tuple[Path, ...], variable: str | None) -> Contents:
+def _contents(path: Path, variable: str | None) -> Contents:
+    """Read one file; an error also names the form that its content is most like."""
+    form = _format_of(path)
+    try:
+        with reading_as(form.title):
+            if form.named:
+                return form.read(path, variable)
+            check_no_variable(variable)
+            return form.read(path)
+    except InputError as error:
+        known = form in BY_CONTENT.values()
+        raise InputError(f"{error}{'' if known else _nearest_form(path)}") from None
+
+
+def _joined(files: tuple[Path, ...], variable: str | None) -> Contents:
     """Read matrices of x, y and heights from three files."""
     check_no_variable(variable)
     parts = []
     for file in files:
         try:
-            text = _reader(file) is points.read_text
+            text = _format_of(file) is _TEXT
             parts.append(points.read_matrix(file) if text else _contents(file, None))
         except InputError as error:
             raise InputError(f"{file}: {error}") from None
     return points.joined(*parts)
+
+
+def _nearest_form(path: Path) -> str:
+    """Return the end of an error message: what a file is most like, and what is wrong with it.
+
+    Empty where the form follows from the name, or is not known.
+    """
+    with path.open("rb") as file:
+        start = file.read(_PROBED)
+    suffix, size = path.suffix.lower(), path.stat().st_size
+    marks = (form for mark, form in _STARTS.items() if start.lower().startswith(mark.lower()))
+    if form := next(marks, _STL if meshes.binary_stl_size(start) == size else None):
+        return "" if suffix and suffix in form else f"; its content is that of {form}"
+    if suffix in (".csv", ".xyz", ".txt", ".obj"):
+        return ""
+    if _OBJ.search(start):
+        return "; its content is that of an OBJ mesh (.obj)"
+    text = start.decode("utf-8", errors="replace").isascii() and not is_binary(start)
+    if size > LARGEST_FILE or not text:
+        return ""
+    try:
+        with reading_as(_TEXT.title):
+            points.read_text(path, None)
+    except InputError as error:
+        return f"; its content is text; read as points it {error}"
+    return "; its content is text with points: rename it to .txt"
 
 
 def file_digest(path: str | Path) -> str:
@@ -169,7 +238,8 @@ def _digest(path: str, changed: int, size: int) -> str:
 
 
 def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
-    sides = _sides(contents)
+    """Return contents in metres, with missing heights as NaN."""
+    sides = contents.sides()
     hint = sides if contents.length_units is None else None
     height = size_of(settled("heights", contents.height_units, units, hint))
     if contents.points is not None:
@@ -177,10 +247,14 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
             raise InputError(
                 f"spacing = {1e3 * spacing:g} mm: must be left out for points, which have no grid"
             )
-        return _cloud(
-            contents, height, settled("x and y", contents.length_units, units, sides), sides
-        )
-    steps, origin, remarks = _placed(contents, units, spacing, sides)
+        length_units = settled("x and y", contents.length_units, units, sides)
+        known = contents.points[np.isfinite(contents.points[:, 2])]
+        remarks = contents.remarks + doubted(length_units, sides)
+        if empty := len(contents.points) - len(known):
+            remarks = (*remarks, f"{empty} points without a height were left out")
+        across = size_of(length_units)
+        return Cloud(known * np.array([across, across, height]), remarks)
+    steps, origin, doubts = _placed(contents, units, spacing)
     heights = _real(contents.heights)
     if heights.ndim != 2 or min(heights.shape) < 3:
         raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
@@ -188,24 +262,11 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
     heights[missing] = np.nan
     if not np.isfinite(heights).any():
         raise InputError(f"all of its {heights.size} heights are missing")
-    return Scan(heights * height, steps, origin, contents.remarks + remarks + missing_remarks)
-
-
-def _cloud(
-    contents: Contents, height: float, length_units: str, sides: tuple[float, float] | None
-) -> Cloud:
-    assert contents.points is not None  # only called for points
-    points = contents.points[np.isfinite(contents.points[:, 2])]
-    empty = len(contents.points) - len(points)
-    remarks = contents.remarks + doubted(length_units, sides)
-    if empty:
-        remarks = (*remarks, f"{empty} points without a height were left out")
-    across = size_of(length_units)
-    return Cloud(points * np.array([across, across, height]), remarks)
+    return Scan(heights * height, steps, origin, contents.remarks + doubts + missing_remarks)
 
 
 def _placed(
-    contents: Contents, units: str | None, spacing: float | None, sides: tuple[float, float] | None
+    contents: Contents, units: str | None, spacing: float | None
 ) -> tuple[tuple[float, float], tuple[float, float] | None, tuple[str, ...]]:
     """Return spacing (dy, dx) and origin (y, x) of a grid [m], and remarks on its size."""
     if contents.spacing is None:
@@ -215,10 +276,9 @@ def _placed(
                 "(--spacing on the command line)"
             )
         length_units, steps, origin = "m", (spacing, spacing), None
-        if contents.heights is not None and np.ndim(contents.heights) == 2:
-            sides = _lengths(np.shape(contents.heights), steps)
+        contents = contents._replace(spacing=steps)
     else:
-        length_units = settled("distances", contents.length_units, units, sides)
+        length_units = settled("distances", contents.length_units, units, contents.sides())
         across = size_of(length_units)
         steps = (float(contents.spacing[0]) * across, float(contents.spacing[1]) * across)
         origin = contents.origin and (contents.origin[0] * across, contents.origin[1] * across)
@@ -238,26 +298,7 @@ def _placed(
         steps = dy, dx
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
-    return steps, origin, doubted(length_units, sides)
-
-
-def _sides(contents: Contents) -> tuple[float, float] | None:
-    """Return the lengths of the wall along x and y in the file's units; None if unknown."""
-    if contents.points is not None:
-        x, y = (
-            np.ptp(contents.points[:, :2], axis=0).tolist() if len(contents.points) else (0.0, 0.0)
-        )
-        return x, y
-    if contents.spacing is None or np.isnan(contents.spacing).any():
-        return None
-    if contents.heights is None or np.ndim(contents.heights) != 2:
-        return None
-    return _lengths(np.shape(contents.heights), contents.spacing)
-
-
-def _lengths(shape: tuple[int, ...], spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the lengths of a grid (y, x) along x and y."""
-    return spacing[1] * (shape[1] - 1), spacing[0] * (shape[0] - 1)
+    return steps, origin, doubted(length_units, contents.sides())
 
 
 def _real(values) -> np.ndarray:

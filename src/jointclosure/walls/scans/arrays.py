@@ -1,19 +1,32 @@
-"""Named arrays of a file (npz, MATLAB, netCDF): heights, and what states their places.
+"""Arrays of npy, npz, netCDF and MATLAB files: heights (y, x), and what states their places.
 
-Arrays are (y, x), row by row. A name may end with its unit, as everywhere in this project:
-``Z_mm``, ``spacing_mm``. An array is read when it is needed, and its size in bytes was checked.
+Arrays are row by row. A name may end with its unit, as everywhere in this project: ``Z_mm``,
+``spacing_mm``. An array is read when it is needed, and its size in bytes was checked.
 """
 
 import math
+import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from functools import partial
+from pathlib import Path
+from typing import IO, NamedTuple
 
+import netCDF4
 import numpy as np
+import scipy
 
 from jointclosure.inputs import InputError, size_of
-from jointclosure.walls.scans.contents import SAME_SPACING, VARIABLE, Contents, check_size
+from jointclosure.walls.scans.contents import (
+    SAME_SPACING,
+    VARIABLE,
+    Contents,
+    check_size,
+    split_name,
+)
 from jointclosure.walls.scans.points import contents_of
-from jointclosure.walls.scans.units import split_name
 
 _NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx": (math.nan, 1.0)}
 """Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
@@ -28,6 +41,11 @@ class Array(NamedTuple):
     dtype: np.dtype
     units: str | None
     load: Callable[[], np.ndarray]
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return math.prod(self.shape)
 
 
 class _Statement(NamedTuple):
@@ -46,12 +64,6 @@ def grid_of(
     Places are vectors or matrices named x and y, or by ``axes`` from their names. Numbers are named
     spacing or h, dx and dy. Heights (x, y) are turned if the places show it. Fields of structs have
     names such as S.Z, and those of the same struct place them.
-
-    Raises
-    ------
-    InputError
-        If it is not clear which array has the heights, an array is too large or not of real
-        numbers, or two state different spacings; the message has their names and values.
     """
     kinds = {name: (axes or {}).get(name, _quantity(name)) for name in arrays}
     name = chosen(variable, arrays)
@@ -64,11 +76,11 @@ def grid_of(
         if key.rpartition(".")[0] == name.rpartition(".")[0] and key != name
     }
     places = [
-        {key: array for key, array in beside.items() if kinds[key] == axis and _size(array) > 1}
+        {key: array for key, array in beside.items() if kinds[key] == axis and array.size > 1}
         for axis in "yx"
     ]
     contents, statements = _placed(name, heights, places)
-    numbers = [key for key in beside if kinds[key] in _NUMBERS and _size(beside[key]) <= 2]
+    numbers = [key for key in beside if kinds[key] in _NUMBERS and beside[key].size <= 2]
     remarks = contents.remarks
     if contents.points is not None:
         remarks += tuple(f"{key} was not used: the points are on no grid" for key in numbers)
@@ -127,10 +139,7 @@ def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
 
 
 def _axis(number: int, arrays: dict[str, Array], units: str | None) -> np.ndarray | None:
-    """Return places along an axis (0: y, 1: x) for all heights, as one line if they are the same.
-
-    None without an array.
-    """
+    """Return places along an axis (0: y, 1: x), one line if they are the same; None without."""
     values: np.ndarray | None = None
     ranges = []
     for key, array in arrays.items():
@@ -172,12 +181,8 @@ def _number(key: str, array: Array) -> float:
 def _agreed(statements: list[_Statement]) -> tuple[np.ndarray | None, str | None]:
     """Return the spacing (dy, dx) that all statements share, and its units.
 
-    A statement without units is in those of the others.
-
-    Raises
-    ------
-    InputError
-        If they differ by more than `SAME_SPACING`.
+    A statement without units is in those of the others; `InputError` if they differ by more than
+    `SAME_SPACING`.
     """
     if not statements:
         return None, None
@@ -200,10 +205,6 @@ def _factor(units: str | None, target: str | None) -> float:
 
 def _words(values, units: str | None = None) -> str:
     return f"{' x '.join(f'{value:.6g}' for value in values)}{f' {units}' if units else ''}"
-
-
-def _size(array: Array) -> int:
-    return math.prod(array.shape)
 
 
 def _quantity(name: str) -> str:
@@ -238,3 +239,182 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
             f"has arrays over (y, x): {', '.join(fields)}; {VARIABLE} must name one of them"
         )
     return fields[0]
+
+
+def read_npy(path: Path) -> Contents:
+    """Read one array, without units or spacing."""
+    with path.open("rb") as file:
+        if _start(file).startswith(b"PK"):
+            raise InputError("is an archive of arrays, not a single array; rename it to .npz")
+        return Contents(heights=_array(file))
+
+
+def read_npz(path: Path, variable: str | None) -> Contents:
+    """Read an array of an archive, placed by the others (`arrays.grid_of`)."""
+    with path.open("rb") as file:
+        if _start(file) == np.lib.format.MAGIC_PREFIX:
+            raise InputError("is a single array, not an archive; rename it to .npy")
+        with zipfile.ZipFile(file) as archive:
+            arrays = {}
+            for member in archive.namelist():
+                with archive.open(member) as content:
+                    shape, kind = _head(content)
+                name = member.removesuffix(".npy")
+                load = partial(_member, archive, member)
+                arrays[name] = Array(shape, kind, split_name(name)[1], load)
+            return grid_of(arrays, variable)
+
+
+def _member(archive: zipfile.ZipFile, member: str) -> np.ndarray:
+    with archive.open(member) as content:
+        return _array(content)
+
+
+def _start(file: IO[bytes]) -> bytes:
+    """Return the first bytes of a file, which identify its format."""
+    start = file.read(len(np.lib.format.MAGIC_PREFIX))
+    file.seek(0)
+    return start
+
+
+def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
+    """Return the shape and type that the header of an array declares."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0
+    shape, _, kind = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
+    return shape, kind
+
+
+def _array(file: IO[bytes]) -> np.ndarray:
+    """Read an array up to the largest size; pickles are refused."""
+    shape, kind = _head(file)
+    check_size(shape, kind.itemsize)
+    file.seek(0)
+    return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
+    """Read a variable over y and x by the names of its dimensions, with units from its attribute.
+
+    It is placed by its coordinates (`arrays.grid_of`). Values that are missing, or not valid by the
+    attributes of the CF conventions, are NaN.
+    """
+    with netCDF4.Dataset(path) as dataset:
+        variables = dataset.variables
+        name = chosen(variable, {key: _netcdf_array(read) for key, read in variables.items()})
+        dimensions = variables[name].dimensions
+        if len(dimensions) != 2:
+            raise InputError(f"variable {name!r} has dimensions {dimensions}: must be over (y, x)")
+        axes = [_axis_of(dimension, variables) for dimension in dimensions]
+        remarks: tuple[str, ...] = ()
+        if not any(axes):
+            remarks = (f"dimensions {', '.join(dimensions)}: no name of an axis; read as y, x",)
+        elif axes[0] == axes[1]:
+            raise InputError(f"dimensions {dimensions}: must be y and x, both are {axes[0]}")
+        turned = axes[0] == "x" or axes[1] == "y"
+        arrays = {
+            key: _netcdf_array(read, turned)
+            for key, read in variables.items()
+            if set(read.dimensions) <= set(dimensions)
+        }
+        of_axis = dict(zip(dimensions, "xy" if turned else "yx", strict=True))
+        contents = grid_of(arrays, name, of_axis)
+    return contents._replace(remarks=remarks + contents.remarks)
+
+
+def _netcdf_array(variable: netCDF4.Variable, turned: bool = False) -> Array:
+    """Return a variable that is not yet read, a matrix transposed if it is turned."""
+    units = getattr(variable, "units", None) or split_name(variable.name)[1]
+    kind = np.dtype(variable.dtype)
+    if turned:
+        return Array(variable.shape[::-1], kind, units, lambda: variable[...].T)
+    return Array(variable.shape, kind, units, lambda: variable[...])
+
+
+_AXES = {
+    "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
+    "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
+}
+"""Names of dimensions, and standard names of coordinates, that identify an axis."""
+
+
+def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
+    """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
+    about = variables.get(dimension)
+    words = (
+        *(getattr(about, key, None) for key in ("axis", "standard_name")),
+        split_name(dimension)[0],
+    )
+    for word in (str(word).lower() for word in words if word):
+        for axis, names in _AXES.items():
+            if word in names:
+                return axis
+    return None
+
+
+def read_matlab(path: Path, variable: str | None) -> Contents:
+    """Read an array of a MATLAB file up to version 7.2, placed by the others (`arrays.grid_of`).
+
+    Of structs and cells only the one that the variable names is read, or all without a variable.
+    """
+    arrays: dict[str, Array] = {}
+    asked = re.split(r"[.({]", variable or "")[0]
+    for (name, shape, kind), size in zip(*_listed(path), strict=True):
+        load = partial(_matlab_array, path, name)
+        if kind in ("struct", "cell") and asked in ("", name):
+            check_size((size,), 1, name)
+            arrays |= _leaves({name: load()})
+        elif kind in ("double", "single", "logical") or "int" in kind:
+            number = np.dtype(bool if kind == "logical" else kind)
+            arrays[name] = Array(shape, number, split_name(name)[1], load)
+    return grid_of(arrays, variable)
+
+
+def _matlab_array(path: Path, name: str) -> np.ndarray:
+    """Read one variable of a MATLAB file."""
+    return scipy.io.loadmat(path, variable_names=[name])[name]
+
+
+def _listed(path: Path) -> tuple[list[tuple], list[int]]:
+    """Return name, shape and class of each variable of a MATLAB file, and its size [bytes].
+
+    Of compressed variables it is the size when they are unpacked.
+    """
+    listed, sizes = scipy.io.whosmat(path), []
+    if scipy.io.matlab.matfile_version(path)[0] == 0:  # version 4 has only arrays
+        return listed, [0] * len(listed)
+    with path.open("rb") as file:
+        file.seek(126)
+        order = "<" if file.read(2) == b"IM" else ">"
+        while len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}2I", tag)
+            end = file.tell() + size
+            if kind == _COMPRESSED:
+                start = zlib.decompressobj().decompress(file.read(min(size, 1024)), 8)
+                size = struct.unpack(f"{order}2I", start)[1]
+            sizes.append(size)
+            file.seek(end)
+    return listed, sizes
+
+
+_COMPRESSED = 15
+"""Type of an element of a MATLAB file that is compressed."""
+
+
+def _leaves(values: dict) -> dict[str, Array]:
+    """Return arrays of numbers of a MATLAB file by name; those within as S.Z, S(2).Z or C{2}."""
+    leaves: dict[str, Array] = {}
+    for name, array in values.items():
+        if not isinstance(array, np.ndarray):
+            continue
+        if array.dtype.names is not None:
+            for number, struct_ in enumerate(array.ravel(), start=1):
+                of_struct = name if array.size == 1 else f"{name}({number})"
+                leaves |= _leaves({f"{of_struct}.{key}": struct_[key] for key in array.dtype.names})
+        elif array.dtype.kind == "O":
+            cells = enumerate(array.ravel(), start=1)
+            leaves |= _leaves({f"{name}{{{number}}}": cell for number, cell in cells})
+        elif array.dtype.kind in "iufc":
+            units = split_name(name.rpartition(".")[2])[1]
+            leaves[name] = Array(array.shape, array.dtype, units, partial(np.asarray, array))
+    return leaves

@@ -1,4 +1,4 @@
-"""Content of the file of a scanned wall, and errors of its reading."""
+"""Content of the file of a scanned wall: its units, missing values, limits of size and errors."""
 
 import math
 import re
@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import SPELT, UNITS, InputError, size_of
+from jointclosure.inputs.remarks import caution
+from jointclosure.parameters import USUAL
 
 LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000
 """Largest size [bytes] of an array, 10,000 x 10,000 heights in double precision, and of a file that
@@ -16,11 +18,23 @@ is read as a whole. A damaged or malicious file may declare more."""
 SAME_SPACING = 1e-3
 """Largest difference of statements of one spacing, over the spacing: those of 1/3 mm may be
 rounded."""
-
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")
 """Byte of a file as libraries print it in their messages."""
+_NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
+
+SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
+"""Values that count as missing only if they are beyond all other values: a scan in micrometres may
+be 9.999 mm high."""
+LARGEST = 1e20
+"""Larger values are missing in any unit, such as 1e30 and 1.70141e38."""
+LEAST_ZEROS, ZEROS_PER_OTHER = 10, 10
+"""Smallest number of heights of exactly 0, and smallest ratio to the most frequent other value, for
+which zeros count as missing. An instrument that rounds its heights gives neighbouring values about
+equally often."""
+_MOST_ZEROS = 0.5
+"""Largest share of zeros that count as missing; a wall with more may be flat."""
 
 
 class Contents(NamedTuple):
@@ -39,18 +53,34 @@ class Contents(NamedTuple):
     origin: tuple[float, float] | None = None
     remarks: tuple[str, ...] = ()
 
+    def sides(self) -> tuple[float, float] | None:
+        """Return the lengths of the wall along x and y in the file's units; None if unknown."""
+        if self.points is not None:
+            x, y = np.ptp(self.points[:, :2], axis=0).tolist() if len(self.points) else (0.0, 0.0)
+            return x, y
+        shape = np.shape(np.asarray(self.heights))
+        if self.spacing is None or np.isnan(self.spacing).any() or len(shape) != 2:
+            return None
+        ny, nx = shape
+        return self.spacing[1] * (nx - 1), self.spacing[0] * (ny - 1)
+
 
 def check_size(shape: tuple[int, ...], itemsize: int = 8, name: str = "") -> None:
-    """Raise `InputError` if an array of a shape is larger than `LARGEST_ARRAY`.
-
-    ``itemsize`` is that of its values [bytes], and ``name`` names it in the message.
-    """
+    """Raise `InputError` if an array of values of ``itemsize`` bytes is above `LARGEST_ARRAY`."""
     if math.prod(shape) * itemsize > LARGEST_ARRAY:
         size = " x ".join(map(str, shape))
         raise InputError(
             f"{f'{name}: ' if name else ''}declares {size} values of {itemsize} bytes: must be at "
             f"most {LARGEST_ARRAY / 1e6:g} MB"
         )
+
+
+def incomplete(rows: int, columns: int, found: int) -> InputError:
+    """Return the error for a grid without as many heights as it declares."""
+    return InputError(
+        f"declares {rows} rows of {columns} heights, {rows * columns}, and contains {found}: "
+        "is the file incomplete?"
+    )
 
 
 def check_no_variable(variable: str | None) -> None:
@@ -62,16 +92,128 @@ def check_no_variable(variable: str | None) -> None:
 
 
 @contextmanager
-def reading_as(form: str, *errors: type[Exception]) -> Iterator[None]:
-    """Raise one clear `InputError` if a file is damaged: for these errors, by default for any."""
+def reading_as(title: str) -> Iterator[None]:
+    """Raise one clear `InputError` if a file of a format is damaged, whatever a library raises."""
     try:
         yield
-    except InputError:
+    except (InputError, MemoryError):
         raise
     except Exception as error:
-        if errors and not isinstance(error, errors):
-            raise
         reason = " ".join(str(error).split()) or type(error).__name__
         if _BYTES.search(reason) or not reason.isprintable():
-            raise InputError(f"cannot be read as {form}") from None
-        raise InputError(f"cannot be read as {form} ({reason})") from None
+            raise InputError(f"cannot be read as {title}") from None
+        raise InputError(f"cannot be read as {title} ({reason})") from None
+
+
+def plausible(sides: tuple[float, float] | None) -> str:
+    """Describe which units give a wall with sides in the file's units a plausible size."""
+    if sides is None:
+        return ""
+    fitting = [
+        f"{name} ({1e3 * size * sides[0]:.4g} x {1e3 * size * sides[1]:.4g} mm)"
+        for name, size in UNITS.items()
+        if _is_plausible(size, sides)
+    ]
+    spans = f"; it spans {sides[0]:.4g} x {sides[1]:.4g}"
+    return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
+
+
+def doubted(units: str, sides: tuple[float, float] | None) -> tuple[str, ...]:
+    """Return a warning if units of the sides give an implausible size of the wall."""
+    if sides is None or _is_plausible(size_of(units), sides):
+        return ()
+    return (caution(f"unusual in {units}{plausible(sides)}"),)
+
+
+def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
+    smallest, largest, _ = USUAL["side_of_scan"]
+    return size * min(sides) >= smallest and size * max(sides) <= largest
+
+
+def settled(
+    what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
+) -> str:
+    """Return the units of heights or distances: the file's, or if it has none those of the user.
+
+    They are never assumed: `InputError` if neither states them, which names units that are
+    plausible for the sides of the wall, or if they contradict each other.
+    """
+    if stated is not None:
+        size_of(stated)
+    if of_file is None:
+        if stated is None:
+            raise InputError(
+                f"does not state the units of its {what}: give units (--units on the command "
+                f"line){plausible(sides)}"
+            )
+        return stated
+    if stated is not None and size_of(of_file) != size_of(stated):
+        raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
+    return of_file
+
+
+def split_name(name: str) -> tuple[str, str | None]:
+    """Return ("Z", "mm") for names such as "Z_mm", "Z [mm]", "Z/mm", "Z, mm" and "Z in mm".
+
+    For a name without units it is ("Z", None).
+    """
+    match = re.fullmatch(_NAME_AND_UNIT, name)
+    if match:
+        unit = match[2] if match[2] in SPELT else match[2].lower()  # MM for mm
+        if unit in SPELT:
+            return match[1], unit
+    return name.strip(), None
+
+
+def axis_name(name: str) -> str:
+    """Return "x", "y" or "z" for the name of a column of points, else the name in lower case.
+
+    Units, and words such as position, are left out; height and elevation are z.
+    """
+    bare = split_name(name)[0].lower()
+    if bare in ("height", "elevation"):
+        return "z"
+    match = re.fullmatch(r"([xyz])[ _-]?(?:pos(?:ition)?|coord(?:inate)?|axis|value)", bare)
+    return match[1] if match else bare
+
+
+def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which values are missing, bool of their shape, and the sentinels that occur."""
+    with np.errstate(invalid="ignore"):
+        missing = np.abs(values) >= LARGEST
+    sentinels = list(np.unique(values[missing]))
+    others = values[np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)]
+    if others.size:
+        low, high = others.min(), others.max()
+        for sentinel in SENTINELS:
+            alike = values == sentinel
+            if alike.any() and not low <= sentinel <= high:
+                missing |= alike
+                sentinels.append(sentinel)
+    return missing, np.array(sentinels)
+
+
+def missing_sentence(count: int, sentinels: np.ndarray, what: str) -> str:
+    """Return the sentence on values that were treated as missing."""
+    words = ", ".join(f"{value:g}" for value in sentinels)
+    return f"{count} {what} of {words} were treated as missing"
+
+
+def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return which heights are missing, bool of their shape, and sentences on them.
+
+    These are `missing_values`, and heights of exactly 0 if they are far more frequent than any
+    other value, as written by programs without a missing value.
+    """
+    missing, sentinels = missing_values(heights)
+    remarks = (missing_sentence(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
+    known = heights[np.isfinite(heights) & ~missing]
+    zeros = int((known == 0.0).sum())
+    if zeros < LEAST_ZEROS or zeros == known.size:
+        return missing, remarks
+    if zeros < ZEROS_PER_OTHER * np.unique(known[known != 0.0], return_counts=True)[1].max():
+        return missing, remarks
+    about = f"{zeros} of {known.size} heights are exactly 0, far more than of any other"
+    if zeros > _MOST_ZEROS * known.size:
+        return missing, (*remarks, caution(f"{about}; they were used as heights"))
+    return missing | (heights == 0.0), (*remarks, caution(f"{about}; they were treated as missing"))

@@ -60,11 +60,6 @@ def lattice_of(points: np.ndarray) -> Contents | None:
     Heights may be NaN. Nodes may have no point, and points may be repeated. Points off their nodes
     are left out: farther than `LARGEST_OFFSET`, or where points scatter, than `_OUTLYING` times
     the upper quartile of distances, at most `MOST_MOVED`.
-
-    Raises
-    ------
-    InputError
-        If more than `MOST_AMBIGUOUS` of the nodes have several heights.
     """
     if len(points) < 9:
         return None
@@ -130,13 +125,7 @@ def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
 
 
 def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return points (n, 3) with one height for each place, and remarks on what was left out.
-
-    Raises
-    ------
-    InputError
-        If more than `MOST_AMBIGUOUS` of the places have several heights.
-    """
+    """Return points (n, 3) with one height for each place, and remarks on what was left out."""
     numbers = unique_places(points[:, :2])[1]
     if not len(points) or numbers.max() + 1 == len(points):
         return points, ()

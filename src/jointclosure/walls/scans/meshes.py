@@ -11,7 +11,7 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.contents import Contents, check_no_variable, reading_as
+from jointclosure.walls.scans.contents import Contents
 from jointclosure.walls.scans.points import contents_of
 from jointclosure.walls.scans.text import is_binary
 
@@ -28,9 +28,8 @@ _LINES = {
 """Lines of an OBJ file that are read, by their first word."""
 
 
-def read_mesh(path: Path, variable: str | None) -> Contents:
+def read_mesh(path: Path) -> Contents:
     """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
-    check_no_variable(variable)
     form = path.suffix.lower().removeprefix(".")
     vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
     if declared > len(vertices):
@@ -62,7 +61,7 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
     if form == "stl":
         _check_stl(path)
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
-    with reading_as(form.upper()), path.open("rb") as file:
+    with path.open("rb") as file:
         meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
         for part in meshes.values():
             points.append(np.array(part.vertices, dtype=float))
@@ -104,11 +103,6 @@ def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
     """Return vertices (n, 3), triangles (m, 3) and the declared number of vertices of an OBJ file.
 
     Polygons are divided. Comments may declare the number ("# Vertices: 9", "# 9 vertices").
-
-    Raises
-    ------
-    InputError
-        If there is a line that no mesh has.
     """
     vertices: list[list[float]] = []
     faces: list[list[int]] = []

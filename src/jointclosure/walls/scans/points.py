@@ -1,18 +1,27 @@
-"""Points x, y, z, or a matrix of heights, in text files: csv, xyz, txt."""
+"""Points x, y, z, or a matrix of heights, in text files: csv, xyz, txt.
+
+A matrix may be framed by its places: x in the first row, y in the first column.
+"""
 
 from pathlib import Path
 
 import numpy as np
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.outliers import strays
-from jointclosure.walls.scans.contents import VARIABLE, Contents, reading_as
-from jointclosure.walls.scans.frames import are_places, framed_points, points_on
+from jointclosure.walls.scans.contents import (
+    VARIABLE,
+    Contents,
+    axis_name,
+    missing_heights,
+    missing_sentence,
+    missing_values,
+    reading_as,
+    split_name,
+)
 from jointclosure.walls.scans.lattice import lattice_of, merged_points
-from jointclosure.walls.scans.sentinels import missing_heights, missing_sentence, missing_values
-from jointclosure.walls.scans.text import Table, read_table
-from jointclosure.walls.scans.units import axis_name, size_of, split_name
+from jointclosure.walls.scans.text import Table, are_places, read_table
 
 LEAST_COLUMNS = 12
 """Number of columns without names from which on a file is a matrix of heights. Points with colours,
@@ -34,8 +43,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
     names are heights (y, x), whose spacing has to be stated unless the first row is x and the first
     column y. Points that are all nodes of a regular grid are returned as that grid.
     """
-    with reading_as("points", ValueError):
-        table = read_table(path)
+    table = read_table(path)
     if variable is None and (matrix := _matrix(table)) is not None:
         return matrix
     columns = _columns(table, variable)
@@ -54,14 +62,13 @@ def _matrix(table: Table) -> Contents | None:
 
     The first row of a frame counts as names if there is a word in its corner.
     """
+    points = None
     if table.names:
         points = _below_names(table)
     elif table.values.shape[1] >= LEAST_COLUMNS:
         points = framed_points(table.values)
         if points is None:
             return Contents(table.values, remarks=table.remarks)
-    else:
-        points = None
     if points is None:
         return None
     contents = contents_of(points)
@@ -79,21 +86,42 @@ def _below_names(table: Table) -> np.ndarray | None:
     return points_on(x, y, heights) if are_places(x) and are_places(y) else None
 
 
+def points_on(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Return points (n, 3) of heights (y, x) at places x and y along the axes."""
+    columns = (*np.meshgrid(x, y), heights)
+    return np.stack([column.ravel() for column in columns], axis=1)
+
+
+def framed_points(matrix: np.ndarray) -> np.ndarray | None:
+    """Return the points (n, 3) of a matrix with x in its first row and y in its first column.
+
+    The corner may be any number. None if the matrix contains only heights, which may be those of a
+    plane: its second row and second column are then evenly spaced too.
+    """
+    x, y, heights = matrix[0, 1:], matrix[1:, 0], matrix[1:, 1:]
+    if not heights.size or (are_places(heights[0]) and are_places(heights[:, 0])):
+        return None
+    row, column = are_places(x), are_places(y)
+    if row and column:
+        return points_on(x, y, heights)
+    for looks, line, second in ((row, "row", heights[0]), (column, "column", heights[:, 0])):
+        if looks and not are_places(second):
+            raise InputError(
+                f"its first {line} is evenly spaced, as places are: a matrix must have x in its "
+                "first row and y in its first column, or contain only heights"
+            )
+    return None
+
+
 def read_matrix(path: Path) -> Contents:
     """Read a text file as one matrix (y, x), of heights or of places."""
-    with reading_as("a matrix", ValueError):
+    with reading_as("a matrix"):
         table = read_table(path)
     return Contents(table.values, remarks=table.remarks)
 
 
 def joined(x: Contents, y: Contents, z: Contents) -> Contents:
-    """Return heights of one file at the places x and y of two others, as `contents_of`.
-
-    Raises
-    ------
-    InputError
-        If the three matrices differ in shape, or x and y in units.
-    """
+    """Return heights of one file at the places x and y of two others, as `contents_of`."""
     shapes = [np.asarray(part.heights).shape for part in (x, y, z)]
     if len(set(shapes)) > 1:
         listed = ", ".join(" x ".join(map(str, shape)) for shape in shapes)
@@ -110,13 +138,7 @@ def joined(x: Contents, y: Contents, z: Contents) -> Contents:
 
 
 def contents_of(points: np.ndarray) -> Contents:
-    """Return points (n, 3) as the regular grid on which they lie, otherwise as points.
-
-    Raises
-    ------
-    InputError
-        If a point has a height but no place, or places have several heights.
-    """
+    """Return points (n, 3) as the regular grid on which they lie, otherwise as points."""
     points, remarks = cleaned(points)
     if (grid := lattice_of(points)) is not None:
         return grid._replace(remarks=remarks + grid.remarks)
@@ -136,13 +158,7 @@ def _unit_of(table: Table, column: int) -> str | None:
 
 
 def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return points (n, 3) of a wall, NaN where a height is missing, and remarks.
-
-    Raises
-    ------
-    InputError
-        If a point has a height but no place.
-    """
+    """Return points (n, 3) of a wall, NaN where a height is missing, and remarks."""
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
     without_height, remarks = missing_heights(points[:, 2])

@@ -8,16 +8,18 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import SPELT, InputError
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.frames import are_places
-from jointclosure.walls.scans.units import axis_name, is_unit
+from jointclosure.walls.scans.contents import axis_name
+from jointclosure.walls.scans.lattice import LARGEST_OFFSET
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")
 """Bytes that no text has; \\x1a ends old files."""
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_LEAST_PLACES = 5
+"""Smallest number of evenly spaced numbers that are places and not heights."""
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 
 
@@ -42,15 +44,7 @@ class _Form(NamedTuple):
 
 
 def read_table(path: Path) -> Table:
-    """Read a table of numbers; separators, decimal commas, names and comments are detected.
-
-    Raises
-    ------
-    InputError
-        If there is no line of numbers, or a word among the numbers is not a number.
-    ValueError
-        If pandas cannot read the lines.
-    """
+    """Read a table of numbers; separators, decimal commas, names and comments are detected."""
     content = path.read_bytes()
     if is_binary(content):
         raise InputError("is not text: it contains binary data")
@@ -61,7 +55,8 @@ def read_table(path: Path) -> Table:
     if start is None:
         raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
-    lines = _with_corner(_without_comments(lines[start:]), form)
+    lines = [line for line in lines[start:] if line.strip() and not _is_comment(line)]
+    lines = _with_corner(lines, form)
     frame, width, short = _frame(lines, form, len(names or "xyz"))
     remarks += short
     frame, repeated = _numbers(frame, names, form.decimal)
@@ -112,6 +107,18 @@ def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int
     return frame, width, [caution(f"{few}, such as {first!r}")]
 
 
+def are_places(values: np.ndarray) -> bool:
+    """Return whether numbers (n,) are places along an axis: evenly spaced, rising or falling.
+
+    They may be rounded by `LARGEST_OFFSET` of their distance.
+    """
+    if len(values) < _LEAST_PLACES or not np.isfinite(values).all():
+        return False
+    step = (values[-1] - values[0]) / (len(values) - 1)
+    offsets = values - values[0] - step * np.arange(len(values))
+    return bool(step != 0.0 and np.abs(offsets).max() <= LARGEST_OFFSET * abs(step))
+
+
 def is_binary(content: bytes) -> bool:
     """Return whether a file's content, or the start of it, has bytes that no text has."""
     return not content.startswith(_UTF_16) and _BINARY.search(content) is not None
@@ -159,9 +166,13 @@ def _with_corner(lines: list[str], form: _Form) -> list[str]:
     return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
 
 
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith(COMMENTS)
+
+
 def _is_data(line: str) -> bool:
     """Return whether a line has at least two numbers, and otherwise only missing values."""
-    if not line.strip() or line.lstrip().startswith(COMMENTS):
+    if not line.strip() or _is_comment(line):
         return False
     form = _form_of(line)
     words = _words(line, form)
@@ -196,9 +207,9 @@ def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words
-        elif sum(is_unit(word.strip("()[]")) for word in words) > 1:
+        elif sum(word.strip("()[]").strip() in SPELT for word in words) > 1:
             bare_words = [word.strip("()[]") for word in words]
-            units = [word if is_unit(word) else None for word in bare_words]
+            units = [word if word.strip() in SPELT else None for word in bare_words]
         elif not comment and len(words) > 2:
             fields = words
         elif not comment:
@@ -216,17 +227,12 @@ def _split_names(line: str) -> list[str]:
 
 
 def _without_numbers(head: list[str], named: bool) -> InputError:
-    written = [line.strip() for line in head if line.strip()]
-    written = [line for line in written if not line.startswith(COMMENTS)]
+    written = [line.strip() for line in head if line.strip() and not _is_comment(line)]
     if not written:
         return InputError("has no points")
     if not named:
         return InputError(f"has no line of numbers; the first is {written[0][:60]!r}")
     return InputError(f"has no line of numbers below the names; there is {written[-1][:60]!r}")
-
-
-def _without_comments(lines: list[str]) -> list[str]:
-    return [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
 
 
 def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.DataFrame, int]:
