@@ -11,7 +11,7 @@ from jointclosure.cli import COMMANDS
 from jointclosure.cli.options import add_keywords, keywords
 from jointclosure.engine.measured_joints import JOINTS, measured
 from jointclosure.engine.scanned_joint import close
-from jointclosure.inputs import UNITS, InputError
+from jointclosure.inputs import InputError
 from jointclosure.joint.curves import cycle_table, net_responses
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.rocks import named_rock

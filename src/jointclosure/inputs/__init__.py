@@ -15,11 +15,12 @@ UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Units of length that a user may state, in metres."""
 SPELT = {
     **{name: name for name in UNITS},
-    **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
-    **dict.fromkeys(("micrometre", "micrometres"), "um"),
-    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
-    **dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm"),
-    **dict.fromkeys(("nanometre", "nanometres", "nanometer", "nanometers"), "nm"),
+    **dict.fromkeys(("µm", "μm", "micron", "microns"), "um"),
+    **{
+        f"{prefix}met{ending}": unit
+        for prefix, unit in (("", "m"), ("milli", "mm"), ("micro", "um"), ("nano", "nm"))
+        for ending in ("re", "res", "er", "ers")
+    },
 }
 """Spellings of units of length in files, and the unit that each means."""
 
@@ -38,13 +39,7 @@ def naming(where: str) -> Iterator[None]:
 
 
 def size_of(units: str) -> float:
-    """Return a unit of length in metres.
-
-    Raises
-    ------
-    InputError
-        If the unit is unknown; the message lists the known units.
-    """
+    """Return a unit of length in metres; `InputError` lists the known units."""
     name = SPELT.get(units.strip())
     if name is None:
         raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")

@@ -20,19 +20,9 @@ EXTRAS: dict[str, tuple[str, ...]] = {
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Wrap the imports of the modules of an extra and explain how to install them if missing.
+    """Wrap imports of modules of an extra (of `EXTRAS`); if one is missing say how to install it.
 
-    Parameters
-    ----------
-    extra : str
-        A name of `EXTRAS`.
-    what : str
-        Purpose of the modules, at the start of the message.
-
-    Raises
-    ------
-    InputError
-        If a module is not installed; names the module and how to install the extra.
+    ``what`` is the purpose of the modules, at the start of the message.
     """
     try:
         with warnings.catch_warnings():

@@ -18,17 +18,8 @@ def to_plain(value):
 def from_plain(kind, value):
     """Convert plain data of `to_plain` back to a type: a named tuple, or a type of its fields.
 
-    Parameters
-    ----------
-    kind : type
-        A NamedTuple, ``tuple[X, ...]``, ``list[X]``, ``dict[str, X]``, or one of
-        these or None; values of other types are not converted.
-    value : object
-
-    Raises
-    ------
-    TypeError
-        If a field is missing, or unknown to the named tuple.
+    A NamedTuple, ``tuple[X, ...]``, ``list[X]``, ``dict[str, X]``, or one of these or None; values
+    of other types are not converted. `TypeError` if a field of a named tuple is missing or unknown.
     """
     if isinstance(kind, types.UnionType):
         kinds = [part for part in typing.get_args(kind) if part is not types.NoneType]

@@ -36,13 +36,8 @@ class DamagedFileError(OSError):
 def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it to ``path``.
 
-    If several processes write the same path, the file of the last one to finish remains.
-
-    Raises
-    ------
-    OSError
-        If the file could not be written; the message states the free space on the disk if that
-        may be the reason. Other errors of ``write`` are passed on.
+    If several processes write the same path, the file of the last one to finish remains. `OSError`
+    if it could not be written, with the free space on the disk if that may be the reason.
     """
     path = Path(path)
     try:

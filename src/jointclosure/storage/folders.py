@@ -14,27 +14,10 @@ RECORD = "written.json"
 
 
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
-    """Write files into a folder and remove those that an earlier run of a command wrote there.
+    """Write files into a folder, remove those of a command's earlier run; return names, sorted.
 
-    Parameters
-    ----------
-    folder : path
-        Created if it does not exist. Files that the record does not name are kept.
-    command : str
-        Name of the command, under which the files are recorded.
-    write : callable
-        Writes the files into an empty temporary folder, its argument. If it fails, the files of
-        the earlier run are kept.
-
-    Returns
-    -------
-    list of str
-        Names of the new files, sorted.
-
-    Raises
-    ------
-    InputError
-        If the folder's record cannot be read.
+    The folder is made if it does not exist; files that its record does not name are kept. ``write``
+    writes the files into an empty temporary folder; if it fails, those of the earlier run are kept.
     """
     folder.mkdir(exist_ok=True)
     earlier = written_files(folder, command)
@@ -57,13 +40,7 @@ def add_file(folder: Path, command: str, name: str) -> None:
 
 
 def written_files(folder: Path, command: str) -> list[str]:
-    """Return the names of the files that the last run of a command wrote into a folder.
-
-    Raises
-    ------
-    InputError
-        If the folder's record cannot be read.
-    """
+    """Return the names of the files that the last run of a command wrote into a folder."""
     return _commands(folder).get(command, [])
 
 

@@ -11,18 +11,7 @@ from jointclosure.storage.files import atomically
 def write_vtu(
     points: np.ndarray, triangles: np.ndarray, cell_fields: dict[str, np.ndarray], path: str | Path
 ) -> None:
-    """Write a triangulated surface, completely or not at all.
-
-    Parameters
-    ----------
-    points : array (n, 3)
-        [m].
-    triangles : array (m, 3)
-        Indices of their points.
-    cell_fields : dict
-        Values (m,) of each triangle by name.
-    path : path
-    """
+    """Write a surface of points (n, 3) [m] and triangles (m, 3), with fields (m,) of these."""
     with needs("exchange", "VTU"):
         import meshio
     mesh = meshio.Mesh(

@@ -17,6 +17,8 @@ from jointclosure.storage.files import atomically, check_seal, seal
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
+Place = dict[str, slice | int]
+"""Position of a region in a dataset by dimension."""
 
 
 @contextmanager
@@ -41,69 +43,49 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str | Path) -> None:
-    """Append datasets one by one, completely or not at all, with one in memory at a time.
+    """Append datasets (at least one) along a dimension, unlimited in the file, as they come.
 
-    Parameters
-    ----------
-    blocks : iterable of Dataset
-        At least one. Variables with the dimension have it first; other variables are
-        taken from the first block.
-    dimension : str
-        Dimension along which blocks are appended, unlimited in the file.
-    path : path
+    Variables with the dimension have it first; other variables are taken from the first block.
     """
+    rest = iter(blocks)
+
+    def regions(start: int) -> Iterator[tuple[Place, xr.Dataset]]:
+        for block in rest:
+            stop = start + block.sizes[dimension]
+            yield {dimension: slice(start, stop)}, block
+            start = stop
 
     def write(temporary: Path) -> None:
-        rest = iter(blocks)
         first = next(rest)
-        with _growing_netcdf(first, dimension, {}, temporary) as file:
-            start = first.sizes[dimension]
-            for block in rest:
-                stop = start + block.sizes[dimension]
-                _put(file, block, {dimension: slice(start, stop)})
-                start = stop
-        seal(temporary)
+        _write_regions(first, regions(first.sizes[dimension]), dimension, {}, temporary)
 
     atomically(path, write)
 
 
 def write_netcdf_regions(
     frame: xr.Dataset,
-    regions: Iterable[tuple[dict[str, slice | int], xr.Dataset]],
+    regions: Iterable[tuple[Place, xr.Dataset]],
     dimension: str,
     chunks: dict[str, int],
     path: str | Path,
 ) -> None:
     """Write a dataset region by region, completely or not at all, with one in memory at a time.
 
-    Parameters
-    ----------
-    frame : Dataset
-        Names, types, attributes and all other sizes; it has one entry along ``dimension``.
-    regions : iterable of (dict, Dataset)
-        Position of each region by dimension, and its variables without the dimensions
-        whose position is a number. Together they cover the dataset.
-    dimension : str
-        Dimension that is unlimited in the file.
-    chunks : dict
-        Number of entries along each dimension that are compressed together.
-    path : path
+    ``frame`` has the names, types, attributes and sizes, and one entry along ``dimension``, which
+    is unlimited in the file. The regions, which together cover the dataset, have no dimensions
+    whose position is a number. ``chunks`` are the numbers of entries that are compressed together.
     """
-
-    def write(temporary: Path) -> None:
-        with _growing_netcdf(frame, dimension, chunks, temporary) as file:
-            for place, region in regions:
-                _put(file, region, place)
-        seal(temporary)
-
-    atomically(path, write)
+    atomically(path, lambda new: _write_regions(frame, regions, dimension, chunks, new))
 
 
-@contextmanager
-def _growing_netcdf(
-    first: xr.Dataset, dimension: str, chunks: dict[str, int], path: Path
-) -> Iterator[netCDF4.Dataset]:
-    """Yield a new file with a first dataset, open for more along a dimension."""
+def _write_regions(
+    first: xr.Dataset,
+    regions: Iterable[tuple[Place, xr.Dataset]],
+    dimension: str,
+    chunks: dict[str, int],
+    path: Path,
+) -> None:
+    """Write a new sealed file with a first dataset, then regions of it along a dimension."""
     first = first.drop_encoding()
     encoding = _compression(first)
     for name, variable in first.variables.items():
@@ -116,16 +98,18 @@ def _growing_netcdf(
     try:
         for stored in file.variables.values():
             stored.set_var_chunk_cache(_CHUNK_CACHE)
-        yield file
+        for place, region in regions:
+            _put(file, region, place)
     except BaseException:
         with contextlib.suppress(RuntimeError):  # only the first error is reported
             file.close()
         raise
     with _netcdf_errors():
         file.close()
+    seal(path)
 
 
-def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
+def _put(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
     """Write the variables of a dataset that have a dimension of its position."""
     for name, variable in region.variables.items():
         dimensions = file[str(name)].dimensions
@@ -144,13 +128,7 @@ def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
 
 
 def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a dataset without the given variables, and close the file.
-
-    Raises
-    ------
-    DamagedFileError
-        If the file is not as it was written, in any bit.
-    """
+    """Read a dataset without some variables; `DamagedFileError` if a bit of the file changed."""
     with reading_netcdf(path) as dataset:
         return dataset.drop_vars(without, errors="ignore").load()
 

@@ -25,11 +25,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 def read_benchmarks(folder: str | Path) -> pd.DataFrame:
     """Read Snakemake's measurements of jobs: all ``.tsv`` files below a folder, one row per job.
 
-    Returns
-    -------
-    DataFrame
-        Columns rule (file or first folder), job, s [s], max_rss [MB]; NaN for jobs too
-        short for a measurement.
+    Columns are rule (file or first folder), job, s [s] and max_rss [MB], NaN for too short jobs.
     """
     rows = [
         pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
