@@ -95,6 +95,11 @@ def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
     return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
 
 
+def gaps(known: np.ndarray) -> np.ndarray:
+    """Return which unknown cells (y, x) lie between known ones of their row or their column."""
+    return (between(known, 0) | between(known, 1)) & ~known
+
+
 def point_distance(scan: Scan | Cloud) -> float:
     """Distance of neighbouring points [m]: the larger spacing of a grid, the mean of a cloud."""
     if isinstance(scan, Scan):

@@ -17,8 +17,8 @@ from jointclosure.inputs import InputError
 from jointclosure.walls.measured import (
     LARGEST_TILT,
     REACH,
-    between,
     filled,
+    gaps,
     grid_nodes,
     heights_between,
     node_counts,
@@ -164,7 +164,7 @@ def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     outline of scattered points is ragged: narrow gaps that are open to it are no holes.
     """
     known = np.isfinite(wall)
-    holes = (between(known, 0) | between(known, 1)) & ~known
+    holes = gaps(known)
     if reach > 0.0:
         enclosed = scipy.ndimage.binary_fill_holes(known) & ~known
         holes = enclosed | scipy.ndimage.binary_opening(holes, np.ones((3, 3)))

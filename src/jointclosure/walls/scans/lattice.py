@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.walls.measured import gaps
 from jointclosure.walls.outliers import unique_places
 from jointclosure.walls.scans.contents import Contents
 
@@ -117,7 +117,7 @@ def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     empty, of_all = int((~occupied).sum()), f"of {occupied.size} nodes of the points' grid"
     if not empty:
         return ()
-    inside = int((scipy.ndimage.binary_fill_holes(occupied) & ~occupied).sum())
+    inside = int(gaps(occupied).sum())
     if inside <= MOST_AMBIGUOUS * occupied.size:
         return (f"{empty} {of_all} have no point",)
     share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
