@@ -68,16 +68,6 @@ def test_blocks_in_a_file_are_one_dataset(tmp_path):
     xr.testing.assert_identical(read_netcdf(tmp_path / "b.nc"), whole)
 
 
-def test_a_block_that_fails_leaves_no_file(tmp_path):
-    def blocks():
-        yield xr.Dataset({"a": ("n", [1.0])})
-        raise RuntimeError("no more")
-
-    with pytest.raises(RuntimeError, match="no more"):
-        write_netcdf_blocks(blocks(), "n", tmp_path / "a.nc")
-    assert os.listdir(tmp_path) == []
-
-
 def test_benchmarks_are_named_by_their_rule(tmp_path):
     (tmp_path / "close_surfaces").mkdir()
     head = "s\th:m:s\tmax_rss\tcpu_time\n"

@@ -21,7 +21,7 @@ from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan
 from studies.frame.ensemble.measured_walls import prepared_walls
 from tests.joints import DOLERITE, SPACING
-from tests.walls.test_formats import write_esri
+from tests.walls.test_formats import triangles, write_esri
 
 RANDOM = settings(
     max_examples=20,
@@ -116,15 +116,7 @@ def as_three_files(path, ground):
 
 def as_mesh(path, ground):
     trimesh = pytest.importorskip("trimesh")
-    ny, nx = ground.heights.shape
-    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
-    faces = np.concatenate(
-        [
-            np.stack([corner, corner + 1, corner + nx], axis=1),
-            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
-        ]
-    )
-    mesh = trimesh.Trimesh(ground.points(), faces, process=False)
+    mesh = trimesh.Trimesh(ground.points(), triangles(ground.heights.shape), process=False)
     text = {"encoding": "ascii"} if path.name == "text.ply" else {}
     content = mesh.export(file_type=path.suffix[1:], **text)
     path.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -311,17 +303,14 @@ def test_heights_that_a_surfer_7_grid_leaves_out_are_missing(version, missing, t
     np.testing.assert_array_equal(np.isnan(scan.heights[:2]), np.array(missing, dtype=bool))
 
 
-def test_two_of_three_matrices_are_refused(joint, tmp_path):
-    as_three_files(tmp_path / "a", joint[0])
-    with pytest.raises(jc.InputError, match="must be one file, or three"):
-        read_scan(f"{tmp_path / 'x.dat.txt'},{tmp_path / 'z.dat.txt'}", units="mm")
-
-
-def test_three_matrices_of_different_shapes_are_refused(joint, tmp_path):
+@pytest.mark.parametrize(
+    ("names", "shown"), [("xz", "must be one file, or three"), ("xyz", "24 x 26, 3 x 4, 24 x 26")]
+)
+def test_two_matrices_and_three_of_different_shapes_are_refused(names, shown, joint, tmp_path):
     given = as_three_files(tmp_path / "a", joint[0])
     np.savetxt(tmp_path / "y.dat.txt", np.ones((3, 4)))
-    with pytest.raises(jc.InputError, match="24 x 26, 3 x 4, 24 x 26"):
-        read_scan(",".join(str(tmp_path / f"{name}.dat.txt") for name in "xyz"), **given)
+    with pytest.raises(jc.InputError, match=shown):
+        read_scan(",".join(str(tmp_path / f"{name}.dat.txt") for name in names), **given)
 
 
 def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):

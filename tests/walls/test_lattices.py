@@ -10,7 +10,7 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.scans import read_scan
 from tests.joints import SPACING
-from tests.walls.test_formats import STEP_MM, points_of, write_stl
+from tests.walls.test_formats import STEP_MM, points_of, triangles, write_stl
 from tests.walls.test_forms import RANDOM
 
 SHAPE = (20, 26)
@@ -33,6 +33,12 @@ def test_the_vertices_of_an_stl_that_are_a_grid_are_that_grid(wall, tmp_path):
     assert isinstance(found, Scan)
     assert found.spacing == plain.spacing == (SPACING, SPACING)
     np.testing.assert_allclose(found.heights, plain.heights, atol=1e-9)
+
+
+def test_a_lost_profile_is_warned_of_as_nodes_inside_the_wall(wall, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", np.delete(points_of(wall), np.s_[130:156], axis=0))
+    warning = cautions(scan.remarks)[0]
+    assert "26 of them inside the wall (5 %): is the file incomplete?" in warning
 
 
 @pytest.mark.parametrize("missing", [[0], [137], [3, 77, 78, 79, 300]])
@@ -217,14 +223,8 @@ def solid(wall):
     block = trimesh.creation.box(
         bounds=[[0.0, 0.0, -2.0], [(nx - 1) * STEP_MM, (ny - 1) * STEP_MM, -1.0]]
     )
-    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
-    faces = np.concatenate(
-        [
-            np.stack([corner, corner + 1, corner + nx], axis=1),
-            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
-        ]
-    )
-    return trimesh.util.concatenate([trimesh.Trimesh(top, faces, process=False), block])
+    sheet = trimesh.Trimesh(top, triangles(wall.shape), process=False)
+    return trimesh.util.concatenate([sheet, block])
 
 
 def test_a_solid_is_no_wall(wall, tmp_path):
