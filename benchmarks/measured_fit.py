@@ -27,7 +27,7 @@ from jointclosure.joint.stiffness import closures_at
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit
-from jointclosure.plotting.calibration import fit_figure
+from jointclosure.plotting.joint import fit_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import write_csv
 from jointclosure.walls.synthesis import ROLL_OFF

@@ -18,7 +18,6 @@ from jointclosure.joint.empirical import CYCLES, UNCHECKED, barton_bandis, law_h
 from jointclosure.joint.protocol import UNLOADING
 from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import (
     BRANCH_LINES,
     above,
@@ -28,6 +27,7 @@ from jointclosure.plotting.style import (
     styled,
     subplots,
 )
+from jointclosure.plotting.walls import map_extent
 from jointclosure.statistics.standard_errors import percent
 from studies.frame.config.typed import StudyRock
 from studies.paper.layout import roughness_title

@@ -21,6 +21,7 @@ WORDS = {
     "roughness": ["upper.npy", *SCANS],
 }
 """Words of each command that has numeric options, with which it would work."""
+MODEL = (*jc.Rock._fields, *jc.Choices._fields, *jc.Numerics._fields)
 
 
 def numeric_options() -> list[tuple[str, argparse.Action]]:
@@ -32,6 +33,7 @@ def numeric_options() -> list[tuple[str, argparse.Action]]:
             (name, action)
             for action in actions
             if not action.dest.startswith("most_")  # any positive number is allowed
+            and (name == "simulate" or action.dest not in MODEL)  # one declaration for all
             and (action.type in (int, float) or getattr(action.type, "func", None) is numbers)
         ]
     return found

@@ -16,7 +16,7 @@ from jointclosure.engine.quantities import OF_FLOW
 from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.joint.curves import curve_table, cycle_table
 from jointclosure.joint.history import first_crossing
-from jointclosure.plotting.engineering import engineering_figure
+from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.checks import check_results

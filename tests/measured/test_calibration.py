@@ -18,7 +18,7 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
-from jointclosure.plotting.calibration import fit_figure
+from jointclosure.plotting.joint import fit_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import SPACING

@@ -8,8 +8,8 @@ from PIL import Image
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.plotting import animation
-from jointclosure.plotting.animation import STRESSES, animated_stresses, crushing_animation
+from jointclosure.plotting import snapshots
+from jointclosure.plotting.snapshots import STRESSES, animated_stresses, crushing_animation
 from jointclosure.storage.figures import save_animation
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
@@ -43,7 +43,7 @@ def test_animated_stresses_lie_close_where_joints_close_fast():
 
 
 def test_the_animation_leaves_no_trace_in_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(animation, "STRESSES", 4)
+    monkeypatch.setattr(snapshots, "STRESSES", 4)
     files = [tmp_path / "one.nc", tmp_path / "other.nc"]
     stated = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
     assert cli.main([*stated, "--output", str(files[0]), "--snapshots", "1"]) == 0

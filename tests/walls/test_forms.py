@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import jointclosure as jc
 from jointclosure.engine.choice import choose_effects
 from jointclosure.engine.settings import Walls
-from jointclosure.plotting.scanned_joint import pair_figure
+from jointclosure.plotting.walls import pair_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan

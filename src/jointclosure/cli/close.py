@@ -103,7 +103,7 @@ def add_to(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Close the joint and write its folder; return 1 if the simulation failed."""
-    import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
+    import jointclosure.plotting.walls  # noqa: F401  an extra that may be missing
 
     start = time.perf_counter()
     check_file(arguments.animation, (".gif",))
@@ -156,8 +156,8 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
 def _write(joint: ClosedJoint, settings: dict[str, Any], folder: Path, title: str) -> None:
     """Write all files of a joint: its history, registration, exports and figures."""
     from jointclosure.plotting.joint import closure_curve
-    from jointclosure.plotting.scanned_joint import pair_figure, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
+    from jointclosure.plotting.walls import pair_figure, range_figure
 
     about, history = attributes(settings), joint.history
     write_netcdf(history.assign_attrs(about), folder / "joint.nc")

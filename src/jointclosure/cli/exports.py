@@ -56,7 +56,7 @@ def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
     """
     if int(history.status) >= FAILURE:
         return
-    from jointclosure.plotting.engineering import engineering_figure
+    from jointclosure.plotting.joint import engineering_figure
 
     notes, fits = [_NET], fitted_laws(history)
     notes += [describe_law(fits, cycle, LOADING) for cycle in cycle_table(history).cycle]

@@ -97,7 +97,7 @@ def add_to(commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fit the joint, and print and write the result."""
     if arguments.output:
-        from jointclosure.plotting.calibration import fit_figure
+        from jointclosure.plotting.joint import fit_figure
 
         check_folder(arguments.output)
     form = keywords(arguments, _CURVE)

@@ -88,7 +88,7 @@ def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ..
     asked = getattr(arguments, "snapshots", ())
     if arguments.animation is None:
         return asked
-    from jointclosure.plotting.animation import animated_stresses
+    from jointclosure.plotting.snapshots import animated_stresses
 
     return (*asked, *animated_stresses(largest_stress(stress)))
 
@@ -97,7 +97,7 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
     """Write the animation, if requested; return the joint with only the requested snapshots."""
     if arguments.animation is None:
         return closed
-    from jointclosure.plotting.animation import crushing_animation
+    from jointclosure.plotting.snapshots import crushing_animation
 
     if closed.sizes["snapshot"]:
         save_animation(crushing_animation(closed, title), arguments.animation)

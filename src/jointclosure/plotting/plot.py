@@ -13,9 +13,9 @@ from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
-from jointclosure.plotting.scanned_joint import draw_section, map_extent
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
+from jointclosure.plotting.walls import draw_section, map_extent
 
 with needs("figures", "jointclosure.plotting.plot"):
     import matplotlib.pyplot as plt

@@ -1,40 +1,175 @@
-"""Figures of scanned walls."""
+"""Figures of scanned walls and of the range of their joint's results."""
 
 import numpy as np
 import seaborn as sns
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import Increments
+from jointclosure.walls.registration import CLEAR, RegisteredPair
+
+
+def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) -> AxesImage:
+    """Draw a map of heights (y, x) [m], with colours from minus to plus a reach [m]."""
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    return axes.imshow(
+        1e3 * heights, origin="lower", extent=map_extent(heights.shape, spacing), cmap="vlag",
+        vmin=-1e3 * reach, vmax=1e3 * reach,
+    )  # fmt: skip
+
+
+@styled
+def pair_figure(pair: RegisteredPair, title: str) -> Figure:
+    """Draw both walls, aperture and section at first touch, correlation, and orientations.
+
+    Correlation and orientations are left out where one wall is flat.
+    """
+    columns = 3 if pair.fits else 2
+    figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2))
+    panels = grid.ravel()
+    # z upwards on both, so that mated walls look equal
+    _draw_wall(panels[0], -pair.upper, pair, "upper wall, seen from above")
+    _draw_wall(panels[1], pair.lower, pair, "lower wall, seen from above")
+    _draw_aperture(panels[2], pair)
+    draw_section(panels[3], pair.upper, pair.lower, pair.spacing)
+    panels[3].legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+    if pair.fits:
+        _draw_mating(panels[4], pair)
+        _draw_orientations(panels[5], pair)
+    figure.suptitle(title, parse_math=False)  # a file's name is not a formula
+    for axes in panels[3:]:
+        sns.despine(ax=axes)
+    return figure
+
+
+@styled
+def range_figure(budget: Budget, title: str) -> Figure:
+    """Draw the net closure of the first and the last cycle, and how far each source moves it."""
+    ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
+    cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
+    figure, panels = subplots(1, len(cycles), figsize=(5.2 * len(cycles), 3.6), squeeze=False)
+    for axes, cycle in zip(panels[0], cycles, strict=True):
+        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
+        shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
+        for place, name in enumerate(shares.index):
+            values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
+            axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
+            axes.plot(values, [place] * values.size, "o", color="C0")
+        drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
+        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
+        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5)
+        axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
+        axes.plot(row.best, len(shares), "o", color="C1")
+        axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
+        labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
+        axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
+        axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
+    figure.suptitle(title, parse_math=False)
+    sns.despine(figure)
+    return figure
+
+
+def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
+    """Return edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
+    ny, nx = pair_shape
+    return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
+
+
+def _shrunk(wall: np.ndarray) -> float:
+    """Return the length of a colour bar that is as high as the map of a wall (y, x)."""
+    ny, nx = wall.shape
+    return 0.85 * min(ny / nx, 1.0)
+
+
+def _draw_wall(axes: Axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
+    reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
+    image = draw_heights(axes, heights, pair.spacing, reach)
+    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=_shrunk(heights))
+    axes.set_title(title)
+
+
+def _draw_aperture(axes, pair: RegisteredPair) -> None:
+    image = axes.imshow(
+        1e3 * pair.aperture, origin="lower", extent=map_extent(pair.aperture.shape, pair.spacing),
+        cmap="viridis", vmin=0.0, vmax=1e3 * np.percentile(pair.aperture, 99.0),
+    )  # fmt: skip
+    axes.figure.colorbar(
+        image, ax=axes, label="aperture (mm)", shrink=_shrunk(pair.aperture), extend="max"
+    )
+    y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
+    axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
+    axes.set(title="aperture at first touch (in the circle)", xlabel="x (mm)", ylabel="y (mm)")
+
+
+def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
+    """Draw walls (y, x) [m] at first touch, along x through it, with the gap shaded."""
+    aperture = float((upper + lower).max()) - upper - lower
+    row, column = np.unravel_index(int(aperture.argmin()), aperture.shape)
+    below = 1e3 * lower[row]
+    over = below + 1e3 * aperture[row]
+    x = 1e3 * (np.arange(below.size) + 0.5) * spacing
+    axes.fill_between(x, below, over, color="0.85", lw=0.0)
+    axes.plot(x, over, color="C0", lw=1.1, label="upper wall")
+    axes.plot(x, below, color="C1", lw=1.1, label="lower wall")
+    axes.plot(x[column], below[column], "o", ms=9, mfc="none", mec="red", mew=1.6)
+    y = 1e3 * (row + 0.5) * spacing
+    axes.set(title=f"section at y = {y:.3g} mm", xlabel="x (mm)", ylabel="height (mm)")
+
+
+def _draw_mating(axes, pair: RegisteredPair) -> None:
+    """Draw correlation over wavelength, with one standard error, and the mismatch wavelength."""
+    mating = pair.mating
+    error = (1.0 - mating.correlation**2) / np.sqrt(mating.modes)
+    wavelengths = 1e3 * mating.wavelengths
+    axes.axhline(0.0, color="0.7", lw=0.8)
+    axes.errorbar(
+        wavelengths, mating.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
+    )
+    limit = pair.mismatch.wavelength
+    if 0.0 < limit < np.inf:
+        ends = np.clip(1e3 * np.array(pair.mismatch[1:]), wavelengths[-1], wavelengths[0])
+        axes.axvspan(*ends, color="0.9", lw=0.0)
+        axes.axvline(1e3 * limit, color="0.3", lw=1.0, ls="--")
+        axes.annotate(
+            f" {1e3 * limit:.3g} mm", (1e3 * limit, 0.02), xycoords=("data", "axes fraction"),
+            fontsize=9,
+        )  # fmt: skip
+    axes.set(
+        xscale="log", ylim=(min(-0.3, 1.1 * (mating.correlation - error).min()), 1.05),
+        title="correlation of the walls", xlabel="wavelength (mm)",
+        ylabel="correlation (1: mated, 0: independent)",
+    )  # fmt: skip
+    decimal_ticks(axes.xaxis)
+
+
+def _draw_orientations(axes, pair: RegisteredPair) -> None:
+    """Draw the correlation of slopes in each orientation, with the one used in colour."""
+    fits = pair.fits[::-1]
+    colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
+    names = [fit.orientation.replace("_", " ") for fit in fits]
+    axes.barh(names, [fit.correlation for fit in fits], color=colours)
+    second = pair.fits[1].correlation
+    if second > 0.0:
+        axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
+    axes.set(
+        title="orientation of the upper scan",
+        xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)",
+    )
 
 
 @styled
 def roughness_figure(
     heights: np.ndarray, spacing: float, increments: Increments, title: str
 ) -> Figure:
-    """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance.
-
-    Parameters
-    ----------
-    heights : array (y, x)
-        Plane-detrended heights [m]; NaN where missing, drawn white.
-    spacing : float
-        Grid spacing [m].
-    increments : Increments
-        As from `jointclosure.walls.measures.increments`.
-    title : str
-    """
+    """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance."""
     figure, panels = subplots(1, 3, figsize=(13.0, 4.3), width_ratios=(1.1, 1.0, 1.0))
-    ny, nx = heights.shape
-    size = (1e3 * nx * spacing, 1e3 * ny * spacing)
-    reach = 1e3 * np.nanmax(np.abs(heights))
-    image = panels[0].imshow(
-        1e3 * heights, origin="lower", extent=(0.0, size[0], 0.0, size[1]), cmap="vlag",
-        vmin=-reach, vmax=reach,
-    )  # fmt: skip
+    image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
     figure.colorbar(image, ax=panels[0], label="height (mm)", shrink=0.85)
-    panels[0].set(title="heights, mean plane removed", xlabel="x (mm)", ylabel="y (mm)")
+    panels[0].set_title("heights, mean plane removed")
     _draw_profiles(panels[1], heights, spacing)
     _draw_increments(panels[2], increments)
     figure.suptitle(title, parse_math=False)  # a file's name is not a formula
