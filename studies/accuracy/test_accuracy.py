@@ -15,7 +15,7 @@ from studies.accuracy.cost import (
     runs_of,
     source_table,
 )
-from studies.accuracy.design import Setting, design_of, label_of
+from studies.accuracy.design import Setting, design_of
 from studies.frame.config.files import read_plain
 from tests.studied import ROOT, checked_study
 
@@ -67,13 +67,7 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
 
 @pytest.mark.parametrize(("name", "least"), [("accuracy", 100), ("accuracy_biases", 19)])
 def test_every_setting_of_the_accuracy_studies_can_be_run(name, least):
-    settings, runs = design_of(
-        checked_study(read_plain(ROOT / f"studies/accuracy/{name}.yaml")).keys
-    )
-    for setting in settings:
-        assert setting.run == label_of(setting.scene, setting.rock, "", "") + setting.run[
-            len(f"{setting.scene}-{setting.rock}") :
-        ]  # fmt: skip
+    _, runs = design_of(checked_study(read_plain(ROOT / f"studies/accuracy/{name}.yaml")).keys)
     assert len(runs) > least
 
 

@@ -7,7 +7,6 @@ import pytest
 from jointclosure.engine.points import close_points, gridded
 from jointclosure.parameters import Effects, scene_name
 from studies.effects import CONTRIBUTIONS, EXPERIMENT, FULL, SCENES, effect_table
-from studies.effects.figures import effect_figure
 from tests.studied import checked_study
 
 TINY = {
@@ -84,9 +83,3 @@ def test_contributions_and_costs_are_those_put_in(table):
     others = table[table.effect != "gouge"]
     assert np.all(others.max_closure_added_percent == 0.0)
     assert others.time_ratio.to_numpy() == pytest.approx(1.0)
-
-
-def test_the_figure_has_a_panel_for_each_effect_and_cycle(table):
-    figure = effect_figure(table)
-    panels = [axes for axes in figure.axes if axes.get_xscale() == "log"]
-    assert len(panels) >= 10

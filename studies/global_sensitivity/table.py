@@ -25,16 +25,8 @@ GROUPS = 16
 CHOICES_DRAWN = 4096
 """Number of random choices for which a conclusion is judged."""
 INDEX_COLUMNS = (
-    "rock",
-    "response",
-    "cycle",
-    "rows",
-    "left_out",
-    "input",
-    "title",
-    "total",
-    "total_error",
-)
+    "rock", "response", "cycle", "rows", "left_out", "input", "title", "total", "total_error",
+)  # fmt: skip
 """Columns of a table without any indices."""
 ELASTICITY_COLUMNS = (
     "rock", "response", "cycle", "input",
@@ -124,7 +116,9 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
             about |= {"rows": number, "left_out": response.left_out, "fit_share": indices.fit_share}
             rows += [about | row for row in _index_rows(sampling, indices)]
         if enough:  # all of the rows came last
-            fits.append((about, _resampled(response, sampling.values)))
+            fits.append(
+                (about, [_fitted(response, kept, sampling) for kept in _kept(response.rows)])
+            )
     if not fits:
         return pd.DataFrame(columns=list(INDEX_COLUMNS))
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
@@ -248,12 +242,9 @@ def _index_rows(sampling: Sampling, indices: Indices) -> Iterator[dict]:
     for place, one in enumerate(sampling.inputs):
         values = {name: getattr(indices, name)[place] for name in columns}
         yield {"input": one.name, "title": one.title} | values
-    yield {
-        "input": "surfaces",
-        "title": "surfaces (share of a joint's variance)",
-        "total": indices.surfaces,
-        "total_error": indices.surfaces_error,
-    }
+    title = "surfaces (share of a joint's variance)"
+    whole = {"total": indices.surfaces, "total_error": indices.surfaces_error}
+    yield {"input": "surfaces", "title": title} | whole
 
 
 def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd.DataFrame:
@@ -278,14 +269,9 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
     return pd.DataFrame(rows)
 
 
-def _resampled(response: Responses, counts) -> list[Fit]:
-    """Return the fit to all rows, and those without one group."""
-    d = response.points.shape[-1]
-    mean = response.values.mean(axis=-1)
-    return [
-        fitted(response.points[rows].reshape(-1, d), mean[rows].ravel(), counts)
-        for rows in _kept(response.rows)
-    ]
+def _fitted(response: Responses, kept: np.ndarray, sampling: Sampling) -> Fit:
+    points, mean = response.points[kept], response.values.mean(axis=-1)[kept]
+    return fitted(points.reshape(-1, points.shape[-1]), mean.ravel(), sampling.values)
 
 
 def _kept(rows: np.ndarray) -> list[np.ndarray]:

@@ -52,33 +52,6 @@ def test_the_papers_entries_are_marked_and_its_dashes_stand_in_the_column_of_das
     assert "studies of 20 draws, unpaired t test" in labels
 
 
-def test_no_two_inputs_look_alike_where_colours_repeat():
-    inputs = [f"input {number}" for number in range(12)]
-    rows = [
-        {"rock": "slate", "response": "max_closure", "cycle": cycle, "rows": count, "left_out": 0}
-        | {"input": name, "title": name, "total": 0.1, "total_error": 0.01}
-        for cycle in (1, 2)
-        for count in (64, 128)
-        for name in inputs
-    ]
-    figure = convergence(pd.DataFrame(rows), {"slate": "Slate"})
-    lines = [container[0] for container in figure.axes[0].containers]
-    looks = {(line.get_color(), line.get_marker()) for line in lines}
-    assert len(looks) == len(lines) == 12
-
-
-def test_ticks_of_convergence_are_the_rows_of_the_response_that_is_drawn():
-    row = {"rock": "slate", "input": "jrc", "title": "JRC", "total": 0.1, "total_error": 0.01}
-    rows = [
-        row | {"cycle": cycle, "response": response, "rows": count, "left_out": 0}
-        for cycle in (1, 2)
-        for response, count in (("max_closure", 64), ("compliance_net", 63))
-    ]
-    axes = convergence(pd.DataFrame(rows), {"slate": "Slate"}).axes[-1]
-    assert axes.get_xticks().tolist() == [64.0]
-    assert axes.get_xlabel() == "rows of the design"
-
-
 def test_without_any_index_convergence_has_axes_alone():
     """All rows of a design may have failed."""
     figure = convergence(pd.DataFrame(columns=list(INDEX_COLUMNS)), {})

@@ -21,22 +21,9 @@ MEANS, DEVIATIONS, SAMPLES = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083), 20
 """Closures [mm] and their deviations for the errors of the quartic, near those of dolerite."""
 
 
-# --- the contact cubic -------------------------------------------------------------------
-
-
 def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
     """Compute delta_a [m] by Eqs. (11) and (13) with the principal cube root."""
     return _deformations(overlap, gamma, sign)[:, 0]
-
-
-def deformation_on_best_branch(overlap: float, gamma: float, exact: mpmath.mpf) -> complex:
-    """Compute delta_a [m] by Eqs. (11) and (13) with corrected sign and known best branch.
-
-    It is the value closest to the exact one among both signs and all three cube roots, and shows
-    the rounding error that remains after correction of misprint and branch.
-    """
-    values = _deformations(overlap, gamma, +1).ravel()
-    return complex(min(values, key=lambda value: relative_error(value, exact)))
 
 
 def _deformations(overlap: float, gamma: float, sign: int) -> np.ndarray:
@@ -81,20 +68,18 @@ def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
             min(relative_error(value, exact) for value in deformation_as_printed(OVERLAP, gamma, s))
             for s in (-1, +1)
         ]
+        # of both signs and all cube roots: what remains once misprint and branch are corrected
+        best = min(
+            relative_error(complex(value), exact)
+            for value in _deformations(OVERLAP, gamma, +1).ravel()
+        )
         rows += [
             ("Eq. (13) as printed", g, printed[0]),
             ("sign corrected, principal root", g, printed[1]),
-            (
-                "sign corrected, best root",
-                g,
-                relative_error(deformation_on_best_branch(OVERLAP, gamma, exact), exact),
-            ),
+            ("sign corrected, best root", g, best),
             ("jointclosure", g, relative_error(deformation_by_force(OVERLAP, gamma), exact)),
         ]
     return _table("cubic", rows)
-
-
-# --- the far field -----------------------------------------------------------------------
 
 
 def displacement_as_printed(distance: float, base_radius: float, modulus: float) -> float:
@@ -126,9 +111,6 @@ def far_field_errors(ratios: np.ndarray) -> pd.DataFrame:
         ):
             rows.append((name, ratio, relative_error(formula(*arguments), exact)))
     return _table("far field", rows)
-
-
-# --- the quartic -------------------------------------------------------------------------
 
 
 def length_as_printed(levels, means, deviations, samples: int, critical: float) -> float:
@@ -216,9 +198,6 @@ def quartic_errors(half_ranges: np.ndarray, base: float) -> pd.DataFrame:
             (f"jointclosure, p = {base:g}", half, relative_error(ours, exact)),
         ]
     return _table("quartic", rows)
-
-
-# --- common functions --------------------------------------------------------------------
 
 
 def relative_error(value: complex, exact: mpmath.mpf) -> float:

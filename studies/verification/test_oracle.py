@@ -55,32 +55,23 @@ def test_a_state_with_flat_valleys_is_sound_where_it_is_judged_so_and_nowhere_el
     assert "residual" in complaints(as_peaks, state)
 
 
-def test_a_force_a_millionth_too_large_is_noticed(settled):
+@pytest.mark.parametrize(
+    ("cell", "share", "named"),
+    [
+        ("loaded", 1e-6, {"residual", "load"}),  # a force a millionth too large
+        ("apart", 1e-6, {"without_overlap"}),  # a force that was never there
+        ("loaded", None, {"without_force"}),  # a contact left out
+        ("loaded", "pulls", {"negative_force"}),
+    ],
+)
+def test_a_wrong_force_is_noticed(settled, cell, share, named):
     given, state = settled
-    at = np.unravel_index(state.force.argmax(), state.force.shape)
-    force = changed(state.force, at, 1e-6 * state.force.sum())
-    assert complaints(given, state._replace(force=force)) >= {"residual", "load"}
-
-
-def test_a_force_that_was_never_there_is_noticed(settled):
-    given, state = settled
-    at = np.unravel_index((state.upper + state.lower).argmin(), state.force.shape)
-    force = changed(state.force, at, 1e-6 * state.force.sum())
-    assert "without_overlap" in complaints(given, state._replace(force=force))
-
-
-def test_a_contact_left_out_is_noticed(settled):
-    given, state = settled
-    at = np.unravel_index(state.force.argmax(), state.force.shape)
-    force = changed(state.force, at, -state.force[at])
-    assert "without_force" in complaints(given, state._replace(force=force))
-
-
-def test_a_pulling_contact_is_noticed(settled):
-    given, state = settled
-    at = np.unravel_index(state.force.argmax(), state.force.shape)
-    force = changed(state.force, at, -1.001 * state.force[at])
-    assert "negative_force" in complaints(given, state._replace(force=force))
+    flat = state.force.argmax() if cell == "loaded" else (state.upper + state.lower).argmin()
+    at = np.unravel_index(flat, state.force.shape)
+    by = {None: -1.0, "pulls": -1.001}.get(share)
+    change = share * state.force.sum() if by is None else by * state.force[at]
+    force = changed(state.force, at, change)
+    assert complaints(given, state._replace(force=force)) >= named
 
 
 def test_a_wrong_total_is_noticed(settled):
