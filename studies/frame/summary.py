@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.engine.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
-from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
-from jointclosure.statistics.standard_errors import Estimate
+from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
 
 
 def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:

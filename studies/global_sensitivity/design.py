@@ -10,9 +10,8 @@ import numpy as np
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of
-from jointclosure.statistics.orthonormal import part_of
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.statistics.variance_indices import sampled_rows
+from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.config.configuration import (
     Configured,
     checked_with,

@@ -8,10 +8,24 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.points import gridded
-from jointclosure.statistics.orthonormal import Fit, Term, design_matrix, fitted
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.variance_indices import Indices, shapley_effects, variance_indices
-from studies.global_sensitivity.design import SURFACES, Input, Sampling, is_positive, value_at
+from jointclosure.statistics.variance_indices import (
+    Fit,
+    Indices,
+    Term,
+    design_matrix,
+    fitted,
+    jackknife_errors,
+    shapley_effects,
+    variance_indices,
+)
+from studies.global_sensitivity.design import (
+    SURFACES,
+    Input,
+    Sampling,
+    is_positive,
+    value_at,
+)
 from studies.paper.claims import LOOP
 
 RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
@@ -147,7 +161,7 @@ def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
 
         values = statistics(fit.drawn)
         errors = {
-            name: jackknife_error(parts.T) for name, parts in statistics(fit.left_out).items()
+            name: jackknife_errors(parts.T) for name, parts in statistics(fit.left_out).items()
         }
         about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
         for place, name in enumerate(fit.inputs):
@@ -167,7 +181,7 @@ def elasticities_at(
 
         change of ln(response) = (e + sum of b_j t_j over the other inputs) change of ln(property)
 
-    with the first function t_j of each input (`jointclosure.statistics.orthonormal`); least
+    with the first function t_j of each input (`jointclosure.statistics.variance_indices`); least
     squares. To remove noise, each b_j is multiplied by 1 - (error/b_j)^2, or by 0 if negative.
     """
     drawn_functions = first_functions(at, sampling.values)
@@ -203,7 +217,7 @@ def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int,
 def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Fit slopes (1 + groups, columns) of all rows and without each group, shrunk for noise."""
     slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
-    squares, noise = slopes[0] ** 2, jackknife_error(slopes[1:]) ** 2
+    squares, noise = slopes[0] ** 2, jackknife_errors(slopes[1:]) ** 2
     factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
     factors[0] = 1.0
     return factors * slopes
@@ -264,7 +278,7 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
             row = about | {"input": one.name}
             for name, effects in columns.items():
                 whole, *left_out = effects[place, here]
-                row |= {name: whole, f"{name}_error": jackknife_error(np.array(left_out))}
+                row |= {name: whole, f"{name}_error": jackknife_errors(np.array(left_out))}
             rows.append(row)
     return pd.DataFrame(rows)
 
@@ -286,9 +300,3 @@ def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
 
 def _logarithm(one: Input, keys: Mapping, rock: str, u: np.ndarray) -> np.ndarray:
     return np.log([value_at(one, keys, rock, float(part)) for part in u])
-
-
-def jackknife_error(left_out: np.ndarray) -> np.ndarray:
-    """Compute errors (...) from values without each group of rows (groups, ...)."""
-    about = left_out - left_out.mean(axis=0)
-    return np.sqrt((GROUPS - 1) / GROUPS * (about**2).sum(axis=0))

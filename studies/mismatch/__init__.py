@@ -18,7 +18,7 @@ from jointclosure.engine.points import Point
 from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.ratios import ratio_of_means
+from jointclosure.statistics.standard_errors import ratio_of_means
 from studies.frame.config.configuration import Configured
 from studies.frame.ensemble.cases import base_case
 from studies.frame.ensemble.wavelengths import labelled_wavelengths

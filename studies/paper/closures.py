@@ -8,7 +8,7 @@ import xarray as xr
 
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired_length
+from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
     adjusted_elasticity,
@@ -287,10 +287,10 @@ def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffi
         "resamples": statistics.bootstrap_resamples,
         "confidence": statistics.bootstrap_confidence,
         "significance": statistics.significance,
+        "paired": response.paired,
     }
-    arguments = (response.levels, response.samples, generator(seed_of(root_seed, *name)))
-    bootstrap = bootstrap_paired_length if response.paired else bootstrap_length
-    return bootstrap(*arguments, **settings)
+    random = generator(seed_of(root_seed, *name))
+    return bootstrap_length(response.levels, response.samples, random, **settings)
 
 
 def _adjusted_interval(

@@ -14,7 +14,12 @@ from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import check_significance, indifference_interval
 from jointclosure.statistics.paired import paired_indifference_interval
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import elasticity, mean_covariance, quadratic_errors
+from jointclosure.statistics.standard_errors import (
+    elasticity,
+    mean_covariance,
+    quadratic_errors,
+    resampled,
+)
 from jointclosure.statistics.total_error import REACH, Method
 from studies.frame.config.wanted import BLOCK, PresetErrors, Wanted
 from studies.frame.ensemble.covariates import Covariates
@@ -118,13 +123,11 @@ def surfaces_for(
 def _known_to(response: Response, goal: Goal, significance: float, paired: bool):
     """Return the central 68 % of `surfaces_for` over resampled surfaces."""
     random = generator(seed_of(0, "plan", response.rock, response.parameter, response.cycle))
-    k, n = response.samples.shape
-    numbers = []
-    for _ in range(RESAMPLES):
-        index = random.integers(n, size=(1, n) if response.paired else (k, n))
-        index = np.broadcast_to(index, (k, n))
-        drawn = response._replace(samples=np.take_along_axis(response.samples, index, axis=1))
-        numbers.append(surfaces_for(drawn, goal, significance, paired, within=0.05))
+    drawn = resampled(response.samples, random, RESAMPLES, response.paired)
+    numbers = [
+        surfaces_for(response._replace(samples=one), goal, significance, paired, within=0.05)
+        for one in drawn
+    ]
     return np.quantile(numbers, (0.16, 0.84), method="inverted_cdf")
 
 

@@ -23,8 +23,13 @@ from jointclosure.statistics.drawn_studies import (
     resampled_pools,
     without_effect,
 )
-from jointclosure.statistics.joint_tests import joint_test, p_of_table
-from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
+from jointclosure.statistics.predictive import (
+    joint_test,
+    length_distribution,
+    p_of_table,
+    share_as_short,
+    two_sided_p,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.paper.claims import TARGET
 from studies.paper.closures import UNPAIRED

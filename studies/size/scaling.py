@@ -14,8 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
-from jointclosure.statistics.drawn_studies import jackknife_error
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.standard_errors import jackknife_error, rounded
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""

@@ -8,8 +8,8 @@ from hypothesis import assume, given
 import jointclosure as jc
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
+from jointclosure.statistics.indifference import real_roots
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.roots import real_roots
 from studies.verification.printed import exact_length
 
 LEVELS = np.array([70.0, 78.0, 85.0])

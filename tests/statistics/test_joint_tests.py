@@ -10,7 +10,7 @@ from jointclosure.statistics.drawn_studies import (
     without_effect,
 )
 from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.joint_tests import joint_test, log_likelihoods
+from jointclosure.statistics.predictive import joint_test, log_likelihoods
 from jointclosure.statistics.randomness import generator
 from tests.statistics.statistics_world import LEVELS, published, sensitivity
 

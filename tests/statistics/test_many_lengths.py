@@ -3,8 +3,11 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics.correlations import fit_quadratic
-from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.roots import largest_real_roots, real_roots
+from jointclosure.statistics.indifference import (
+    indifference_lengths,
+    largest_real_roots,
+    real_roots,
+)
 
 
 def random_studies(count, levels, seed):

@@ -3,7 +3,7 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.statistics.bootstrap import bootstrap_paired_length
+from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.paired import (
     difference_scatter,
@@ -139,7 +139,7 @@ def test_the_bootstrap_covers_the_paired_length_that_it_resamples():
     samples = responses(generator(8), LEVELS, 20)
     found = paired_indifference_interval(LEVELS, samples)
     kept = {"base": 78.0, "resamples": 200}
-    interval = bootstrap_paired_length(LEVELS, samples, generator(1), **kept)
+    interval = bootstrap_length(LEVELS, samples, generator(1), **kept, paired=True)
     assert 0.3 * found.length < interval.low < found.length < interval.high < 3.0 * found.length
 
 

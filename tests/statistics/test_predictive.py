@@ -14,9 +14,9 @@ from jointclosure.statistics.drawn_studies import (
     without_effect,
 )
 from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.joint_tests import p_of_table
 from jointclosure.statistics.predictive import (
     length_distribution,
+    p_of_table,
     share_as_short,
     two_sided_p,
 )

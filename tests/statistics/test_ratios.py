@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
+from jointclosure.statistics.standard_errors import harmonic_mean, ratio_of_means
 
 
 def test_what_both_rows_share_leaves_no_error():

@@ -4,13 +4,13 @@ import pytest
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
-    bootstrap_error,
     deviation_covariance,
     deviation_of,
     elasticity,
     mean_covariance,
     mean_of,
     quadratic_errors,
+    resampled,
     rounded,
     variation_of,
 )
@@ -76,6 +76,12 @@ def test_errors_of_single_numbers_are_their_scatter_over_studies(estimate):
     samples = generator(2).normal(1.0, 0.3, size=(4000, 20))
     found = np.array([estimate(row) for row in samples])
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.06)
+
+
+def bootstrap_error(statistic, samples, random, resamples, paired=True):
+    n = samples.shape[-1]
+    values = [statistic(drawn) for drawn in resampled(samples, random, resamples, paired)]
+    return np.std(values, axis=0, ddof=1) * np.sqrt(n / (n - 1))
 
 
 def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_paired():

@@ -5,11 +5,13 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics import variance_indices as variance_indices_module
-from jointclosure.statistics.orthonormal import design_matrix, fitted, terms_of
 from jointclosure.statistics.variance_indices import (
     _shares,
+    design_matrix,
+    fitted,
     sampled_rows,
     shapley_effects,
+    terms_of,
     variance_indices,
 )
 

@@ -108,10 +108,7 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def large_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a kernel as `kernel`, without copying its code into its callers.
-
-    For kernels that are called once an iteration: compilation is faster, and results are the same.
-    """
+    """Compile a kernel as `kernel`, without copying its code into its callers."""
     return _compiled(function, inlined=False)
 
 

@@ -33,33 +33,12 @@ UNCOUNTED = (
 
 
 def code_digest(*names: str) -> str:
-    """Return the digest of modules and of all modules of the package that they import.
+    """Return the digest (16 hexadecimal digits) of modules and of all modules that they import.
 
-    Parameters
-    ----------
-    *names : str
-        Modules of the package by their dotted names below it (``"solvers.fast"``,
-        ``"solvers"`` for all below it), modules of studies by their full names, paths
-        of scripts (ending in ``.py``), or functions of modules
-        (``"studies.paper.products:judge_claims"``): of such a module, only what the function uses
-        counts, and the modules from which that is imported.
-
-    Returns
-    -------
-    str
-        16 hexadecimal digits, the same wherever the package and the scripts are.
-
-    Raises
-    ------
-    FileNotFoundError
-        If a module or script does not exist.
-    KeyError
-        If a module has no such function.
-
-    Notes
-    -----
-    Digests are stored in `cache_root` for the bytes of the package and of the scripts, since
-    reading the syntax takes most of the time at the start of a run.
+    Names are those of modules below the package ("solvers.fast", "solvers" for all below it), full
+    names of modules of studies, paths of scripts (ending in .py), or functions of modules
+    ("studies.paper.products:judge_claims"), of which only what the function uses counts. Digests
+    are stored in `cache_root`, because reading the syntax takes most of the time of a start.
     """
     scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
     files = [name.rpartition("/")[2] for name in names]
@@ -107,11 +86,7 @@ def package_digest() -> str:
 
 
 def cache_root() -> Path:
-    """Return the folder of compiled kernels and of digests.
-
-    It is beside the sources, or in the user's cache folder if that is read-only;
-    ``JOINTCLOSURE_CACHE`` overrides both.
-    """
+    """Return the folder of compiled kernels and of digests."""
     if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
         return Path(chosen)
     beside = PACKAGE / "__pycache__"
@@ -123,10 +98,7 @@ def cache_root() -> Path:
 
 @lru_cache(maxsize=None)
 def raw_digest() -> str:
-    """Return the digest of the bytes of all modules of the package.
-
-    It is fast, and changes with comments too.
-    """
+    """Return the digest of the bytes of all modules of the package."""
     digest = hashlib.sha256()
     for root in ROOTS.values():
         for file in sorted(root.rglob("*.py")):
@@ -196,10 +168,7 @@ def _imported(tree: ast.AST) -> frozenset[Path]:
 
 
 def _used(file: Path, function: str) -> list[ast.AST]:
-    """Return the statements of a module that a function uses by name, itself and imports included.
-
-    Of an import of several names, those that are used.
-    """
+    """Return the statements of a module that a function uses by name, itself and imports too."""
     bound: dict[str, list[ast.AST]] = {}
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -246,10 +215,7 @@ def _tree(file: Path) -> ast.Module:
 
 @lru_cache(maxsize=None)
 def _code(file: Path, unseen: frozenset[str]) -> str:
-    """Return the syntax of a file without comments, docstrings, positions and some texts, as text.
-
-    ``unseen`` are the calls of `SHOWN_BY` whose texts do not count.
-    """
+    """Return the syntax of a file as text, without comments, docstrings, positions and some texts."""
     return _text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
 
 

@@ -100,14 +100,7 @@ class Conditions(NamedTuple):
         return largest_stress(self.max_normal_stress)
 
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
-        """Return the conditions with the rocks of both walls, number of cycles and seating stress.
-
-        Raises
-        ------
-        InputError
-            If a value is out of its range, or a stress of ``snapshots`` [Pa] outside of the load;
-            the walls are not needed for these checks.
-        """
+        """Return the conditions with the rocks of both walls, cycles and seating stress, checked."""
         pair: tuple[Rock, Rock] = rocks_of_walls(self.rock)
         check_scene(self.effects)
         check_numerics(self.numerics)
@@ -150,24 +143,7 @@ def takes_conditions(function: Function) -> Function:
 def conditions_from(
     conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
 ) -> Conditions:
-    """Return conditions with changed fields.
-
-    Parameters
-    ----------
-    conditions : Conditions, optional
-        By default the changes with the default values of all other fields.
-    changes : mapping
-        Values by field.
-    function : str
-        Name of the function that received the changes, for messages.
-    *required : str
-        Fields that ``function`` needs in addition to `REQUIRED`.
-
-    Raises
-    ------
-    TypeError
-        If there is no such field, or a required one is missing, as for arguments of a function.
-    """
+    """Return conditions with changed fields."""
     for name in changes.keys() - set(Conditions._fields):
         near = difflib.get_close_matches(name, Conditions._fields, 1, 0.7)
         meant = f"; did you mean {near[0]}?" if near else ""

@@ -26,28 +26,7 @@ KINDS = {"net": NET, "gross": GROSS}
 
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
-    """Tabulate closure over stress by cycle and branch, one row per step.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-
-    Returns
-    -------
-    DataFrame
-        ``cycle``, ``branch``, ``normal_stress_MPa``; for the net and the gross closure (`KINDS`)
-        ``closure_<kind>_since_seating_mm`` from the point of the cycle's loading at the seating
-        stress (negative before it, NaN if it was not reached), ``closure_<kind>_mm`` from first
-        touch, and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord
-        between the neighbours of a step, NaN where closure does not change); ``landing``: whether
-        this chord extends beyond `landing_stress`, so that it is stiffer than the joint;
-        ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
-        ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
-        ``contact_fraction``. For a history with flow also ``hydraulic_aperture_x_mm``,
-        ``hydraulic_aperture_y_mm`` and their ratios to the mean aperture. A branch begins with
-        the last step of the branch before.
-    """
+    """Tabulate closure over stress by cycle and branch, one row per step."""
     rows = []
     for number in np.unique(history.cycle.values):
         for name in (LOADING, UNLOADING):
@@ -93,10 +72,7 @@ def has_flow(history: xr.Dataset) -> bool:
 
 
 def mean_hydraulic(history: xr.Dataset) -> np.ndarray:
-    """Return the geometric mean (n,) of the hydraulic apertures along x and y [m].
-
-    It is for programs that take only one aperture.
-    """
+    """Return the geometric mean (n,) of the hydraulic apertures along x and y [m]."""
     return np.sqrt(history.hydraulic_aperture.prod("direction", skipna=False).values)
 
 
@@ -112,10 +88,7 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
 
 
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
-    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch.
-
-    See `jointclosure.joint.history.at_seating` and `jointclosure.joint.history.read_along`.
-    """
+    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch."""
     here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
     seating = float(history.attrs["seating_stress_Pa"])
     return at_seating(
@@ -124,10 +97,7 @@ def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> floa
 
 
 def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
-    """Return closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`.
-
-    ``of`` selects net or gross closure. NaN for cycles that were not loaded and unloaded.
-    """
+    """Return closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`."""
     stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
     anywhere = np.full(int(cycle.max()), np.inf)  # any extent of unloading is accepted
     seating = float(history.attrs["seating_stress_Pa"])
@@ -135,27 +105,7 @@ def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarr
 
 
 def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
-    """Return the net closures and stiffness of each cycle, as a laboratory reports them.
-
-    Net closures exclude the indentation of the half-spaces.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-    largest : float
-        The requested maximum stress [Pa].
-
-    Returns
-    -------
-    dict of array (cycles,)
-        ``max_closure_net`` from the start of the cycle and ``max_closure_seated_net``, both at
-        its maximum, and ``residual_closure_seated_net`` at seating, as in
-        `jointclosure.joint.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
-        `secant_stiffness` of loading from half of the maximum stress to the `landing_stress` (NaN
-        if that is below half of the maximum); and the `landing_stress` [Pa]. NaN for incomplete
-        cycles.
-    """
+    """Return the net closures and stiffness of each cycle, as a laboratory reports them."""
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.cycle.max())
     net = closures_of_cycles(history)
@@ -178,25 +128,7 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
 
 
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:
-    """Tabulate the closures of each cycle, since seating as in laboratory reports.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-
-    Returns
-    -------
-    DataFrame
-        One row per cycle, closures by the names of `jointclosure.simulate`, with ``_net`` those
-        without the indentation of the half-spaces: ``max_closure_seated_net_mm`` since seating, at
-        the maximum; ``residual_closure_seated_net_mm``, closure at the seating stress on unloading
-        less that on loading; ``residual_share_net``, the ratio of these; and
-        ``max_closure_net_mm`` from the start of the cycle; the same gross, without ``_net``. Then
-        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``; for a
-        history with flow also ``hydraulic_aperture_x_at_max_mm`` and the same along y. All except
-        the aperture at seating are NaN if loading failed.
-    """
+    """Tabulate the closures of each cycle, since seating as in laboratory reports."""
     numbers = np.unique(history.cycle.values)
     columns = {"cycle": numbers}
     for net, of in (("_net", NET), ("", GROSS)):

@@ -39,19 +39,8 @@ def scaled_to(
 ) -> tuple[float, float]:
     """Scale JRC and JCS [Pa] to a joint of another length.
 
-    Parameters
-    ----------
-    length : float
-        Length L_n of the joint [m].
-    jrc, strength : float
-        JRC_0 and JCS_0 [Pa] of a joint of the reference length.
-    reference_length : float
-        L_0 [m]; for Barton and Bandis about 0.1 m, a laboratory sample.
-
-    Notes
-    -----
-    Barton & Bandis 1982: JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and
-    JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0).
+    Barton & Bandis 1982: JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and JCS_n = JCS_0 (L_n/L_0)^(-0.03
+    JRC_0).
     """
     ratio = length / reference_length
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
@@ -70,22 +59,8 @@ def barton_bandis(
 ) -> BartonBandis:
     """Return the constants of the law for a joint.
 
-    Parameters
-    ----------
-    jrc : float
-        Joint roughness coefficient; the law is valid from 5 to 15.
-    compressive_strength : float
-        sigma_c of the rock [Pa].
-    strength_ratio : float
-        sigma_c / JCS, over the strength of the joint's walls.
-    cycle : int
-        One of `CYCLES`.
-
-    Notes
-    -----
-    Bandis, Lumsden & Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j =
-    (JRC/5)(0.2 sigma_c/JCS - 0.1) mm, K_ni = -7.15 + 1.75 JRC + 0.02 JCS/a_j
-    MPa/mm, V_m as above.
+    Bandis, Lumsden & Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j = (JRC/5)(0.2 sigma_c/JCS -
+    0.1) mm, K_ni = -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as above.
     """
     a, b, c, d = _CONSTANTS[cycle]
     wall_strength = compressive_strength / strength_ratio * 1e-6

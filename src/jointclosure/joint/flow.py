@@ -38,10 +38,7 @@ class FlowAlongHistory:
         self._of_walls: dict[float, tuple[Flow, ...]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Compute the flow at a step.
-
-        The same walls at the same closure have the same flow, which is computed once.
-        """
+        """Compute the flow at a step."""
         walls = joint.upper, joint.lower
         if not (self._walls and all(map(np.array_equal, walls, self._walls))):
             self._walls = joint.upper.copy(), joint.lower.copy()

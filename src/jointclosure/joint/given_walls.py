@@ -16,24 +16,7 @@ _SAME_STEP = 1e-3
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the heights (y, x) [m] of two walls of one shape, as new arrays.
-
-    Parameters
-    ----------
-    upper, lower : array_like or xarray.DataArray
-        Heights [m]. The dimensions of an `xarray.DataArray` are used by name: dimensions y and x
-        are brought into this order, others into the order of the upper wall. The index of a
-        `pandas.DataFrame` is y and its columns are x, unless they have other names.
-    spacing : float, optional
-        Grid spacing [m] that coordinates must have. Coordinates are in m unless their attribute
-        ``units`` says otherwise. Whole numbers that count the cells are not coordinates.
-
-    Raises
-    ------
-    InputError
-        If heights are not real, not finite, too few or too large, or if the walls differ in
-        shape, names of dimensions or coordinates.
-    """
+    """Return the heights (y, x) [m] of two walls of one shape, as new arrays."""
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
         if spacing is not None and isinstance(wall, xr.DataArray):
@@ -75,24 +58,13 @@ def _aligned(upper, lower) -> tuple:
 
 
 def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-    """Warn the caller's caller (`UserWarning`) of a probable error of units or orientation.
-
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        As from `checked_walls` [m].
-    spacing : float
-        [m].
-    """
+    """Warn the caller's caller (`UserWarning`) of a probable error of units or orientation."""
     for doubt in doubts(upper, lower, spacing):
         warnings.warn(doubt, stacklevel=3)
 
 
 def _by_names(wall):
-    """Return a wall with dimensions (y, x), if it has dimensions of these names.
-
-    A DataFrame becomes a DataArray with its labels as coordinates.
-    """
+    """Return a wall with dimensions (y, x), if it has dimensions of these names."""
     if isinstance(wall, pd.DataFrame):
         labels = wall.index, wall.columns
         names = [str(label.name) for label in labels]

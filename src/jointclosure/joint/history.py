@@ -23,18 +23,6 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     of intact rock under the loaded patch as a whole (docs/model.md, "Interaction"). Laboratories
     report net closure, because they subtract the deformation of the intact rock. A program that
     computes the deformation of the rock itself also needs net closure.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`, with ``closure`` and ``bulk_indentation`` [m].
-    of : str
-        `NET`, or any variable over the steps, such as `GROSS`.
-
-    Returns
-    -------
-    array (steps,)
-        Closure from first touch [m]; other variables in the unit of the history.
     """
     if of == NET:
         return history.closure.values - history.bulk_indentation.values
@@ -42,10 +30,7 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
 
 
 def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:
-    """Return indices of the steps (n,) on one branch of one cycle, including its start.
-
-    The start is the last step before the branch, if there is one.
-    """
+    """Return indices of the steps (n,) on one branch of one cycle, including its start."""
     here = np.flatnonzero((cycle == number) & (branch == name))
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
@@ -90,11 +75,7 @@ def _between(
 
 
 def at_seating(values: np.ndarray, stress: np.ndarray, branch: str, seating: float) -> float:
-    """Read values of a branch (n,) at the seating stress [Pa], in their unit.
-
-    They are read where loading first reaches the stress, and where unloading last has it. NaN if
-    the branch does not pass it.
-    """
+    """Read values of a branch (n,) at the seating stress [Pa], in their unit."""
     if stress.size and stress.min() > seating:
         return float("nan")
     return (first_crossing if branch == LOADING else last_crossing)(stress, values, seating)
@@ -108,26 +89,7 @@ def cycle_closures(
     minima: np.ndarray,
     seating_stress: float,
 ) -> dict[str, np.ndarray]:
-    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles.
-
-    Parameters
-    ----------
-    closure, stress, cycle, branch : array (steps,)
-        History: closure [m] from first touch, stress [Pa], cycle and branch.
-    minima : array (cycles,)
-        Stress [Pa] down to which each requested cycle is unloaded; 0 is last contact.
-    seating_stress : float
-        [Pa]. The ``_seated`` closures count from the first point of the cycle's loading that
-        reaches it. They are NaN if loading starts, or unloading ends, above it.
-
-    Returns
-    -------
-    dict
-        ``max_closure`` from the start of the cycle (Bandis) and ``max_closure_seated``;
-        ``residual_closure``, at the end of the cycle from first touch; and
-        ``residual_closure_seated``, the residual closure of laboratories: closure at the
-        seating stress on unloading less that on the loading of the same cycle.
-    """
+    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles."""
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
     closures = {name: np.full(len(minima), np.nan) for name in names}
     for index, minimum in enumerate(minima):
@@ -154,14 +116,7 @@ def unloading_excess(
     branch: np.ndarray,
     minima: np.ndarray,
 ) -> np.ndarray:
-    """Return the largest excess of unloading over loading stress at equal closure (cycles,) [Pa].
-
-    It is evaluated at the steps of unloading. The loading curve is interpolated between its steps
-    by a monotone cubic, because the error of chords of these convex curves would be larger than the
-    excess. Loading that starts without stress counts as 0 below its start; below a start at a
-    stress nothing is compared. The excess is 0 if unloading nowhere exceeds loading, and NaN for
-    incomplete cycles. ``minima`` is as for `cycle_closures`.
-    """
+    """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa]."""
     excess = np.full(len(minima), np.nan)
     for index, minimum in enumerate(minima):
         loading = branch_of(cycle, branch, index + 1, LOADING)
@@ -193,12 +148,7 @@ def closure_at_stresses(
     levels: np.ndarray,
     tolerance: float = 0.0,
 ) -> np.ndarray:
-    """Return closures (cycles, 2, levels) [m] on loading and unloading at given stresses.
-
-    It is read at the first crossing on loading and at the last on unloading, interpolated between
-    steps; NaN if a level was not reached. A maximum within a relative ``tolerance`` below a level
-    counts as reaching it, and so does a minimum within this tolerance above it.
-    """
+    """Return closures (cycles, 2, levels) [m] on loading and unloading at given stresses."""
     answer = np.full((cycles, 2, levels.size), np.nan)
     for index in range(cycles):
         for side, (name, crossing) in enumerate(
@@ -223,9 +173,6 @@ _ROUNDING = 1e-12
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:
-    """Return closures of unloading less those of loading, both at the same stress.
-
-    Branches of one curve that are read in both directions differ by rounding, which counts as 0.
-    """
+    """Return closures of unloading less those of loading, both at the same stress."""
     loop = unloading - loading
     return loop * (abs(loop) > _ROUNDING * abs(loading))

@@ -101,12 +101,7 @@ def law_words(name: str) -> str:
 def law_curves(
     history: xr.Dataset, of: str = NET
 ) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress [MPa] and closure since seating [mm] by cycle and branch.
-
-    Closure counts from seating on the same branch. Branches that do not extend from seating to the
-    maximum of their cycle are left out. ``of`` as in
-    `jointclosure.joint.stiffness.closures_at`.
-    """
+    """Read stress [MPa] and closure since seating [mm] by cycle and branch."""
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
     for index in range(int(history.cycle.max())):
@@ -128,24 +123,7 @@ def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
 
 
 def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
-    """Fit the laws by least squares of closure, for each cycle and branch.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-    of : str
-        Closure to be fitted: `jointclosure.joint.history.NET`, or `GROSS`.
-
-    Returns
-    -------
-    DataFrame
-        One row per parameter: ``cycle``, ``branch``, ``law``, ``parameter``, ``value``,
-        ``standard_error`` (from the scatter about the fit, as if points were independent), and for
-        the fit ``r_squared``, ``rms_mm``, ``holds_from_MPa`` and ``holds_to_MPa``: the longest
-        range of stresses in which the error of the law is at most `FAILS` times the largest
-        closure. NaN for a law that cannot be fitted.
-    """
+    """Fit the laws by least squares of closure, for each cycle and branch."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     rows = []
     for (cycle, branch), (stress, closure) in law_curves(history, of).items():

@@ -31,27 +31,7 @@ class LoadCycle(NamedTuple):
 def load_cycles(
     max_normal_stress: float | Sequence[float], cycles: int | None = None
 ) -> tuple[LoadCycle, ...]:
-    """Check a load and return its cycles [Pa].
-
-    Parameters
-    ----------
-    max_normal_stress : float or sequence of float
-        Maximum of every cycle [Pa]; each cycle is unloaded to last contact. Or the load history:
-        the stresses at which the load turns, alternately a maximum and a minimum, starting with
-        a maximum. 0 is last contact. If a maximum comes last, the joint is then unloaded to 0.
-    cycles : int, optional
-        Number of cycles: by default 2, or that of the load history.
-
-    Returns
-    -------
-    tuple of LoadCycle
-
-    Raises
-    ------
-    InputError
-        If a maximum is not positive and finite, a minimum is negative or not below the
-        maxima beside it, or the number of cycles is not that of the load history.
-    """
+    """Check a load and return its cycles [Pa]."""
     if cycles is not None:
         check_number("cycles", cycles, whole=True)
         if cycles < 1:

@@ -152,12 +152,7 @@ class _Run:
         return force
 
     def is_idle(self, settled: Settled) -> bool:
-        """Return whether a state settled without interaction may be kept in the first loading.
-
-        The bound is `Joint.interaction_left_out`: with interaction the same force would be reached
-        at a closure larger by at most that displacement. At the maximum the interaction always
-        acts, because later cycles are shorter than the first.
-        """
+        """Return whether a state settled without interaction may be kept in the first loading."""
         displaced = self.joint.interaction_left_out() / settled.closure
         if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
             return False
@@ -192,30 +187,7 @@ def run_cycles(
     report: Report | None = None,
     observers: Sequence[Observer] = (),
 ) -> History:
-    """Load to a force and unload to a lower one or to last contact, repeatedly.
-
-    Parameters
-    ----------
-    joint : Joint
-        Unloaded at first touch; changed to its state at the end of the history.
-    solver : Solver
-    numerics : Numerics
-        Steps of the first loading and of later branches.
-    cycles : sequence of LoadCycle
-        Turns as forces [N]: nominal stress times nominal area.
-    extra_force : float
-        Additional force [N] below the maxima at which an elastic curve has a point,
-        such as the seating force; 0 for none.
-    report : Report, optional
-        Called at every step, except on an elastic curve, which is solved at once.
-    observers : sequence of Observer
-
-    Returns
-    -------
-    History
-        Starts with first touch at closure 0. After a failure it ends early, with the bit of
-        the failure in the status.
-    """
+    """Load to a force and unload to a lower one or to last contact, repeatedly."""
     if not joint.effects.breakage and solver.elastic_curve is not None:
         history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
         if observers:
@@ -298,10 +270,7 @@ def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
 def _show_elastic(
     joint: Joint, solver: Solver, history: History, observers: Sequence[Observer]
 ) -> None:
-    """Show every step of an elastic history to the observers.
-
-    The forces are solved again, because a curve keeps only those at its end.
-    """
+    """Show every step of an elastic history to the observers."""
     assert solver.elastic_curve is not None
     ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
     for step in history.steps:
@@ -316,11 +285,7 @@ def _show_elastic(
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
-    """Close by steps until the force passes the target, then approach the target.
-
-    No step passes a former maximum at which all contacts are known to hold. Beyond it breakage can
-    reduce the force, so that the former maximum would be missed.
-    """
+    """Close by steps until the force passes the target, then approach the target."""
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
     control = None
@@ -366,12 +331,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
 
 
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
-    """Repeat the step that passed the target with smaller steps until the force is in tolerance.
-
-    If the force jumps over the target, the last state below it is kept. Return whether the loading
-    has ended: with resolved breakage shorter steps may show that the force reaches the target only
-    at a larger closure.
-    """
+    """Repeat the step that passed the target with smaller steps until the force is in tolerance."""
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
     further = passed  # previous state above the target
@@ -413,15 +373,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
 def _part_to_target(
     run: _Run, above: Settled, further: Settled, passed_again: int, short_again: int
 ) -> float:
-    """Return the share of the step from the last state below the target to the last above.
-
-    ``further`` is the previous state above the target. With fixed breakage steps the share is half
-    of the secant step. It is reduced for each consecutive step that passed the target again, and
-    increased for each one that stayed below it, because the force jumps and then hardly depends on
-    the step, and breakage in a large step costs time. With resolved breakage the force follows the
-    closure: the share is from the secant of the two states above the target, or by false position
-    (Illinois) if there is only one or if they do not approach the target.
-    """
+    """Return the share of the step from the last state below the target to the last above."""
     missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
     room = above.closure - run.closure
     if run.numerics.breakage == "resolved":
@@ -442,11 +394,7 @@ def _part_to_target(
 def _interpolate(
     run: _Run, cycle: int, branch: str, force: float, before: tuple, passed: Settled
 ) -> None:
-    """Interpolate walls, closure and forces between the last two states, as in the paper.
-
-    The interpolated state is not an equilibrium. Its residual is reported as that of the later
-    state.
-    """
+    """Interpolate walls, closure and forces between the last two states, as in the paper."""
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
     upper, lower, _, forces, interaction, *_ = before
@@ -487,12 +435,7 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
 
 
 def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
-    """Repeat the step that fell below the minimum with shorter steps until it is in tolerance.
-
-    The closure comes from the secant between the states above and below the minimum, with a
-    distance from both. If breakage makes the force jump over the minimum, the state below it is
-    kept.
-    """
+    """Repeat the step that fell below the minimum with shorter steps until it is in tolerance."""
     near = run.numerics.stress_tolerance * minimum
     high, high_force, low = run.closure, run.total_force, passed
     while abs(low.total_force - minimum) > near:
@@ -516,22 +459,13 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
 
 
 def _is_elastic_from_here(run: _Run, broken: int) -> bool:
-    """Return whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
-
-    If so, the joint is elastic below this maximum, and a cycle to it breaks nothing: the walls are
-    those at rest at the maximum, equilibrium at each closure is unique, and at every state of the
-    unloading equilibrium was solved and all contacts held. Loading through the same states cannot
-    break anything. Steps to other closures would prove the same only for those closures.
-    """
+    """Return whether nothing broke since ``broken`` breakage steps, from a maximum at rest."""
     at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
     return at_rest and run.effort.breakage_steps == broken
 
 
 def _note_held(run: _Run, cycle: int, maximum: float) -> None:
-    """Store the closure [m] up to which the joint is elastic, -inf if there is none.
-
-    The closure of an earlier and larger maximum is kept if nothing broke in this cycle.
-    """
+    """Store the closure [m] up to which the joint is elastic, -inf if there is none."""
     intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
     earlier = run.joint.held_to if intact else -np.inf
     run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
@@ -550,10 +484,7 @@ def _loop_of(run: _Run, cycle: int) -> _Loop:
 
 
 def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
-    """Append a cycle equal to the one before, whose unloading broke nothing.
-
-    Its states are those of the unloading curve, up and down; `_is_elastic_from_here` says why.
-    """
+    """Append a cycle equal to the one before, whose unloading broke nothing."""
     opened = len(loop.settled) - 1
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)
     for branch, order in ((LOADING, up), (UNLOADING, down)):
@@ -591,10 +522,7 @@ def _pays_without_interaction(joint: Joint, largest: float) -> bool:
 
 
 def closure_limit(joint: Joint, target_force: float) -> float:
-    """Return a closure [m] that no joint exceeds: beyond it the target cannot be reached.
-
-    It is twice the depth of all voids plus the elastic approach of a full contact.
-    """
+    """Return a closure [m] that no joint exceeds: beyond it the target cannot be reached."""
     summed = joint.upper + joint.lower
     per_cell = target_force / summed.size
     cells, _, _, compliance = joint.overlapping(float(np.ptp(summed)) + joint.first_touch)

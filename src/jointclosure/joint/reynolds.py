@@ -69,28 +69,9 @@ class _Network(NamedTuple):
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
     """Compute the flow from one side of a joint to the opposite one.
 
-    Parameters
-    ----------
-    aperture : array (y, x)
-        Distance of the walls, 0 in contact; not negative. Cells are square.
-    direction : {"x", "y"}
-    sides : {"closed", "periodic"}
-        The two sides along the flow: nothing passes them, or they are joined to each other.
-
-    Returns
-    -------
-    Flow
-
-    Raises
-    ------
-    InputError
-        If the direction or the sides are none of these.
-
-    Notes
-    -----
     Finite volumes: a cell has one aperture, faces have the harmonic mean of their cells' h^3, and
-    outer faces half a cell's resistance. The result is exact if apertures vary only along the
-    flow, or only across it. The sparse system is solved directly.
+    outer faces half a cell's resistance. The result is exact if apertures vary only along the flow,
+    or only across it. The sparse system is solved directly.
     """
     for name, value, allowed in (("direction", direction, DIRECTIONS), ("sides", sides, SIDES)):
         if value not in allowed:
@@ -163,12 +144,7 @@ def _together(one: _Network, other: _Network) -> _Network:
 def _left_out_flow(
     network: _Network, left_out: _Network, joined: np.ndarray, pressure: np.ndarray
 ) -> float:
-    """Return an upper bound of the flow through faces left out, for a pressure difference of 1.
-
-    By Dirichlet's principle the flow is at most the dissipation of any pressure field. The field
-    used is the solved one, with one value in each group of cells that open faces connect to neither
-    side.
-    """
+    """Return an upper bound of the flow through faces left out, for a pressure difference of 1."""
     first, second, conductance, _ = left_out
     nodes = left_out.nodes
     if not first.size:
@@ -200,12 +176,7 @@ def _groups(network: _Network) -> np.ndarray:
 
 
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
-    """Return pressures of all nodes (2, n): from 1 at the inlet to 0 at the outlet, and reversed.
-
-    Each one is exact where it is small. 0 in nodes that are not connected. Every second cell, as
-    the black fields of a chess board, has only cells as neighbours that are not eliminated. Its
-    pressure is eliminated by hand, so that half of the cells is left to be factorised.
-    """
+    """Return pressures of all nodes (2, n): 1 at the inlet to 0 at the outlet, and reversed."""
     first, second, conductance, _ = network
     nodes, black = network.nodes, _black(network, joined)
     diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)

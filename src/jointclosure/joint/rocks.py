@@ -33,13 +33,7 @@ ROCKS = {
 
 
 def named_rock(rock: str | Rock) -> Rock:
-    """Return the properties of a rock, which may be named as in `ROCKS`, in any case.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
-    """
+    """Return the properties of a rock, which may be named as in `ROCKS`, in any case."""
     if isinstance(rock, Rock):
         return rock
     known = matching(rock, ROCKS) if isinstance(rock, str) else None
@@ -55,13 +49,7 @@ def matching(name: str, known: Collection[str]) -> str | None:
 
 
 def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
-    """Return the rocks of the upper and the lower wall, given by names or properties.
-
-    Raises
-    ------
-    InputError
-        If there is no rock of a name, or as `both_walls`.
-    """
+    """Return the rocks of the upper and the lower wall, given by names or properties."""
     several = isinstance(rock, tuple | list) and not isinstance(rock, Rock)
     pair: Any = rock if several else (rock, rock)
     return both_walls(tuple(map(named_rock, pair)))

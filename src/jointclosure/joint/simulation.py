@@ -201,12 +201,7 @@ def _observers(
 
 
 def height_datum(wall: np.ndarray) -> float:
-    """Return a datum [m] for the heights of a wall (y, x), so that an offset costs no digits.
-
-    It is 0 if the middle of the range of heights is within four times the range. Otherwise it is
-    the middle, rounded to a multiple of the next power of two above the range. Every height is then
-    within a factor of two of it, and the difference is exact (Sterbenz).
-    """
+    """Return a datum [m] for the heights of a wall (y, x), so that an offset costs no digits."""
     low, high = float(wall.min()), float(wall.max())
     middle, reach = 0.5 * low + 0.5 * high, high - low
     if reach == 0.0:

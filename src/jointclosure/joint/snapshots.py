@@ -38,17 +38,7 @@ class _State(NamedTuple):
 
 
 class Snapshots:
-    """`Observer` that stores the joint where each branch first passes given stresses.
-
-    Parameters
-    ----------
-    stresses : sequence of float
-        In any order [Pa]; 0 is first touch, and the end of each unloading.
-    tolerance : float
-        Relative distance at which a stress counts as reached, as for the maximum.
-    datums : (upper, lower)
-        Datums of the heights of the joint's walls [m].
-    """
+    """`Observer` that stores the joint where each branch first passes given stresses."""
 
     def __init__(
         self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]

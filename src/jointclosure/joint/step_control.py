@@ -32,18 +32,7 @@ _MOST_SHORTENED = 4
 
 
 class StepControl:
-    """Selection of the displacement steps of one loading [m].
-
-    Parameters
-    ----------
-    numerics : Numerics
-    given : float
-        Configured displacement step [m].
-    target_force : float
-        Force [N] at which the loading ends.
-    may_lengthen : bool
-        Whether steps may become longer than the configured one, as on the first loading.
-    """
+    """Selection of the displacement steps of one loading [m]."""
 
     def __init__(
         self, numerics: Numerics, given: float, target_force: float, *, may_lengthen: bool
@@ -56,20 +45,7 @@ class StepControl:
         self._predicted = self._slope = self._lost = 0.0
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
-        """Return the step [m], shortened if necessary, before anything breaks in it.
-
-        The step reaches the target if the force continues to rise as in the step before. Its
-        predicted force rises so little that the step need not be repeated.
-
-        Parameters
-        ----------
-        step : float
-            [m].
-        force : float
-            Force before the step [N].
-        predict : callable
-            Returns the force [N] after a step [m] without breakage, to a relative residual.
-        """
+        """Return the step [m], shortened if necessary, before anything breaks in it."""
         missing, smallest = self._target - force, self._smallest
         if self._slope * step > missing:
             step = missing / self._slope
@@ -93,13 +69,7 @@ class StepControl:
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
-        """Return the next step [m] that the error of the last one, from a force [N] on, allows.
-
-        Breakage in a step changes the contacts, so that the force differs from the prediction; the
-        difference grows with the step. It is kept proportional to the tolerance times the force
-        plus a twentieth of the target. The rise of the force is kept proportional to the tolerance
-        too, because contacts that exceed their strength within a step break only at its end.
-        """
+        """Return the next step [m] that the error of the last one, from a force [N] on, allows."""
         rise = settled.total_force - force
         self._slope = rise / step
         if self._predicted > force:

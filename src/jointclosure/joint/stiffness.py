@@ -15,11 +15,7 @@ LEVELS = 20
 
 
 def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
-    """Return evenly spaced stresses [Pa] from the seating stress to the largest reached stress.
-
-    For a ``cycle`` whose maximum is lower than the largest by more than a percent, they end at its
-    maximum. If the seating stress is 0, the first stress is one interval above it.
-    """
+    """Return evenly spaced stresses [Pa] from the seating stress to the largest reached stress."""
     seating = float(history.attrs["seating_stress_Pa"])
     largest = float(history.normal_stress.max())
     if cycle is not None:
@@ -29,14 +25,7 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
 
 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
-    """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
-
-    ``of`` names the variable (`jointclosure.joint.history.read_along`), by default the net closure.
-    Between the steps a monotone cubic is used, because chords between few steps would give a
-    stepwise stiffness. Steps of a landing (`landing_stress`) have a separate cubic, because they
-    are stiffer. Values are those at the first crossing on loading and the last on unloading; NaN if
-    a level was not reached.
-    """
+    """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa]."""
     cycles = int(history.cycle.max())
     values = read_along(history, of)
     closures = np.full((cycles, 2, levels.size), np.nan)
@@ -76,12 +65,7 @@ def _between(
 
 
 def landing_stress(history: xr.Dataset, cycle: int) -> float:
-    """Return the stress [Pa] from which a cycle's loading lands on its maximum; infinite if none.
-
-    With breakage by fixed steps the last whole displacement step ends at this stress. The smaller
-    steps that follow break less, so that the computed stiffness is too large: nearly as large as on
-    unloading. Loading within a former maximum breaks almost nothing and has no landing.
-    """
+    """Return the stress [Pa] from which a loading lands on its maximum; infinite if none."""
     effects, numerics = (
         json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics")
     )
@@ -102,11 +86,7 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
 def secant_stiffness(
     history: xr.Dataset, cycle: int, low: float, high: float, of: str = NET
 ) -> float:
-    """Compute the normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses.
-
-    The chord ends at the higher stress [Pa], or below it at the `landing_stress` or at the largest
-    reached stress. NaN if this end is not above the lower stress. ``of`` as in `closures_at`.
-    """
+    """Compute the normal stiffness [Pa/m] of a loading by the chord between two stresses."""
     here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
     if here.size < 2:
         return np.nan
@@ -117,24 +97,7 @@ def secant_stiffness(
 
 
 def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
-    """Compute normal stiffness by chords between evenly spaced stresses, by cycle and branch.
-
-    Parameters
-    ----------
-    history : Dataset
-        As from `jointclosure.simulate`.
-    count : int
-        Number of stresses from seating to the maximum.
-
-    Returns
-    -------
-    DataFrame
-        ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` at
-        its middle, ``normal_stiffness_net_MPa_per_mm`` of the joint,
-        ``normal_stiffness_gross_MPa_per_mm`` of joint and half-spaces (both NaN where closure
-        does not change), and ``landing``: whether the chord extends beyond `landing_stress`, so
-        that it is stiffer than the joint.
-    """
+    """Compute normal stiffness by chords between evenly spaced stresses, by cycle and branch."""
     levels = stress_levels(history, count)
     chords = {
         name: _chords_between(levels, closures_at(history, levels, of))

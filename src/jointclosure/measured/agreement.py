@@ -47,17 +47,7 @@ class Agreement(NamedTuple):
 
 
 def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[Quantity]:
-    """Compute closure at the maximum, stiffness, and the share that stays, of every cycle.
-
-    Parameters
-    ----------
-    values : array (..., readings)
-        Readings [m] of joints.
-    readings : Readings
-        What they are.
-    error : float
-        Relative error of measured closures.
-    """
+    """Compute closure at the maximum, stiffness, and the share that stays, of every cycle."""
     places = readings.places()
     result = []
     for cycle in range(1, readings.cycles + 1):
@@ -85,18 +75,7 @@ def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[
 def agreements(
     measured: Readings, logs: np.ndarray, likelihood: Likelihood, error: float
 ) -> list[Agreement]:
-    """Compare each reading with the 95 % interval of a single simulated joint, by wavelength.
-
-    Parameters
-    ----------
-    measured : Readings
-    logs : array (wavelengths, strengths, joints, readings)
-        As from `jointclosure.measured.calibration.simulated_readings`.
-    likelihood : Likelihood
-        Its most likely strength is used, or wavelength if there is only one.
-    error : float
-        Relative error of measured closures.
-    """
+    """Compare each reading with the 95 % interval of a single simulated joint, by wavelength."""
     axis = 0 if likelihood.wavelengths.size > 1 else 1
     fine = (likelihood.wavelengths, likelihood.strengths)[axis]
     best = np.unravel_index(int(likelihood.log.argmax()), likelihood.log.shape)[1 - axis]
@@ -125,11 +104,7 @@ def agreements(
 def _intervals(
     values: np.ndarray, measured: float, error: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends (nodes,) of the 95 % interval of one more joint, with its measuring error.
-
-    The variance of the joints (nodes, joints) is pooled over neighbouring nodes by a Gaussian
-    weight. Positive quantities are compared by their logarithms.
-    """
+    """Return the ends (nodes,) of the 95 % interval of one more joint, with its measuring error."""
     positive = bool((values[np.isfinite(values)] > 0.0).all()) and measured > 0.0
     rows = np.log(values) if positive else values
     spread = float(error) / measured if positive else float(error)

@@ -114,10 +114,7 @@ class Likelihood(NamedTuple):
         return distances.min(axis=(0, 1))
 
     def interval(self, axis: int) -> Interval:
-        """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood.
-
-        The ends of the wavelengths represent mated and independent walls, 0 and infinity.
-        """
+        """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood."""
         values = (self.wavelengths, self.strengths)[axis]
         profile = self.log.max(axis=1 - axis)
         best = int(profile.argmax())
@@ -136,13 +133,7 @@ class Likelihood(NamedTuple):
 
 
 def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
-    """Read a measured curve, whose cycles must be 1, 2, ... to one largest stress.
-
-    Raises
-    ------
-    InputError
-        If cycles are missing, are loaded to different stresses, or do not close.
-    """
+    """Read a measured curve, whose cycles must be 1, 2, ... to one largest stress."""
     cycles = curve.cycles
     if cycles != list(range(1, len(cycles) + 1)):
         raise InputError(f"cycles {cycles}: must be 1, 2 and so on without gaps")
@@ -172,22 +163,13 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
 
 
 def _levels_read(stress: np.ndarray, seating_stress: float) -> tuple[int, ...]:
-    """Return the numbers of the levels for which a loading has points enough.
-
-    The largest needs none between it and seating, the half one, and the quarter two.
-    """
+    """Return the numbers of the levels for which a loading has points enough."""
     between = int(((stress > seating_stress) & (stress < stress.max())).sum())
     return tuple(range(max(len(PARTS) - 1 - between, 0), len(PARTS)))
 
 
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
-    """Convert a measured curve to a history, to be read like that of a simulated joint.
-
-    It has no bulk indentation, because the deformation of the intact rock was subtracted. A cycle
-    that begins at the stress at which the one before ended continues its closure, also if its
-    closures were measured from a new zero. A cycle without unloading ends where the next one
-    begins.
-    """
+    """Convert a measured curve to a history, to be read like that of a simulated joint."""
     branches: list[tuple[int, str, np.ndarray, np.ndarray]] = []
     cycles_read = [curve.branches(cycle) for cycle in curve.cycles]
     for of_cycle, following in itertools.pairwise(cycles_read):
@@ -241,28 +223,7 @@ def simulated_readings(
     workers: int = 1,
     report: Callable[[float], None] = lambda share: None,
 ) -> Simulated:
-    """Close joints at all wavelengths and strengths, and read them as a measured curve.
-
-    Parameters
-    ----------
-    walls : callable
-        Returns upper and lower wall (y, x) [m] of a number and a mismatch wavelength [m]. Every
-        joint has a different number, so that all scatter independently. It can be pickled.
-    conditions : Conditions
-        Conditions with the rock of both walls, whose strength is replaced.
-    wavelengths, strengths : array
-        [m] and [Pa].
-    surfaces : int
-        Number of joints at each pair of wavelength and strength.
-    workers : int
-        Number of processes, from the second joint on: the first compiles kernels that are missing.
-    report : callable
-        Called with the finished share.
-
-    Returns
-    -------
-    Simulated
-    """
+    """Close joints at all wavelengths and strengths, and read them as a measured curve."""
     shape = (len(wavelengths), len(strengths), surfaces)
     intact = both_walls(conditions.rock)[0]
     logs = np.full((*shape, asked.values.size), np.nan)
@@ -317,27 +278,11 @@ def likelihood_of(
 ) -> Likelihood:
     """Compute the likelihood of a measured curve from simulated joints.
 
-    Parameters
-    ----------
-    simulated : array (wavelengths, strengths, surfaces, readings)
-        ``logs`` of `simulated_readings`.
-    wavelengths, strengths : array
-        Values at which these were closed.
-    error : float
-        Relative error of measured closures, one standard deviation.
-
-    Raises
-    ------
-    InputError
-        If too few joints could be read.
-
-    Notes
-    -----
     The mean of the log readings is a polynomial of the logarithms of wavelength (cubic) and
-    strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the
-    covariance of the residuals, pooled over neighbouring wavelengths by a Gaussian weight as
-    wide as their distance. The measured curve is one more draw, so that its distance has a
-    multivariate t distribution (synthetic likelihood with an estimated covariance).
+    strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the covariance
+    of the residuals, pooled over neighbouring wavelengths by a Gaussian weight as wide as their
+    distance. The measured curve is one more draw, so that its distance has a multivariate t
+    distribution (synthetic likelihood with an estimated covariance).
     """
     x, y = _scaled(wavelengths), _scaled(strengths)
     at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)

@@ -87,30 +87,7 @@ def parsed_curve(
     cycle: int | None = None,
     names: Sequence[str] | None = None,
 ) -> MeasuredCurve:
-    """Read a curve from the text of a CSV file.
-
-    Parameters
-    ----------
-    text : str
-        Lines of `#` comments, a header and rows, separated by commas, semicolons or tabs. The
-        header's columns, in any order, are ``stress`` and ``closure`` with their units
-        (``stress_MPa``, ``closure (mm)``) and ``cycle``; others are not read. The line below the
-        header may state the units.
-    name : str
-        Name of the file, for messages.
-    stress_unit, closure_unit : str, optional
-        Units of columns whose header has none.
-    cycle : int, optional
-        Cycle of all rows, if there is no such column; by default the column is needed.
-    names : sequence of str, optional
-        Headings of the columns of stress, closure and, if there is one, cycle, if they are others;
-        or their numbers from 1, with which the file may have no header.
-
-    Raises
-    ------
-    InputError
-        If the text is not valid; names file, line, value and what is allowed.
-    """
+    """Read a curve from the text of a CSV file."""
     lines = [
         (number, line)
         for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
@@ -209,10 +186,7 @@ def _columns(
 
 
 def _position(name: str, header: list[str]) -> int | None:
-    """Return the position of a column by its heading or its number from 1; None if there is none.
-
-    Headings have priority.
-    """
+    """Return the position of a column by its heading or number from 1; None if there is none."""
     if name in header:
         return header.index(name)
     return int(name) - 1 if name.isdecimal() and 1 <= int(name) <= len(header) else None
@@ -271,10 +245,7 @@ def _number(cell: str, where: str, quantity: str) -> float:
 
 
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa].
-
-    ``name`` is that of the file, for messages.
-    """
+    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa]."""
     seating_MPa = 1e-6 * seating
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
         raise InputError(
@@ -297,23 +268,7 @@ def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
 
 
 def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> dict[int, np.ndarray]:
-    """Compute squared differences (realization, points) [m2] of every measured cycle.
-
-    Measured closures, from which the deformation of the intact rock was subtracted, are compared
-    with net ones.
-
-    Parameters
-    ----------
-    base : Dataset
-        Base case of the rock, over (realization, cycle, branch, stress).
-    seating_stress : float
-        Stress from which closure of each cycle counts [Pa].
-
-    Returns
-    -------
-    dict
-        By cycle; NaN if a realisation failed, or did not reach a stress.
-    """
+    """Compute squared differences (realization, points) [m2] of every measured cycle."""
     good = succeeded(base).values
     net = since_seating(base)
     by_cycle = {}
@@ -341,19 +296,7 @@ def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray
 def fit_table(
     study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
 ) -> pd.DataFrame:
-    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all.
-
-    Only the data of one rock are read at a time, so that the study may be a large file.
-
-    Returns
-    -------
-    DataFrame
-        One row per rock and cycle, and "all" cycles. ``misfit`` is the root mean square
-        difference of closures at the measured stresses, for loading and unloading,
-        in mm and in percent of the cycle's ``largest_closure_mm``;
-        ``samples`` is the number of realisations that reach all these stresses, and
-        ``median_misfit_mm`` the median of their misfits.
-    """
+    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all."""
     rows = []
     for rock, curve in curves.items():
         base = study[list(_READ)].isel(case=_base_index(study, rock)).load()

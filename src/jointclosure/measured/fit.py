@@ -98,10 +98,7 @@ class Fit(NamedTuple):
 
     @property
     def reached(self) -> bool:
-        """Whether the model explains the curve and joints have each reading of its first loading.
-
-        Otherwise the most likely joints are the nearest ones, but do not fit.
-        """
+        """Whether the model explains the curve, and joints have all first-loading readings."""
         return self.interval_holds and not self._missed_first_loading()
 
     def sentences(self) -> list[str]:

@@ -50,22 +50,7 @@ def _matrix(path: Path) -> np.ndarray:
 
 
 def later_loading(folder: Path, joint: str) -> tuple[dict[str, float], list[str]]:
-    """Read the observables of a later loading, net of the rock, as in ``measured_joints.csv``.
-
-    Returns
-    -------
-    dict
-        ``later_closure`` [mm] from the first reading to the largest stress, ``later_stiffness``
-        [MPa/mm] by the chord from half of that stress, ``later_residual_share`` [%] of that
-        closure at the last reading; NaN if the file ends before the joint was unloaded.
-    list of str
-        Reasons of missing values.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or is not of the documented form.
-    """
+    """Read the observables of a later loading, net of the rock, as in ``measured_joints.csv``."""
     path = file_named(folder, f"ethz_-_specimen_vd{joint}_sigmaZ_vs_fractureClosure_hm1.txt")
     curve = parsed_curve(read_text(path), str(path), cycle=1, names=("3", "2"))
     sensor, stress = 1e3 * curve.closure, 1e-6 * curve.stress
@@ -88,19 +73,7 @@ def later_loading(folder: Path, joint: str) -> tuple[dict[str, float], list[str]
 
 
 def film(folder: Path, joint: str) -> dict[str, float]:
-    """Read the map of contact stress at the largest load.
-
-    Returns
-    -------
-    dict
-        ``contact_share`` [%] of the specimen above `FILM_THRESHOLD`, and ``recovered_load`` [%],
-        the mean of the map over the nominal stress.
-
-    Raises
-    ------
-    InputError
-        If a file is missing, or is not a matrix of finite numbers as large as the others.
-    """
+    """Read the map of contact stress at the largest load."""
     paths = [file_named(folder, f"ethz_vd{joint}_120.{axis}.txt") for axis in "XYZ"]
     x, y, stress = map(_matrix, paths)
     if not x.shape == y.shape == stress.shape:
@@ -115,13 +88,7 @@ def film(folder: Path, joint: str) -> dict[str, float]:
 
 
 def scans(folder: Path, joint: str) -> tuple[Path, Path] | None:
-    """Return the files of upper and lower wall before testing; None if there are no scans.
-
-    Raises
-    ------
-    InputError
-        If there are scans, but not one of each wall; the message lists them.
-    """
+    """Return the files of upper and lower wall before testing; None if there are no scans."""
     files = [path for path in sorted(folder.rglob("*")) if path.suffix.lower() == ".stl"]
     if not files:
         return None

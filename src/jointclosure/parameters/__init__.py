@@ -46,10 +46,7 @@ def key_of(name: str) -> str:
 
 
 def rock_of(values: Mapping[str, float]) -> Rock:
-    """Make a `Rock` from properties by name [SI].
-
-    Names that are not properties of a `Rock` are ignored. Missing properties take their defaults.
-    """
+    """Make a `Rock` from properties by name [SI]."""
     return Rock(**{name: values[name] for name in OF_ROCK if name in values})
 
 
@@ -215,11 +212,7 @@ _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
 
 
 def in_double(settings: _Settings) -> _Settings:
-    """Convert the numbers of a `Rock`, `Choices` or `Numerics` to Python's float and int.
-
-    A numpy.float32 would otherwise reduce all computations with it to single precision, because
-    numpy converts Python floats to the type of a NumPy scalar.
-    """
+    """Convert the numbers of a `Rock`, `Choices` or `Numerics` to Python's float and int."""
     kinds = {np.floating: float, np.integer: int}
     return settings._replace(
         **{
@@ -232,13 +225,7 @@ def in_double(settings: _Settings) -> _Settings:
 
 
 def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
-    """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks.
-
-    Raises
-    ------
-    InputError
-        If an argument is not a rock, or a property is out of its range.
-    """
+    """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks."""
     pair = (rock, rock) if isinstance(rock, Rock) else rock
     if (
         not isinstance(pair, tuple | list)
@@ -258,14 +245,7 @@ def check_rock(rock: Rock) -> None:
 
 
 def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
-    """Raise `InputError` if a value is no number, or unusual for rock and its joints (`USUAL`).
-
-    Parameters
-    ----------
-    rocks : tuple of Rock
-    **values
-        Other values by name [SI]. Names that are not in `USUAL`, and None, are ignored.
-    """
+    """Raise `InputError` if a value is no number, or unusual for rock and its joints (`USUAL`)."""
     for values_by_name in (*(rock._asdict() for rock in rocks), values):
         for name, value in values_by_name.items():
             if name not in USUAL or value is None:
@@ -280,15 +260,7 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
 
 
 def check_scene(effects: Effects) -> None:
-    """Raise `InputError` if effects are ill-posed.
-
-    Raises
-    ------
-    InputError
-        If interaction is on without substrate: the operator is then indefinite, and
-        equilibrium may not exist or may not be unique. If gouge is on without breakage:
-        gouge forms only by breakage.
-    """
+    """Raise `InputError` if effects are ill-posed."""
     if not isinstance(effects, Effects):
         raise InputError(f"effects = {effects!r}: must be an Effects")
     for name, value in effects._asdict().items():
@@ -312,12 +284,7 @@ def well_posed_scenes() -> Iterator[Effects]:
 
 
 def check_choices(choices: Choices, spacing: float = 0.0) -> None:
-    """Raise `InputError` if a choice is out of its range for a grid spacing [m].
-
-    The bound of radii may not be smaller than the spacing, because an asperity is a cell. Sharper
-    asperities have almost no strength, and resolved breakage would remove them in ever smaller
-    steps.
-    """
+    """Raise `InputError` if a choice is out of its range for a grid spacing [m]."""
     if not isinstance(choices, Choices):
         raise InputError(f"choices = {choices!r}: must be a Choices")
     for name in ("base_radius_in_cells", "peak_modulus_ratio", "tie_tolerance"):

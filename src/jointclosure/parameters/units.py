@@ -92,13 +92,7 @@ class Property(NamedTuple):
 
 
 def properties_of(fields: type) -> dict[str, Property]:
-    """Return the properties of the fields of a named tuple, by name.
-
-    Raises
-    ------
-    TypeError
-        If a field is not annotated by one `Property`.
-    """
+    """Return the properties of the fields of a named tuple, by name."""
     properties = {}
     for name, hint in get_type_hints(fields, include_extras=True).items():
         annotations = getattr(hint, "__metadata__", ())
@@ -125,16 +119,7 @@ def name_and_unit(key: str) -> tuple[str, str]:
 
 
 def to_si(settings: dict) -> dict:
-    """Convert settings with unit suffixes in their keys to SI under names without suffixes.
-
-    ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``. A key without a known unit
-    is kept; lists and nested settings are converted too.
-
-    Raises
-    ------
-    InputError
-        If the value of a key with a unit is not a number (nested settings are not checked before).
-    """
+    """Convert settings with unit suffixes in their keys to SI under names without suffixes."""
     converted: dict = {}
     for key, value in settings.items():
         name, unit = name_and_unit(key)

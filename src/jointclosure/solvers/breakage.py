@@ -105,10 +105,7 @@ def neighbour_offsets(stride):
 
 @kernel
 def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
-    """Return the largest forces (n,) [N] of the contacts at the cells; see `breakage_kernel`.
-
-    Infinite if a pair cannot break: flat, or locked on both walls.
-    """
+    """Return the largest forces (n,) [N] of the contacts at the cells; see `breakage_kernel`."""
     nx = upper.shape[1]
     around, falls = np.empty(8), np.empty(8)
     limit = np.full(cells.size, np.inf)
@@ -260,19 +257,7 @@ def write_back(batch, n, some, still_breaking, cells, turns, beside):
 
 @lru_cache(maxsize=None)
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
-    """Return the kernel that breaks all pairs until rest at a fixed interaction.
-
-    The kernel's signature is ``(upper, lower, offset, interaction, peaks, law,
-    breakage_step, band, tie_tolerance, most_steps, memory) -> (steps, locked)``:
-    walls (y, x) [m] changed in place, the offset as in `overlapping_cells` [m],
-    the interaction (y, x) [m]. It returns the number of breakage steps
-    (``most_steps`` or more if it did not come to rest) and a map (y, x) of
-    locked pairs. A pair loses ``breakage_step`` [m] at a time. If ``resolved``,
-    it loses the height that brings it back to its strength, and may then exceed
-    the strength by half the ``band`` before it breaks again. ``memory``, from
-    `jointclosure.solvers.pair_batch.batch_memory`, is working memory. An effect that
-    is off is not compiled.
-    """
+    """Return the kernel that breaks all pairs until rest at a fixed interaction."""
 
     @kernel
     def break_to_rest(

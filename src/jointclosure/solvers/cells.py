@@ -15,10 +15,7 @@ from jointclosure.mechanics.curvature import gaussian_curvature
 
 @kernel
 def neighbourhood(heights, y, x, out):
-    """Copy the heights of the eight neighbours of a cell, infinite outside the grid.
-
-    The order is that of `jointclosure.mechanics.gouge`.
-    """
+    """Copy the heights of the eight neighbours of a cell, infinite outside the grid."""
     ny, nx = heights.shape
     if 0 < y < ny - 1 and 0 < x < nx - 1:
         for i in range(3):
@@ -38,21 +35,7 @@ def neighbourhood(heights, y, x, out):
 
 @kernel
 def wall_curvature(here, west, east, south, north, least_curvature, concave, spacing):
-    """Compute the Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
-
-    There is no branch, so that a loop over many cells becomes vector code.
-
-    Parameters
-    ----------
-    here, west, east, south, north : float
-        Heights of the cell and of its neighbours, infinite outside the grid [m].
-    least_curvature : float
-        1 / largest radius, or 0 [1/m].
-    concave : float
-        Weight of concave profiles, see `gaussian_curvature`.
-    spacing : float
-        Grid spacing [m].
-    """
+    """Compute the Gaussian curvature of a wall's cell from its neighbours' heights [1/m]."""
     left = east if west == math.inf else west
     right = west if east == math.inf else east
     below = north if south == math.inf else south
@@ -114,29 +97,7 @@ def peak_map(upper, lower):
 
 @kernel
 def overlapping_cells(upper, lower, offset, peaks, law):
-    """Find the cells whose walls overlap before any interaction, and their contacts.
-
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights [m].
-    offset : float
-        Closure minus the pristine maximum of the summed heights [m].
-    peaks : int64 array (y, x)
-        As from `peak_map`.
-    law : ContactLaw
-
-    Returns
-    -------
-    cells : int64 array (n,)
-        Flat indices, ascending.
-    overlap : array (n,)
-        Overlap without interaction [m], positive.
-    curvature : array (n,)
-        kappa_a of Eq. (3) [1/m].
-    compliance : array (n,)
-        Asperity compliances B [m N^(-2/3)].
-    """
+    """Find the cells whose walls overlap before any interaction, and their contacts."""
     ny, nx = upper.shape
     count = 0
     for y in range(ny):

@@ -49,25 +49,9 @@ def no_coarse_space():
 def coarse_space(influence: Influence, cells, stiffness):
     """Make patches of contacts, and the inverse of the system between them.
 
-    Parameters
-    ----------
-    influence : Influence
-    cells : int64 array (n,)
-        Flat indices of the contacts.
-    stiffness : array (n,)
-        k [N/m], the slopes of the contacts' laws; 0 without contact.
-
-    Returns
-    -------
-    CoarseSpace
-        Without patches (c = 0) if the contacts are few or the influence has no patches.
-
-    Notes
-    -----
-    In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With
-    z_P = W 1_P / sqrt(s_P), s_P the stiffness of a patch, Z^T A Z is
-    I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two patches, which is
-    approximated by the mean over all their cells instead of their contacts.
+    In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With z_P = W 1_P / sqrt(s_P), s_P
+    the stiffness of a patch, Z^T A Z is I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two
+    patches, which is approximated by the mean over all their cells instead of their contacts.
     """
     n = cells.size
     if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:

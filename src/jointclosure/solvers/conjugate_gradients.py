@@ -16,36 +16,8 @@ MOST_CONJUGATE_GRADIENT_STEPS = 1000
 def newton_direction(influence, matrix, cells, space, step, secant, shortfall, tolerance, scratch):
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
-    Parameters
-    ----------
-    influence, matrix, cells, scratch
-        As for `interaction_product`.
-    space : CoarseSpace
-        Coarse space of the preconditioner.
-    step : array (n,)
-        Answer less force [N].
-    secant : array (n,)
-        As from `contact_response` [m/N].
-    shortfall : float
-        Required sum d [N], which determines the shift; NaN if the shift is
-        given (0).
-    tolerance : float
-        Tolerance of the residual, relative to its initial value.
-
-    Returns
-    -------
-    direction : array (n,)
-        d [N].
-    shift : float
-        [m].
-    used : int
-        Number of products with K.
-
-    Notes
-    -----
-    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on
-    sum d keeps y in a plane. The residual and the preconditioned residual are
-    projected on this plane.
+    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on sum d keeps y in a
+    plane. The residual and the preconditioned residual are projected on this plane.
     """
     direction = np.zeros(step.size)
     # most cells that overlap are out of contact

@@ -35,10 +35,7 @@ class Contacts(NamedTuple):
 
 @kernel
 def contact_roots(contacts, overlap, guess):
-    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
-
-    The result is that of `force_of_overlap`, but all contacts take a Newton step together.
-    """
+    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none."""
     n, substrate = overlap.size, contacts.substrate
     root = np.empty(n)
     unsolved = np.empty(n, np.int64)
@@ -68,26 +65,7 @@ def contact_roots(contacts, overlap, guess):
 
 @kernel
 def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
-    """Compute the forces for given overlaps, and secants from the present forces.
-
-    Parameters
-    ----------
-    contacts : Contacts
-    shift : float
-        D [m].
-    elastic_displacement, force : array (n,)
-        K F [m] and the present forces F [N].
-    answer, secant : array (n,)
-        Receive min(C, psi(g + D - K F)) [N], and the slope [m/N] of the law
-        between the present force and the answer. With this compliance a
-        step from F in direction (overlap - phi(F)) reaches the answer exactly.
-        Infinite for a cell that stays out of contact, or at its limit.
-
-    Returns
-    -------
-    difference, total : float
-        sum |F - answer| and sum answer [N].
-    """
+    """Compute the forces for given overlaps, and secants from the present forces."""
     difference = 0.0
     total = 0.0
     substrate = contacts.substrate
@@ -131,27 +109,7 @@ def energy(contacts, shift, elastic_displacement, force):
 
 @kernel
 def coordinate_sweep(table, contacts, shift, force):
-    """Minimise the energy exactly contact by contact, in one pass and in place.
-
-    This is slow and always converges: the energy falls with every pass, from any start. The paper's
-    sweep (Section 3, steps 3 to 5) is this one, tallest cell first.
-
-    Parameters
-    ----------
-    table : array (y, x)
-        Influence by distance in cells [m/N], see `Influence`.
-    contacts : Contacts
-        Contacts, in the order of the pass.
-    shift : float
-        D [m].
-    force : array (n,)
-        [N].
-
-    Returns
-    -------
-    float
-        Largest change of a force, relative to its new value.
-    """
+    """Minimise the energy exactly contact by contact, in one pass and in place."""
     nx = table.shape[1]
     cells = contacts.cells
     change = 0.0
@@ -181,12 +139,7 @@ def separate_equilibrium(contacts, shift):
 
 @kernel
 def separate_shift(contacts, target):
-    """Compute the shift D [m] at which contacts without interaction carry a force [N].
-
-    Newton's method is bounded by a shift that is too small and one that is too large. From the
-    latter it converges monotonically, because the force is convex in D. If the force jumps at the
-    shift (a rigid contact), the upper end is returned.
-    """
+    """Compute the shift D [m] at which contacts without interaction carry a force [N]."""
     tallest = np.argmax(contacts.overlap)
     low = -contacts.overlap[tallest]
     # the tallest contact alone would carry the force at
@@ -219,10 +172,7 @@ def separate_shift(contacts, target):
 
 @kernel
 def usable_start(force, elastic_displacement):
-    """Return a guess of forces (n,), 0 where it is negative or not finite, and its displacements.
-
-    The displacements (n,) are discarded (empty) if one is not finite, or a force was not used.
-    """
+    """Return a guess of forces (n,), 0 where negative or not finite, and its displacements."""
     usable = np.zeros(force.size)
     as_given = elastic_displacement.size == force.size
     for i in range(force.size):

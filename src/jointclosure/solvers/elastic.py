@@ -124,21 +124,7 @@ class _Candidates:
 
 
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
-    """Close an elastic joint to each of several total forces.
-
-    Parameters
-    ----------
-    joint : Joint
-        In a scene without breakage; it keeps the forces of the last target.
-    targets : array (t,)
-        Total forces [N], positive and ascending.
-
-    Returns
-    -------
-    list of Settled
-        One for each target. If a target failed the list ends there, and the outcome
-        of its last entry says so.
-    """
+    """Close an elastic joint to each of several total forces."""
     candidates = _Candidates(joint, _reach_of(joint, _FIRST_CANDIDATES))
     solved: list[_Point] = []
     settled = []

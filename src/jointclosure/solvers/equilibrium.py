@@ -47,37 +47,7 @@ def solve_equilibrium(
     elastic_displacement: np.ndarray | None = None,
     space: CoarseSpace | None = None,
 ) -> Equilibrium:
-    """Solve the equilibrium of forces at the overlapping cells.
-
-    Parameters
-    ----------
-    influence : Influence or None
-        None without interaction.
-    contacts : Contacts
-    start : array (n,)
-        Initial guess of the forces [N]. Negative values and values that are not
-        finite count as 0. If the guess does not converge, 0 is used instead.
-    target : float
-        Total force [N] that determines the shift; NaN for a shift of 0.
-    tolerance : float
-        Required relative residual; at least `ROUNDING` can be reached.
-    matrix : array (m, m), optional
-        `influence_matrix` of the contacts in its first n rows and columns, if available.
-    elastic_displacement : array (n,), optional
-        Interaction [m] of the initial forces, exact or approximate, if available; it
-        saves a product.
-    space : CoarseSpace, optional
-        That of an equilibrium with nearly the same contacts; it saves making one.
-
-    Returns
-    -------
-    Equilibrium
-        Converged if its residual is at most the tolerance. Forces are infinite
-        if a rigid contact (flat, without substrate) overlaps. The residual and all
-        forces are NaN if no equilibrium was obtained or none exists: an overlap or
-        a compliance is not finite, a limit is negative, or the target is not
-        positive and finite.
-    """
+    """Solve the equilibrium of forces at the overlapping cells."""
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
         nowhere = np.full(n, np.nan)

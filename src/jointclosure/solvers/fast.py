@@ -92,13 +92,7 @@ class FastSolver:
         return settled
 
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
-        """Predict the total force [N] at a closure [m] before anything breaks (resolved breakage).
-
-        The prediction has a relative residual that may be larger than that of the joint's numerics.
-        Walls, forces and interaction of the joint are not changed. Its rates become those of the
-        prediction, from which the next prediction or the step itself begins. The force is infinite
-        if no equilibrium was obtained.
-        """
+        """Predict the force [N] at a closure [m] before anything breaks (resolved breakage)."""
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
         step = closure - float(joint.closure)
@@ -158,10 +152,7 @@ class _PathToRest:
             self.solve(asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
-        """Solve the first equilibrium with resolved breakage, ``step`` [m] after the last closure.
-
-        Return the predicted total force [N].
-        """
+        """Solve the first equilibrium with resolved breakage, a step [m] after the last closure."""
         self.extrapolate(step)
         may_break = step > 0.0 and self.closure > self.joint.held_to
         return float(self.solve(_stages(asked)[0] if may_break else asked).force.sum())
@@ -254,10 +245,7 @@ class _PathToRest:
         return answer
 
     def _is_clear_of_strength(self) -> bool:
-        """Return whether no contact is near its strength, so that a finer solution breaks nothing.
-
-        This is a guess that saves a stage; breakage is still checked after the finer solution.
-        """
+        """Return whether no contact is near its strength: a finer solution breaks nothing."""
         if not _resolved(self.joint):
             return False
         contacts = self._contacts()
@@ -299,11 +287,7 @@ def _most_breakage_steps(joint: Joint) -> int:
 
 
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
-    """Store rates of interaction and force per closure, to extrapolate the next step.
-
-    If much broke in a small step the difference quotient of the interaction is meaningless; the
-    elastic rate lies within the bounds.
-    """
+    """Store rates of interaction and force per closure, to extrapolate the next step."""
     interaction, force = before
     np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
     np.divide(joint.force - force, step, out=joint.force_rate)

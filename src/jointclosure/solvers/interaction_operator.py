@@ -56,11 +56,7 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 
 @kernel
 def influence_by_place(table):
-    """Return influence [m/N] by the difference of two places, flat, and the index of difference 0.
-
-    The place of a cell (y, x) is y (2 nx - 1) + x (`places`), so that the influence between two
-    cells depends only on the difference of their places.
-    """
+    """Return influence [m/N] by the difference of two places, flat, and the index of 0."""
     ny, nx = table.shape
     stride = 2 * nx - 1
     wide = np.empty((2 * ny - 1) * stride)
@@ -107,10 +103,7 @@ def influence_matrix(table, cells):
 
 @kernel
 def displacement_between(wide, middle, place, sources, force):
-    """Compute displacements (m,) [m] at places (m,) by forces (n,) [N] at ``sources``.
-
-    ``sources`` are places. ``wide`` and ``middle`` as from `influence_by_place`.
-    """
+    """Compute displacements (m,) [m] at places (m,) by forces (n,) [N] at ``sources``."""
     answer = np.zeros(place.size)
     for j in range(sources.size):
         if force[j] > 0.0:
@@ -183,11 +176,7 @@ def patch_influence(table, side):
 
 @kernel
 def set_interaction_field(influence, force):
-    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
-
-    The transform is done axis by axis, because rows of the padding are zero or not needed, and in
-    memory that is allocated once. There a column is contiguous, which is faster.
-    """
+    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17), (18) summed."""
     ny = force.shape[0]
     padded, wave = influence.padded, influence.wave
     for y in range(ny):
@@ -210,12 +199,7 @@ def interaction_field(influence, force):
 
 @large_kernel
 def interaction_product(influence, matrix, cells, values, force):
-    """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
-
-    The dense matrix is used if it is given (its size is not 0), otherwise the convolution with
-    ``force`` (y, x) as working memory, zero away from the cells. The convolution also sets
-    `Influence.field`, the displacements of all cells.
-    """
+    """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells."""
     if matrix.size > 0:
         return symmetric_times(matrix, values)
     flat = force.ravel()
@@ -230,13 +214,7 @@ def interaction_product(influence, matrix, cells, values, force):
 
 
 def mean_displacement(table: np.ndarray) -> np.ndarray:
-    """Compute the mean displacement of all cells by a unit force at each (ny, nx) [m/N].
-
-    Parameters
-    ----------
-    table : array (ny, nx)
-        As from `influence_table`. Sums over its rectangles replace a convolution.
-    """
+    """Compute the mean displacement of all cells by a unit force at each (ny, nx) [m/N]."""
     for axis in (0, 1):
         summed = np.cumsum(table, axis)
         first = np.take(table, [0], axis)
@@ -265,11 +243,7 @@ def influence_of(table: np.ndarray) -> Influence:
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
-    """Return the number of contacts up to which a dense product is cheaper than a convolution.
-
-    Measured: 800 on 100 x 100 cells. Both costs are proportional to the number of cells if the
-    limit is proportional to its root.
-    """
+    """Return the number of contacts up to which a dense product is cheaper than a convolution."""
     return min(int(8.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
 
 

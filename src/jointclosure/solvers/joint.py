@@ -77,18 +77,7 @@ class Settled(NamedTuple):
 
 
 class Joint:
-    """Two walls, their material, and the forces between them.
-
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights towards the other wall [m]; copied.
-    spacing : float
-        Grid spacing [m].
-    rock : (upper, lower) of Rock
-    effects, choices, numerics
-        They must be checked by the caller.
-    """
+    """Two walls, their material, and the forces between them."""
 
     def __init__(
         self,
@@ -139,12 +128,7 @@ class Joint:
         self.interaction[:] = interaction_field(self._influence, self.force)
 
     def interaction_left_out(self) -> float:
-        """Return the largest displacement [m] of a contact by the interaction of present forces.
-
-        While the interaction is left out this is an upper bound of its effect on these walls at
-        this closure: the interaction moves contacts apart, so that each one carries less and
-        displaces the others less.
-        """
+        """Return the largest displacement [m] of a contact by the interaction of present forces."""
         field = interaction_field(self._influence, self.force)
         return float(field[self.force > 0.0].max(initial=0.0))
 
@@ -194,11 +178,7 @@ class Joint:
         return Contacts(cells, overlap, compliance, limit, self.law.substrate)
 
     def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-        """Return contacts among all `neighbours`, in their order, and the influence between these.
-
-        Cells that are not given have an overlap that never leads to contact. If a dense matrix is
-        not worth its cost, return the contacts unchanged and None.
-        """
+        """Return contacts among all `neighbours`, in order, and the influence between these."""
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
         near = self.neighbours
@@ -227,11 +207,7 @@ class Joint:
         effort: Effort,
         overlapping: tuple | None = None,
     ) -> Settled:
-        """Summarise the present state; ``locked`` is a map (y, x).
-
-        ``overlapping`` is the result of `overlapping` for the present walls, if available. The
-        residual is recomputed here from walls and forces alone, independently of the solver.
-        """
+        """Summarise the present state; ``locked`` is a map (y, x)."""
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
         rigid = not np.isfinite(total)

@@ -121,11 +121,7 @@ def _newton_step(problem, space, state, tolerance):
 
 @large_kernel
 def _lowered(problem, state, trial):
-    """Return an iterate with a lower energy than the state, and the number of products.
-
-    It is the trial if that lowers the energy, otherwise a part of the step that does, which needs
-    no product, otherwise a result of coordinate minimisation.
-    """
+    """Return an iterate with a lower energy than the state, and the number of products."""
     contacts, shift = problem.contacts, state.shift
     before = energy(contacts, shift, state.elastic_displacement, state.force)
     if energy(contacts, shift, trial.elastic_displacement, trial.force) < before:
@@ -149,16 +145,7 @@ def _lowered(problem, state, trial):
 def interacting_equilibrium(
     influence, matrix, contacts, start, elastic_displacement, space, target, tolerance
 ):
-    """Solve `solve_equilibrium` with interaction; the parameters are the same.
-
-    ``space`` is that of an equilibrium with nearly the same contacts, or empty.
-
-    Newton's method is applied to the convex problem of the contacts that carry force or are about
-    to, with secants for the contact law and conjugate gradients inside. If a step does not halve
-    the residual at a given shift, it has to lower the energy, or sweeps of exact coordinate
-    minimisation do so, which is always possible. At a given force there is no energy to minimise,
-    and the caller brackets the shift.
-    """
+    """Solve `solve_equilibrium` with interaction; the parameters are the same."""
     n = start.size
     grid = np.zeros(influence.table.shape)
     problem = Problem(influence, matrix, contacts, target, np.empty(n), np.empty(n), grid)

@@ -64,19 +64,13 @@ Batch = np.dtype(
 
 
 def batch_memory() -> np.ndarray:
-    """Allocate memory of one batch, (1,): its only element is the batch.
-
-    The caller of a kernel keeps a reference, because a record does not keep its array alive.
-    """
+    """Allocate memory of one batch, (1,): its only element is the batch."""
     return np.zeros(1, Batch)
 
 
 @kernel
 def gather(batch, n, cells, upper, lower, approach, stride, with_corners):
-    """Copy heights around cells (n,) into a batch, optionally with corners.
-
-    ``upper``, ``lower`` and ``approach`` are flat arrays with margins, with rows of ``stride``.
-    """
+    """Copy heights around cells (n,) into a batch, optionally with corners."""
     for i in range(n):
         cell = cells[i]
         for row in range(3):
@@ -175,11 +169,7 @@ def measure_drops(batch, n, wall, tie_tolerance):
 
 @kernel
 def share_losses(batch, n, gouge):
-    """Compute both walls' shares of a loss of 1, 0 for a pair that does not break.
-
-    They are `jointclosure.mechanics.gouge.upper_share` and `passed_share`. Pairs locked on both
-    walls are marked and do not break.
-    """
+    """Compute both walls' shares of a loss of 1, 0 for a pair that does not break."""
     for i in range(n):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
         breaks = batch.breaks[i]
@@ -213,11 +203,7 @@ def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
 
 @kernel
 def shed_losses(batch, n, wall, tie_tolerance, gouge):
-    """Lower a wall's cells by their losses and distribute these on the lower neighbours.
-
-    See `jointclosure.mechanics.gouge.shed`: losses are limited so that no neighbour is raised above
-    the lowered cell.
-    """
+    """Lower a wall's cells by their losses and distribute these on the lower neighbours."""
     for i in range(n):
         loss = batch.loss[wall, i]
         here = batch.heights[wall, CENTRE, i]
@@ -263,10 +249,7 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concav
 
 @kernel
 def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """Compute the stress ratio of pair i after it has lost a height [m], with gouge.
-
-    ``batch.loss`` contains the shares; drops and overlap are those before the loss.
-    """
+    """Compute the stress ratio of pair i after it has lost a height [m], with gouge."""
     kappa = curvature_after(
         batch, i, UPPER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
     ) + curvature_after(
@@ -349,12 +332,7 @@ def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave,
 
 @kernel
 def returning_losses(batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """Compute by return mapping the losses of both walls that restore the strength of a pair.
-
-    It is the smallest loss at which the stress ratio lies between 1 - 3/4 band and 1 - 1/4 band. If
-    no loss satisfies this, it is the largest possible loss: until contact is lost, or a neighbour
-    is level.
-    """
+    """Compute by return mapping the losses of both walls that restore the strength of a pair."""
     goal, near = 1.0 - 0.5 * band, 0.25 * band
     bracket_losses(batch, n, goal, gouge)
     for _ in range(60):

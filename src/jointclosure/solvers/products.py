@@ -15,10 +15,7 @@ PIVOTS, LANES = 4, 8
 
 @kernel
 def assign(target, source):
-    """Copy values (n,) into an array (n,), as ``target[:] = source``.
-
-    Numba compiles a message on shapes into each such assignment, which takes seconds in total.
-    """
+    """Copy values (n,) into an array (n,), as ``target[:] = source``."""
     for i in range(source.size):
         target[i] = source[i]
 

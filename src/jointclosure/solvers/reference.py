@@ -40,13 +40,7 @@ def displacement_by_others(table, force, y, x):
 
 @lru_cache(maxsize=None)
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
-    """Return the kernel of steps 2 to 5 of the paper at one closure.
-
-    Signature ``(upper, lower, offset, peaks, force, elastic_displacement, table, law,
-    breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
-    steps, converged, locked)``; walls, forces [N] and interaction ``elastic_displacement``
-    [m], all (y, x), are changed in place.
-    """
+    """Return the kernel of steps 2 to 5 of the paper at one closure."""
 
     @kernel
     def sweep_to_rest(

@@ -2,6 +2,6 @@
 
 `indifference` and `paired` compute the intervals of one study, and `monotone` those without a
 polynomial. `bootstrap`, `standard_errors` and `control_variates` estimate their precision.
-`drawn_studies`, `predictive` and `joint_tests` simulate what repetitions of a study would publish,
+`drawn_studies` and `predictive` simulate what repetitions of a study would publish,
 and test whether a published table is one of them. `verdicts` judges claims.
 """

@@ -7,6 +7,7 @@ import scipy
 
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.paired import paired_indifference_interval
+from jointclosure.statistics.standard_errors import resampled
 
 
 class BootstrapInterval(NamedTuple):
@@ -32,53 +33,27 @@ def bootstrap_length(
     resamples: int,
     confidence: float = 0.95,
     significance: float = 0.05,
+    paired: bool = False,
 ) -> BootstrapInterval:
-    """Compute the percentile bootstrap interval of a length from independent draws.
+    """Compute the percentile bootstrap interval of a length from samples (k, n) at levels (k,).
 
-    Parameters
-    ----------
-    levels : array (k,)
-        Parameter values, ascending.
-    samples : array (k, n)
-        Target of every realisation at every level, finite.
-    base, significance
-        As for `indifference_interval`.
+    It is the length of a `paired_indifference_interval` if ``paired``, and otherwise of an
+    `indifference_interval` of independent draws.
     """
-    k, n = samples.shape
-    index = random.integers(0, n, size=(resamples, k, n))
-    chosen = np.take_along_axis(samples[None], index, axis=2)
+    drawn = resampled(samples, random, resamples, paired)
+    if paired:
+        paired_intervals = (
+            paired_indifference_interval(levels, chosen, significance, base) for chosen in drawn
+        )
+        return interval_of_lengths(np.array([one.length for one in paired_intervals]), confidence)
+    chosen = np.array(list(drawn))
     means, deviations = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
-    lengths = indifference_lengths(levels, means, deviations, n, significance, base)
-    return interval_of_lengths(lengths, confidence)
-
-
-def bootstrap_paired_length(
-    levels: np.ndarray,
-    samples: np.ndarray,
-    random: np.random.Generator,
-    *,
-    base: float,
-    resamples: int,
-    confidence: float = 0.95,
-    significance: float = 0.05,
-) -> BootstrapInterval:
-    """Compute the bootstrap interval of a `paired_indifference_interval`, over surfaces.
-
-    Parameters are those of `bootstrap_length`.
-    """
-    n = samples.shape[1]
-    lengths = np.empty(resamples)
-    for i in range(resamples):
-        chosen = samples[:, random.integers(0, n, size=n)]
-        lengths[i] = paired_indifference_interval(levels, chosen, significance, base).length
+    lengths = indifference_lengths(levels, means, deviations, chosen.shape[2], significance, base)
     return interval_of_lengths(lengths, confidence)
 
 
 def interval_of_lengths(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
-    """Return the percentile interval of resampled lengths (resamples,).
-
-    NaN means no root and counts as infinite.
-    """
+    """Return the percentile interval of lengths (resamples,); NaN, no root, counts as infinite."""
     lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.statistics.drawn_studies import jackknife_error
+from jointclosure.statistics.standard_errors import jackknife_error
 
 
 class Collapse(NamedTuple):
@@ -30,10 +30,7 @@ class Collapse(NamedTuple):
 
 
 def centred(logs: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """Subtract from logarithms (..., condition, surface) each surface's mean over its group.
-
-    ``groups`` (condition,) are the labels of the groups of conditions.
-    """
+    """Subtract from logarithms (..., condition, surface) each surface's mean over its group."""
     answer = np.array(logs, dtype=float)
     for group in np.unique(groups):
         members = groups == group
@@ -52,16 +49,6 @@ def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
 def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]:
     """Return the mean square spread between conditions, before and after, by cross-validation.
 
-    Half of the surfaces (every second one) are fitted and the others evaluated, and vice versa.
-
-    Parameters
-    ----------
-    predictors : array (k, condition, surface)
-    response : array (condition, surface)
-        Centred, as the predictors.
-
-    Notes
-    -----
     The square of a mean over surfaces is too large by the variance of that mean, which is
     subtracted. The result may be negative if it is smaller than the noise of the surfaces.
     """

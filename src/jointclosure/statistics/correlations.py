@@ -46,21 +46,9 @@ class Quadratic(NamedTuple):
 def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadratic:
     """Fit the quadratic through three levels, or the least-squares one through more.
 
-    Parameters
-    ----------
-    levels : array (k,)
-        Parameter values, ascending, k >= 3.
-    values : array (k,) or (..., k)
-        Means or standard deviations at the levels. For many studies at once the
-        coefficients are arrays (...).
-    base : float
-        The level at which u is 0.
-
-    Notes
-    -----
-    The fit uses differences from the base value, to keep all digits of a response
-    that is small compared with its mean. A coefficient b or c that may result from
-    rounding of levels and values is set to 0, so that a straight line stays straight.
+    The fit uses differences from the base value, to keep all digits of a response that is small
+    compared with its mean. A coefficient b or c that may result from rounding of levels and values
+    is set to 0, so that a straight line stays straight.
     """
     levels, values = np.asarray(levels, dtype=float), np.asarray(values, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
@@ -97,11 +85,7 @@ def lack_of_fit(
     samples: int,
     quadratic: Quadratic,
 ) -> float:
-    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels.
-
-    This is the F test of the misfit against the scatter within the levels, for independent draws.
-    NaN for three levels, where the fit is exact.
-    """
+    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels."""
     freedom = len(levels) - 3
     scatter = float(np.mean(np.square(standard_deviations)))
     if freedom < 1 or scatter == 0.0:
@@ -113,21 +97,8 @@ def lack_of_fit(
 def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
     """Return the p value that a quadratic fits the means, for the same surfaces at k levels.
 
-    Parameters
-    ----------
-    levels : array (k,)
-    samples : array (k, n)
-        Target at every level (rows) on every surface (columns).
-
-    Returns
-    -------
-    float
-        NaN for three levels, where the fit is exact, and if n <= k - 3.
-
-    Notes
-    -----
-    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic.
-    They are computed on each surface, so that contributions equal at all levels cancel.
+    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic. They are
+    computed on each surface, so that contributions equal at all levels cancel.
     """
     levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
     k, n = samples.shape

@@ -85,25 +85,7 @@ def draw_studies(
     repetitions: int,
     random: np.random.Generator,
 ) -> dict[Key, DrawnResponse]:
-    """Draw repetitions of a study with independent draws at every level.
-
-    Parameters
-    ----------
-    sensitivities : mapping from a key, such as (rock, parameter), to `Sensitivity`
-        They are drawn as one study: pools with the same surfaces are resampled together,
-        and all targets of a case are from the same surfaces.
-    repetitions : int
-        Number R of repetitions.
-
-    Returns
-    -------
-    dict from key to `DrawnResponse`
-
-    Raises
-    ------
-    InputError
-        If levels, pools or the design are not valid; names the key.
-    """
+    """Draw repetitions of a study with independent draws at every level."""
     _check(sensitivities, design, repetitions)
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
@@ -135,10 +117,7 @@ def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensit
 def resampled_pools(
     sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
 ) -> Iterator[dict[Key, Sensitivity]]:
-    """Generate bootstrap samples of pools.
-
-    Pools of the same surfaces are resampled together.
-    """
+    """Generate bootstrap samples of pools."""
     for _ in range(pools):
         chosen: dict[str, np.ndarray] = {}
         changed = {}
@@ -158,19 +137,7 @@ def repetitions_of_pool(repetitions: int) -> int:
 
 
 def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
-    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool.
-
-    Parameters
-    ----------
-    shares : array (pools, ...)
-        Shares from each of `resampled_pools`; pools with NaN are left out.
-    repetitions : int
-        Number of repetitions behind each share; their binomial variance is subtracted.
-    again : array (pools,), optional
-        The same from other repetitions of the same pools, for shares that are not counts alone,
-        such as p by estimated densities. The variance is then the covariance of both, to which the
-        scatter of repetitions does not contribute.
-    """
+    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool."""
     if len(again):
         both = np.array([shares, again], dtype=float)
         both = both[:, np.isfinite(both).all(axis=0)]
@@ -183,12 +150,6 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
     noise = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
     variance = np.maximum(np.nanvar(shares, axis=0, ddof=1) - noise, 0.0)
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
-
-
-def jackknife_error(values) -> float:
-    """Return the standard error from the G values computed without one of G groups each."""
-    values = np.asarray(values, dtype=float)
-    return float(np.sqrt((values.size - 1) * np.var(values)))
 
 
 def lengths_table(drawn: Mapping[Key, DrawnResponse]) -> np.ndarray:

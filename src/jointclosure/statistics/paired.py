@@ -63,28 +63,7 @@ def paired_indifference_interval(
     base: float | None = None,
     surfaces: int | None = None,
 ) -> PairedInterval:
-    """Compute the smallest significant change in a paired t test on the same surfaces.
-
-    Parameters
-    ----------
-    levels : array (k,)
-        Parameter values, strictly ascending, k >= 3.
-    samples : array (k, n)
-        Target at every level (rows) on every surface (columns), n >= 2.
-    significance : float
-        Significance level of the two-sided test.
-    base : float, optional
-        The level from which changes are measured, by default the middle one.
-    surfaces : int, optional
-        The number n of the test, by default that of the samples. Another number gives the
-        expected interval of a study with so many surfaces.
-
-    Raises
-    ------
-    InputError
-        If levels are out of order or fewer than three, samples have another shape or are
-        not finite, or the base is not a level.
-    """
+    """Compute the smallest significant change in a paired t test on the same surfaces."""
     levels, samples, base = checked_samples(levels, samples, significance, base)
     mean = fit_quadratic(levels, samples.mean(axis=1), base)
     scatter = difference_scatter(levels, samples, base)
@@ -108,10 +87,6 @@ def paired_indifference_interval(
 def difference_scatter(levels, samples, base: float) -> DifferenceScatter:
     """Estimate the scatter of differences from the base, from responses of single surfaces.
 
-    Arguments are those of `paired_indifference_interval`.
-
-    Notes
-    -----
     Level means are removed; each surface's deviations from them are fitted by a line. Residuals
     give sigma^2, with (n - 1)(k - 2) degrees of freedom, and the variance of the slopes, less what
     sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
@@ -135,15 +110,7 @@ def difference_scatter(levels, samples, base: float) -> DifferenceScatter:
 
 
 def p_of_difference(first, second, paired: bool) -> float:
-    """Return the two-sided p of the t test that two levels have the same mean.
-
-    Parameters
-    ----------
-    first, second : arrays (n,)
-        Target at each level; if paired, of the same surfaces in the same order.
-    paired : bool
-        Otherwise the unpaired test of Eq. (28), 2 n - 2 degrees of freedom.
-    """
+    """Return the two-sided p of the t test that two levels have the same mean."""
     first, second = real_array("first", first), real_array("second", second)
     if first.shape != second.shape or first.ndim != 1 or first.size < 2:
         raise InputError(
@@ -180,13 +147,7 @@ def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical:
 
 
 def checked_samples(levels, samples, significance, base):
-    """Return levels (k,), samples (k, n) and base as floats.
-
-    Raises
-    ------
-    InputError
-        If one of them is not valid.
-    """
+    """Return levels (k,), samples (k, n) and base as floats."""
     levels, samples = real_array("levels", levels), real_array("samples", samples)
     if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
         raise InputError(

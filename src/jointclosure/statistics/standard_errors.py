@@ -1,5 +1,6 @@
-"""Standard errors of published results, and rounding of numbers to their errors."""
+"""Standard errors of results, ratios of means, and rounding of numbers to their errors."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -53,34 +54,21 @@ def variation_of(samples) -> Estimate:
     return Estimate(ratio, abs(ratio) * float(np.sqrt(0.5 / (n - 1) + ratio**2 / n)))
 
 
-def bootstrap_error(
-    statistic, samples, random: np.random.Generator, resamples: int = 400, paired: bool = True
-):
-    """Compute the standard error of any statistic by resampling surfaces.
-
-    Parameters
-    ----------
-    statistic : callable
-        Function of such samples that returns a number or an array.
-    samples : array (n,) or (k, n)
-        The last axis is that of surfaces.
-    paired : bool
-        Whether a column is the same surface at every level; otherwise rows are resampled
-        separately.
-
-    Returns
-    -------
-    float or array, as the statistic
-        Standard error, multiplied by sqrt(n/(n - 1)), so that the error of a mean is S/sqrt(n).
-    """
+def resampled(
+    samples, random: np.random.Generator, resamples: int, paired: bool
+) -> Iterator[np.ndarray]:
+    """Generate bootstrap samples (..., n) of surfaces: the same in all rows if ``paired``."""
     samples = np.asarray(samples, dtype=float)
     n = samples.shape[-1]
-    values = []
     for _ in range(resamples):
-        shape = (n,) if paired else samples.shape
-        index = np.broadcast_to(random.integers(n, size=shape), samples.shape)
-        values.append(statistic(np.take_along_axis(samples, index, axis=-1)))
-    return np.std(values, axis=0, ddof=1) * np.sqrt(n / (n - 1))
+        index = random.integers(n, size=n if paired else samples.shape)
+        yield np.take_along_axis(samples, np.broadcast_to(index, samples.shape), axis=-1)
+
+
+def jackknife_error(values) -> float:
+    """Return the standard error from the G values computed without one of G groups each."""
+    values = np.asarray(values, dtype=float)
+    return float(np.sqrt((values.size - 1) * np.var(values)))
 
 
 def mean_covariance(samples, paired: bool) -> np.ndarray:
@@ -90,11 +78,7 @@ def mean_covariance(samples, paired: bool) -> np.ndarray:
 
 
 def deviation_covariance(samples, paired: bool) -> np.ndarray:
-    """Return the covariance (k, k) of the standard deviations of normal samples (k, n).
-
-    It is r^2 S_i S_j/(2 (n - 1)) with the correlation r between two levels, 0 for independent
-    draws.
-    """
+    """Return the covariance (k, k) of the standard deviations of normal samples (k, n)."""
     covariance = np.cov(samples)
     deviations = np.sqrt(np.diag(covariance))
     scale = np.outer(deviations, deviations)
@@ -104,14 +88,7 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
 
 
 def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
-    """Compute the errors of the coefficients of `fit_quadratic`.
-
-    Parameters
-    ----------
-    levels : array (k,)
-    covariance : array (k, k)
-        Covariance of the fitted values: `mean_covariance` or `deviation_covariance`.
-    """
+    """Compute the errors of the coefficients of `fit_quadratic`."""
     fit = fit_matrix(levels, base)
     reduced = fit @ covariance @ fit.T
     half_range = 0.5 * (levels[-1] - levels[0])
@@ -129,33 +106,13 @@ def fit_matrix(levels, base: float) -> np.ndarray:
 
 
 def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
-    """Compute d ln(mean)/d ln(parameter) at the base, from the fitted quadratic.
-
-    Parameters
-    ----------
-    levels : array (k,)
-        Parameter values, ascending, in the unit of ``base``.
-    samples : array (k, n)
-        Target at every level (rows); columns are the same surfaces if ``paired``.
-    base : float
-        The base level, not 0.
-    paired : bool
-        Whether draws are common; contributions of a surface equal at all levels then cancel.
-
-    Returns
-    -------
-    Estimate
-        The error is to first order in the errors of slope and fitted value.
-    """
+    """Compute d ln(mean)/d ln(parameter) at the base, from the fitted quadratic."""
     samples = np.asarray(samples, dtype=float)
     return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
 
 
 def elasticity_of(levels, means, covariance, base: float) -> Estimate:
-    """Compute the `elasticity` from means (k,) at levels (k,).
-
-    ``covariance`` (k, k) is that of the errors of the means.
-    """
+    """Compute the `elasticity` from means (k,) at levels (k,)."""
     levels = np.asarray(levels, dtype=float)
     mean: Quadratic = fit_quadratic(levels, means, base)
     value = mean.elasticity()
@@ -166,13 +123,7 @@ def elasticity_of(levels, means, covariance, base: float) -> Estimate:
 
 
 def rounded(value: float, standard_error: float) -> str:
-    """Format a number rounded to its error, such as "0.083 ± 0.004".
-
-    The error has two digits if they begin with 10 to 35, and one if with 36 to 94 (rule of the
-    Particle Data Group); the number ends at the same place. If the error is 0 or unknown (NaN or
-    infinite), the number has four significant digits and no error. A number that is NaN is shown as
-    a dash.
-    """
+    """Format a number rounded to its error, such as "0.083 ± 0.004"."""
     if np.isnan(value):
         return "–"
     if not np.isfinite(value) or not 0.0 < standard_error < np.inf:
@@ -204,3 +155,24 @@ def percent(share: float) -> str:
 def _roots_of_diagonal(covariance: np.ndarray) -> tuple[float, float, float]:
     b, c, d = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return float(b), float(c), float(d)
+
+
+def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
+    """Compute the ratio of the means of two rows (n,) on the same surfaces, and its error.
+
+    Delta method: the error of mean(over - ratio under)/mean(under).
+    """
+    known = np.isfinite(over) & np.isfinite(under)
+    over, under = over[known], under[known]
+    if not known.any() or under.mean() == 0.0:
+        return Estimate(np.nan, np.nan)
+    ratio = float(over.mean() / under.mean())
+    if over.size < 2:
+        return Estimate(ratio, np.nan)
+    error = mean_of(over - ratio * under).standard_error
+    return Estimate(ratio, error / abs(float(under.mean())))
+
+
+def harmonic_mean(values: np.ndarray) -> Estimate:
+    """Compute the harmonic mean of values (n,), and its standard error; NaN are left out."""
+    return ratio_of_means(np.ones(values.size), 1.0 / values)

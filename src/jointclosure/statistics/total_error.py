@@ -39,25 +39,7 @@ class Bias(NamedTuple):
 def coverage(
     surfaces: int, sampling: float, spread: float = 1.0, studies: int = 20_000, seed: int = 1
 ) -> float:
-    """Simulate how often the error of a study is below `Bias.total`, with skewed errors.
-
-    Parameters
-    ----------
-    surfaces : int
-        Number of surfaces from which the bias is known.
-    sampling : float
-        Sampling error of a study over the standard error of the bias.
-    spread : float
-        Standard deviation of the logarithm of the errors of surfaces, which are lognormal, with a
-        mean of five standard deviations; 1 gives a skewness of 6.
-    studies, seed : int
-        Number of simulated studies, each with its measurement of the bias, and their seed.
-
-    Returns
-    -------
-    float
-        Share of the studies, which should be 0.95 at least.
-    """
+    """Simulate how often the error of a study is below `Bias.total`, with skewed errors."""
     random = np.random.default_rng(seed)
     mean, variance = np.exp(0.5 * spread**2), np.exp(2.0 * spread**2) - np.exp(spread**2)
     drawn = np.exp(spread * random.standard_normal((studies, surfaces)))
@@ -131,28 +113,14 @@ def bias_of(percent: float, low: float, high: float) -> Bias:
 
 
 def method_of(row) -> Method:
-    """Make a method from a row of a table, whose bias is in percent.
-
-    The bias has a 95 % confidence interval, ``bias_low`` to ``bias_high``.
-    """
+    """Make a method from a row of a table, whose bias is in percent."""
     bias = bias_of(row.bias_percent, row.bias_low, row.bias_high)
     fields = [getattr(row, name) for name in Method._fields[1:]]
     return Method(bias, *fields)
 
 
 def shares(worth: float, surfaces: float, measured: float) -> tuple[float, float]:
-    """Return the shares of variance that control variates leave and explain.
-
-    Parameters
-    ----------
-    worth : float
-        Plain over adjusted variance, for numbers of closed and ``measured`` ``surfaces``.
-
-    Returns
-    -------
-    left, explained : float
-        ``left`` exceeds 1 - ``explained`` by the cost of fitting.
-    """
+    """Return the shares of variance that control variates leave and explain."""
     explained = max((1.0 - 1.0 / worth) / (1.0 - surfaces / measured), 0.0)
     return 1.0 / worth - explained * surfaces / measured, explained
 

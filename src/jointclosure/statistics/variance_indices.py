@@ -1,5 +1,11 @@
 """Variance-based sensitivity indices of a mean over random surfaces.
 
+An input u is uniform on [0, 1]. Fitted functions are orthonormal: for a continuous quantity
+Legendre polynomials up to the third degree, for a quantity with k values (u falls into one of k
+equal parts) k - 1 contrasts. A fit has the functions of each input, and products of the first
+functions of two inputs. Its variance indices are exact sums of squared coefficients (polynomial
+chaos; Sudret, Reliab. Eng. Syst. Saf. 93, 964, 2008).
+
 The surfaces are noise in every simulation. A design has N rows of d + 2 points of the unit cube:
 A, B, and A with one input of B each (Saltelli et al., Comput. Phys. Commun. 181, 259, 2010). Two
 surfaces belong to a row, the same at all its points. With f_s the response on surface s, and m(x)
@@ -14,6 +20,7 @@ function g are subtracted, and the variances of g, which are known exactly, are 
 variate; the g of each row is fitted to other rows).
 """
 
+import itertools
 from collections.abc import Mapping
 from itertools import combinations
 from math import factorial
@@ -24,7 +31,110 @@ import scipy
 from scipy.special import ndtr, ndtri
 
 from jointclosure.inputs import InputError
-from jointclosure.statistics.orthonormal import Term, design_matrix, fitted, terms_of
+
+_DEGREE = 3
+
+
+class Term(NamedTuple):
+    """Product of functions: (input, number of the function) of each factor."""
+
+    factors: tuple[tuple[int, int], ...]
+
+    @property
+    def inputs(self) -> frozenset[int]:
+        """Inputs that the term depends on."""
+        return frozenset(factor for factor, _ in self.factors)
+
+
+class Fit(NamedTuple):
+    """Terms and coefficients; ``values`` (d,) are the numbers of values (0: continuous input)."""
+
+    values: tuple[int, ...]
+    terms: tuple[Term, ...]
+    coefficients: np.ndarray
+
+    def __call__(self, points) -> np.ndarray:
+        """Evaluate the fitted function at points (..., d) of the unit cube."""
+        return design_matrix(points, self.values, self.terms) @ self.coefficients
+
+    def first(self, one: int) -> float:
+        """Return the variance due to one input alone."""
+        return self._variance(lambda inputs: inputs == {one})
+
+    def total(self, one: int) -> float:
+        """Return the variance due to an input, including its interactions."""
+        return self._variance(lambda inputs: one in inputs)
+
+    @property
+    def variance(self) -> float:
+        """Variance of the fitted function over the cube."""
+        return self._variance(bool)
+
+    def _variance(self, counts) -> float:
+        squares = zip(self.terms, self.coefficients**2, strict=True)
+        return float(sum(square for term, square in squares if counts(term.inputs)))
+
+
+def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
+    """Return the terms of a fit for inputs with given numbers of values (0: continuous)."""
+    terms = [Term(())]
+    for one, count in enumerate(values):
+        terms += [Term(((one, number),)) for number in range(count - 1 if count else _DEGREE)]
+    for one, other in itertools.combinations(range(len(values)), 2):
+        for first in range(max(values[one] - 1, 1)):
+            for second in range(max(values[other] - 1, 1)):
+                terms.append(Term(((one, first), (other, second))))
+    return tuple(terms)
+
+
+def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> np.ndarray:
+    """Evaluate the terms (..., terms) at points (..., d) of the unit cube."""
+    points = np.asarray(points, dtype=float)
+    functions = [
+        _contrasts(points[..., one], count) if count else _legendre(points[..., one])
+        for one, count in enumerate(values)
+    ]
+    columns = []
+    for term in terms:
+        column = np.ones(points.shape[:-1])
+        for one, number in term.factors:
+            column = column * functions[one][..., number]
+        columns.append(column)
+    return np.stack(columns, axis=-1)
+
+
+def fitted(points, response, values: tuple[int, ...]) -> Fit:
+    """Fit a response (n,) at points (n, d) of the unit cube by least squares."""
+    terms = terms_of(values)
+    matrix = design_matrix(points, values, terms)
+    return Fit(values, terms, np.linalg.lstsq(matrix, np.asarray(response, float), rcond=None)[0])
+
+
+def part_of(u, count: int):
+    """Return the index, from 0, of the one of ``count`` equal parts of [0, 1] that contains u."""
+    return np.minimum((np.asarray(u) * count).astype(int), count - 1)
+
+
+def _legendre(u: np.ndarray) -> np.ndarray:
+    t = 2.0 * u - 1.0
+    return np.stack(
+        [
+            np.sqrt(2.0 * degree + 1.0) * np.polynomial.legendre.Legendre.basis(degree)(t)
+            for degree in range(1, _DEGREE + 1)
+        ],
+        axis=-1,
+    )
+
+
+def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
+    """Return Helmert contrasts of the parts, with mean 0 and variance 1 over the parts."""
+    contrasts = np.zeros((count, count - 1))
+    for number in range(count - 1):
+        contrasts[: number + 1, number] = -1.0
+        contrasts[number + 1, number] = number + 1.0
+        contrasts[:, number] /= np.sqrt(np.mean(contrasts[:, number] ** 2))
+    return contrasts[part_of(u, count)]
+
 
 FOLDS = 8
 """Number of parts of the rows; each part is left out of the fit that is used for it."""
@@ -50,10 +160,7 @@ class Indices(NamedTuple):
 
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
-    """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each.
-
-    It is a scrambled Sobol' sequence in twice as many dimensions; a power of 2 of rows is balanced.
-    """
+    """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each."""
     both = scipy.stats.qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(
         rows
     )
@@ -66,28 +173,7 @@ def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
 
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
-    """Estimate first and total indices of every input.
-
-    Parameters
-    ----------
-    points : array (N, d + 2, d)
-        From `sampled_rows`.
-    responses : array (N, d + 2, 2)
-        Responses on two surfaces, the same at all points of a row.
-    values : tuple (d,)
-        Number of values of each input, see `jointclosure.statistics.orthonormal`.
-
-    Returns
-    -------
-    Indices
-        Errors are by the jackknife over rows, including the effect of a row on the fits. They
-        are those of independent rows, and upper bounds of those of a Sobol' sequence.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit, numbers are not finite, or there are fewer than 16 rows.
-    """
+    """Estimate first and total indices of every input."""
     points, responses = np.asarray(points, float), np.asarray(responses, float)
     n, columns, d = points.shape
     if responses.shape != (n, columns, 2) or columns != d + 2 or len(values) != d:
@@ -143,34 +229,10 @@ def shapley_effects(
 ) -> np.ndarray:
     """Compute Shapley effects of fitted functions: shares of their variance that sum to 1.
 
-    Parameters
-    ----------
-    values : tuple (d,)
-        Number of values of each input, see `jointclosure.statistics.orthonormal`.
-    coefficients : array (terms,) or (terms, m)
-        Coefficients of the functions.
-    correlations : mapping, optional
-        Correlations of pairs of inputs, of the normal variables that have their ranks (a
-        Gaussian copula). Without them inputs are independent, and the effects exact.
-    draws : int
-        Number of points for the variance of each subset of dependent inputs.
-
-    Returns
-    -------
-    array (d,) or (d, m)
-
-    Raises
-    ------
-    InputError
-        If no normal variables have these correlations.
-
-    Notes
-    -----
-    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs
-    share their variance equally. The other terms are grouped by the independent inputs that they
-    contain; groups have no common variance, and each is a game of its dependent inputs. For
-    dependent inputs the variance due to a subset J is the covariance of two responses that share
-    only x_J.
+    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs share
+    their variance equally. The other terms are grouped by the independent inputs that they contain;
+    groups have no common variance, and each is a game of its dependent inputs. For dependent inputs
+    the variance due to a subset J is the covariance of two responses that share only x_J.
     """
     d, coefficients = len(values), np.asarray(coefficients, dtype=float)
     bound = frozenset(one for pair in correlations or {} for one in pair)
@@ -268,4 +330,10 @@ def _jackknifed(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
     values = np.concatenate(
         [whole, left[:, 1:] / whole, (quiet / (whole[:, 0] + quiet))[:, None]], axis=1
     )
-    return np.sqrt((n - 1) / n * ((values - values.mean(axis=0)) ** 2).sum(axis=0))
+    return jackknife_errors(values)
+
+
+def jackknife_errors(left_out: np.ndarray) -> np.ndarray:
+    """Compute standard errors (...) from values (groups, ...) without each group of rows."""
+    n = len(left_out)
+    return np.sqrt((n - 1) / n * ((left_out - left_out.mean(axis=0)) ** 2).sum(axis=0))

@@ -31,30 +31,7 @@ class Frequency(NamedTuple):
 
 
 def verdict(interval: tuple[float, float], above: float, alike: float | None = None) -> str:
-    """Decide whether a claim about a number is true, from the number's confidence interval.
-
-    Parameters
-    ----------
-    interval : (low, high)
-        Confidence interval of the number.
-    above : float
-        The claim is true for larger numbers.
-    alike : float, optional
-        For a claim that one number is larger than another, where the interval is that of their
-        difference: the largest difference that counts as none.
-
-    Returns
-    -------
-    str
-        "stands": the whole interval is above. "falls": none of it is, and for a difference all
-        of it is below ``-alike``. "no difference": all of it is within ``alike`` of 0. "undecided":
-        otherwise, and if an end of the interval is NaN.
-
-    Raises
-    ------
-    InputError
-        If the ends of the interval are in the wrong order.
-    """
+    """Decide whether a claim about a number is true, from the number's confidence interval."""
     low, high = interval
     if low > high:
         raise InputError(f"interval = ({low!r}, {high!r}): must be (low, high), low <= high")
@@ -70,11 +47,7 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
 
 
 def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 0.95) -> Interval:
-    """Return the confidence interval of (value, standard error) from n samples.
-
-    It has n - 1 degrees of freedom. For several numbers that are judged together use the confidence
-    1 - (1 - confidence)/number (Bonferroni).
-    """
+    """Return the confidence interval of (value, standard error) from n samples."""
     value, error = estimate
     reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
     return Interval(value - reach, value + reach)
@@ -92,12 +65,7 @@ def frequency(outcomes, pool_error: float = 0.0) -> Frequency:
 
 
 def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
-    """Return the frequency from a count of n repetitions.
-
-    ``pool_error``: standard error of the share due to the pool from which the repetitions were
-    drawn. It is added to the binomial error. The interval is Wilson's, and with a pool's error at
-    least two standard errors.
-    """
+    """Return the frequency from a count of n repetitions."""
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
     error = float(np.hypot(np.sqrt(share * (1.0 - share) / n), pool_error))
