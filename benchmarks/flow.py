@@ -30,7 +30,7 @@ import numpy as np
 import pandas as pd
 from yardstick import machine
 
-from jointclosure.joint.reynolds import flow_along
+from jointclosure.joint.flow import flow_along
 from jointclosure.storage.text import write_csv
 from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 

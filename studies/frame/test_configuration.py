@@ -11,7 +11,7 @@ from jointclosure.compilation.sources import PACKAGE
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.surfaces import seeds_of
 from jointclosure.inputs.plain import from_plain, to_plain
-from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters import Effects
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.config.configuration import resolved, written_out

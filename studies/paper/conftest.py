@@ -12,7 +12,7 @@ import xarray as xr
 from jointclosure.cli.page import Picture
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.engine.aggregation import join_cases
-from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.provenance import provenance

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.conditions import LoadCycle
+from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
 from jointclosure.joint.protocol import run_cycles
-from jointclosure.joint.reynolds import DIRECTIONS, FLOWS, flow_along
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named

@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.measured import Scan

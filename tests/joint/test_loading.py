@@ -6,10 +6,10 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
+from jointclosure.joint.conditions import LoadCycle, load_cycles
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.history import closure_at_stresses
 from jointclosure.joint.laws import law_curves
-from jointclosure.joint.loading import LoadCycle, load_cycles
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
 

@@ -6,7 +6,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.joint import reynolds
-from jointclosure.joint.reynolds import (
+from jointclosure.joint.flow import (
     AT_LEAST,
     BLOCKED,
     CLOSED,

@@ -8,8 +8,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.joint import protocol
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.conditions import Conditions, LoadCycle
 from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint

@@ -7,7 +7,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint import protocol, step_control
-from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.conditions import LoadCycle
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction

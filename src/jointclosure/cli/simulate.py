@@ -28,8 +28,7 @@ from jointclosure.cli.results import (
 )
 from jointclosure.engine.progress import closing_bar, duration
 from jointclosure.inputs import InputError, check_seed
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import describe_load
+from jointclosure.joint.conditions import Conditions, describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics

@@ -215,7 +215,7 @@ def _tree(file: Path) -> ast.Module:
 
 @lru_cache(maxsize=None)
 def _code(file: Path, unseen: frozenset[str]) -> str:
-    """Return the syntax of a file as text, without comments, docstrings, positions and some texts."""
+    """Return the syntax of a file as text, without docstrings, positions and some other texts."""
     return _text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
 
 

@@ -8,9 +8,8 @@ import numpy as np
 import scipy
 
 from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.curves import cycle_table, hysteresis, seat_of
-from jointclosure.joint.history import loop_between
+from jointclosure.joint.history import ATTRIBUTES, loop_between
 from jointclosure.joint.protocol import LOADING
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 

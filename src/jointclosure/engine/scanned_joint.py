@@ -15,9 +15,13 @@ from jointclosure.engine.progress import bar, closing_bar
 from jointclosure.engine.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Conditions,
+    conditions_from,
+    describe_load,
+    takes_conditions,
+)
 from jointclosure.joint.curves import cycle_table
-from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import close_walls

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.step_control import StepControl
 from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import (

@@ -15,12 +15,9 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
-from jointclosure.joint.attributes import ATTRIBUTES
-from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
-from jointclosure.joint.foresight import check_foreseen
+from jointclosure.joint.conditions import Conditions, LoadCycle, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.history import cycle_closures, unloading_excess
-from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.history import ATTRIBUTES, cycle_closures, unloading_excess
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
     UNLOADING,
@@ -31,6 +28,7 @@ from jointclosure.joint.protocol import (
 )
 from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.joint.states import fields_of
+from jointclosure.joint.step_control import check_foreseen
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -49,7 +47,7 @@ from jointclosure.solvers.registry import solver_named
 
 if TYPE_CHECKING:
     from jointclosure.joint.flow import FlowAlongHistory
-    from jointclosure.joint.snapshots import Snapshots
+    from jointclosure.joint.states import Snapshots
 
     Reader = FlowAlongHistory | Snapshots
 
@@ -194,7 +192,7 @@ def _observers(
 
         observers.append(FlowAlongHistory())
     if len(snapshots):
-        from jointclosure.joint.snapshots import Snapshots
+        from jointclosure.joint.states import Snapshots
 
         observers.append(Snapshots(snapshots, tolerance, datums))
     return observers

@@ -1,9 +1,12 @@
-"""Fields of a joint at one step, computed from its walls and forces."""
+"""Fields of a joint at one step, and its states at given stresses."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
+from jointclosure.joint.protocol import LOADING, Step
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 
@@ -32,3 +35,109 @@ def fields_of(joint: Joint, closure: float) -> Fields:
         displacement = np.zeros(joint.upper.shape)
     overlap = joint.upper + joint.lower + (closure - joint.first_touch) - displacement
     return Fields(displacement, overlap)
+
+
+_FIELDS = {
+    "upper": ("upper wall, towards the lower", "m"),
+    "lower": ("lower wall, towards the upper", "m"),
+    "force": ("normal force of each contact", "N"),
+    "gap": ("distance of the deformed walls, negative where they are pressed together", "m"),
+    "broken_volume": ("volume missing where walls are lower than at first touch", "m3"),
+}
+_PLACES = {
+    "stress": ("stress that was asked for", {"units": "Pa"}),
+    "cycle": ("load cycle in which it was passed", {}),
+    "branch": ("branch on which it was passed", {}),
+    "step": ("step that is shown: the nearer one in stress of those before and after", {}),
+}
+
+
+class _State(NamedTuple):
+    """State of a joint at a step, with the number of the step; fields (y, x) are copies."""
+
+    step: int
+    normal_stress: float
+    upper: np.ndarray
+    lower: np.ndarray
+    force: np.ndarray
+    gap: np.ndarray
+    broken_volume: float
+
+
+class Snapshots:
+    """`Observer` that stores the joint where each branch first passes given stresses."""
+
+    def __init__(
+        self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]
+    ) -> None:
+        self._stresses = sorted({float(stress) for stress in stresses})
+        self._tolerance, self._datums = tolerance, datums
+        self._first: _State | None = None
+        self._last: _State | None = None
+        self._kept: dict[tuple[float, int, str], _State] = {}
+
+    def __call__(self, joint: Joint, step: Step) -> None:
+        """Store this state, or the one before, if the step passes a stress."""
+        state = self._state(joint, step)
+        self._first = self._first or state
+        before = self._last or state._replace(normal_stress=-np.inf)
+        for stress in self._stresses:
+            place = (stress, step.cycle, step.branch)
+            passed = self._passes(stress, before.normal_stress, state.normal_stress, step.branch)
+            if passed and place not in self._kept:  # breakage can lower the stress on loading
+                nearer = min(before, state, key=lambda kept: abs(kept.normal_stress - stress))
+                self._kept[place] = nearer
+        self._last = state
+
+    def _state(self, joint: Joint, step: Step) -> _State:
+        cell, first = joint.law.spacing**2, self._first
+        walls = joint.upper.copy(), joint.lower.copy()
+        lost = 0.0
+        if first is not None:
+            for pristine, wall in zip((first.upper, first.lower), walls, strict=True):
+                lost += cell * float(np.maximum(pristine - wall, 0.0).sum())
+        return _State(
+            0 if self._last is None else self._last.step + 1,
+            step.settled.total_force / (joint.upper.size * cell),
+            *walls,
+            joint.force.copy(),
+            -fields_of(joint, step.settled.closure).overlap,
+            lost,
+        )
+
+    def _passes(self, stress: float, before: float, now: float, branch: str) -> bool:
+        if branch == LOADING:
+            return before < (1.0 - self._tolerance) * stress <= now
+        return now <= (1.0 + self._tolerance) * stress < before
+
+    def added_to(self, closed: xr.Dataset) -> xr.Dataset:
+        """Return a history with its snapshots along ``snapshot``, in order of time."""
+        shape = (closed.sizes["y"], closed.sizes["x"])
+        states = list(self._kept.values())
+        variables: dict[str, Any] = {}
+        for name, (text, unit) in _FIELDS.items():
+            dimensions = () if name == "broken_volume" else shape
+            values = np.array([getattr(state, name) for state in states], dtype=np.float64)
+            values = values.reshape(len(states), *dimensions)
+            if name in ("upper", "lower"):
+                values += self._datums[name == "lower"]
+            along = ("snapshot", "y", "x")[: values.ndim]
+            variables[f"snapshot_{name}"] = (along, values, {"long_name": text, "units": unit})
+        if self._first is not None:
+            for name, datum in zip(("upper", "lower"), self._datums, strict=True):
+                about = {"long_name": f"{name} wall at first touch", "units": "m"}
+                variables[f"{name}_first"] = ("y", "x"), getattr(self._first, name) + datum, about
+        rows = [(*place, state.step) for place, state in self._kept.items()]
+        columns = [[row[k] for row in rows] for k in range(len(_PLACES))]
+        kinds: tuple[Any, ...] = (np.float64, np.int32, object, np.int32)
+        coordinates = {
+            f"snapshot_{name}": (
+                "snapshot",
+                np.array(column, dtype=kind),
+                {"long_name": text} | about,
+            )
+            for (name, (text, about)), column, kind in zip(
+                _PLACES.items(), columns, kinds, strict=True
+            )
+        }
+        return closed.assign(variables).assign_coords(coordinates)

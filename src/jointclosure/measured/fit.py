@@ -13,8 +13,7 @@ from jointclosure.engine.uncertainty import shifted_walls
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import usual_seating
+from jointclosure.joint.conditions import Conditions, usual_seating
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (

@@ -94,7 +94,7 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.hstack([roots, touching]), bound
 
 
-def _values(coefficients, u):
+def _values(coefficients: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Evaluate polynomials by Horner's scheme, coefficients along the first axis."""
     value = np.zeros_like(u)
     for coefficient in coefficients:
@@ -102,7 +102,9 @@ def _values(coefficients, u):
     return value
 
 
-def _between(polynomials, derivatives, low, high) -> np.ndarray:
+def _between(
+    polynomials: np.ndarray, derivatives: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
     """Return the root of each polynomial (columns) between two ends of opposite signs."""
     rising = _values(polynomials, low) < 0.0
     low, high = np.where(rising, low, high), np.where(rising, high, low)  # f(low) < 0

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.loading import LARGEST_SEATING
+from jointclosure.joint.conditions import LARGEST_SEATING
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.parameters.units import in_unit, name_and_unit

@@ -77,7 +77,7 @@ def check_results(
             np.isfinite(residual),
         )
     if "largest_flow_imbalance" in study:
-        from jointclosure.joint.reynolds import LARGEST_IMBALANCE
+        from jointclosure.joint.flow import LARGEST_IMBALANCE
 
         imbalance = float(study.largest_flow_imbalance.where(good).max())
         add(
