@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.joint import reynolds
+from jointclosure.joint import flow as reynolds
 from jointclosure.joint.flow import (
     AT_LEAST,
     BLOCKED,

@@ -10,8 +10,8 @@ import xarray as xr
 
 from jointclosure.engine.budget import Budget
 from jointclosure.inputs.plain import to_plain
+from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import curve_table, cycle_table, has_flow
-from jointclosure.joint.loading import largest_stress
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_animation
 from jointclosure.storage.provenance import origin

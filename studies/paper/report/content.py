@@ -11,8 +11,7 @@ from jointclosure.cli.page import Picture, Sheet, number_text, provenance_rows, 
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
-from jointclosure.statistics.standard_errors import Estimate
+from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
 from jointclosure.statistics.verdicts import (
     FALLS,
     NO_DIFFERENCE,
