@@ -1,6 +1,6 @@
 """Displacement steps of a history: their selection with resolved breakage, and their least number.
 
-Steps follow from estimates of their error (docs/decisions/0010-resolved-breakage.md). Two kinds of
+Steps follow from estimates of their error (docs/decisions.md#0010-resolved-breakage). Two kinds of
 joints run for practically unlimited time: joints whose closure takes a very large number of steps,
 and joints whose rock is crushed to powder by resolved breakage. Both are recognised before anything
 breaks.
