@@ -5,7 +5,7 @@ repetitions. A real study is a study with R = 1, judged by the same rules.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -97,32 +97,8 @@ Margins = Mapping[str, Value]
 """Margins by name: numbers, or arrays of equal shape."""
 
 
-class Elastic(Protocol):
-    """Model of a rock with known elasticities."""
-
-    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
-        """Return d ln(closure)/d ln(parameter) at the rock's value."""
-        ...
-
-    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
-        """Return the elasticities between neighbouring levels, if levels are known."""
-        ...
-
-
-class Closed(Elastic, Protocol):
-    """Model of a rock with known closures at all levels."""
-
-    def change(self, parameter: str, cycle: int, change: float) -> Value:
-        """Return the relative change of the closure with a change of the parameter."""
-        ...
-
-    def share(self, variable: str, cycle: int) -> Value:
-        """Return `LOOP` or `EXCESS` over the closure."""
-        ...
-
-    def significant(self, cycle: int) -> Value:
-        """Return the smallest relative change of mean closure that a study finds significant."""
-        ...
+Model = Any
+"""Model of a rock: `studies.paper.judged_claims.ClosedModel`, or its `Elasticities` alone."""
 
 
 class Elasticities(NamedTuple):
@@ -135,7 +111,7 @@ class Elasticities(NamedTuple):
     bases: Mapping[str, float]
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
-        """Return the elasticity as `Elastic`; only one variable is known."""
+        """Return d ln(closure)/d ln(parameter) at the rock's value; only one variable is known."""
         return self.by_cycle[parameter, cycle]
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
@@ -176,7 +152,7 @@ class Statement(NamedTuple):
         """Return the cycles that the statement needs."""
         return (cycle - 1, cycle) if self.before else (cycle,)
 
-    def least(self, model: Elastic, cycle: int, variable: str = TARGET) -> np.ndarray:
+    def least(self, model: Model, cycle: int, variable: str = TARGET) -> np.ndarray:
         """Return the smallest of its margins; with ``within`` the least distance to the bound."""
         margins = list(self.margins(model, cycle, variable).values())
         if self.within:
@@ -203,7 +179,7 @@ class Statement(NamedTuple):
         return 0.0 if self.within else self.above
 
 
-def _size(model: Elastic, parameter: str, cycle: int, variable: str) -> Value:
+def _size(model: Model, parameter: str, cycle: int, variable: str) -> Value:
     return np.abs(model.elasticity(parameter, cycle, variable))
 
 
@@ -214,7 +190,7 @@ def _less(first: str, second: str) -> str:
 def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callable) -> Statement:
     """Make the statement that closure is more sensitive to the first of each pair."""
 
-    def margins(model: Elastic, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         size = {name: _size(model, name, cycle, variable) for name in PROPERTIES}
         return {_less(one, other): size[one] - size[other] for one, other in pairs}
 
@@ -227,7 +203,7 @@ def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callabl
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
 
-    def margins(model: Elastic, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         before, here = (_size(model, parameter, c, variable) for c in (cycle - 1, cycle))
         of = f"|e({SYMBOLS[parameter]})| of cycle"
         pair = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
@@ -244,7 +220,7 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that closure rises (sign 1) or falls (-1) with a parameter."""
     word = "rise" if sign > 0 else "fall"
 
-    def margins(model: Elastic, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         name = f"{word} with {SYMBOLS[parameter]}"
         slopes = model.slopes(parameter, cycle, variable)
         return {f"{name}, step {i + 1}": sign * slope for i, slope in enumerate(slopes)}
@@ -258,7 +234,7 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
 def _no_effect(number: str, text: str, parameter: str, change: float) -> Statement:
     """Make the statement that this change of a parameter has a negligible effect on the closure."""
 
-    def margins(model: Closed, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         return {
             f"change with {SYMBOLS[parameter]} {by:+g}": model.change(parameter, cycle, by)
             for by in (-change, change)
@@ -274,7 +250,7 @@ def _significant(number: str, text: str, parameter: str, percent: float) -> Stat
     """Make the statement that this change of a parameter is significant in a study."""
     name = f"change with {percent:g} % of {SYMBOLS[parameter]}, over a significant one"
 
-    def margins(model: Closed, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         change = 0.01 * percent * np.abs(model.elasticity(parameter, cycle, variable))
         return {name: change / model.significant(cycle)}
 
@@ -287,7 +263,7 @@ def _significant(number: str, text: str, parameter: str, percent: float) -> Stat
 def _positive(number: str, text: str, reads: str) -> Statement:
     """Make the statement that `LOOP` or `EXCESS` is positive."""
 
-    def margins(model: Closed, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Margins:
         return {f"{reads} over closure": model.share(reads, cycle)}
 
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
@@ -376,7 +352,7 @@ class Claim(NamedTuple):
         cycles = {cycle for variable, cycle in names if variable == self.variable}
         return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
 
-    def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], Value]:
+    def margins(self, model: Model, cycles: list[int]) -> dict[tuple[str, int], Value]:
         """Return the margins of the statement by name and cycle."""
         return {
             (name, cycle): value

@@ -1,6 +1,6 @@
 """Tables of closures: means and scatter of every case, correlations, elasticities, with errors."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,12 +16,8 @@ from jointclosure.statistics.control_variates import (
     adjusted_means,
 )
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit, paired_lack_of_fit
-from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
-from jointclosure.statistics.paired import (
-    PairedInterval,
-    p_of_difference,
-    paired_indifference_interval,
-)
+from jointclosure.statistics.indifference import IndifferenceInterval
+from jointclosure.statistics.paired import PairedInterval, p_of_difference
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import (
     Estimate,
@@ -206,16 +202,6 @@ _ADJUSTED = tuple(
 )
 
 
-class _Tested(NamedTuple):
-    """Interval by one of the tests [SI]."""
-
-    length: float
-    root: float
-    extrapolated: bool
-    status: str
-    linear_length: float
-
-
 def indifference_table(
     study: xr.Dataset,
     statistics: Statistics,
@@ -259,22 +245,17 @@ def indifference_table(
 def _interval(
     response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
 ) -> dict:
-    unpaired = _tested(response, statistics.significance, False)
-    interval = _tested(response, statistics.significance, True) if response.paired else unpaired
+    """Return the columns of an interval by the table's test, and by the unpaired test."""
+    unpaired = _tested(response._replace(paired=False), size, statistics.significance)
+    row = _tested(response, size, statistics.significance) if response.paired else unpaired
     resampled = _bootstrap(response, statistics, root_seed, suffix)
-    row = {
-        "length": interval.length / size,
-        "percent": 100.0 * interval.length / response.base,
-        "root": interval.root / size,
-        "extrapolated": interval.extrapolated,
-        "status": interval.status,
+    row = row | {
         "length_low": resampled.low / size,
         "length_high": resampled.high / size,
         "standard_error": resampled.standard_error / size,
         "share_without_root": resampled.share_without_root,
-        "linear_length": interval.linear_length / size,
-        "unpaired_length": unpaired.length / size,
-        "unpaired_percent": 100.0 * unpaired.length / response.base,
+        "unpaired_length": unpaired["length"],
+        "unpaired_percent": unpaired["percent"],
     }
     return {f"{name}{suffix}": value for name, value in row.items()}
 
@@ -322,18 +303,9 @@ def _adjusted_interval(
     }
 
 
-def _tested(response: Response, significance: float, paired: bool) -> _Tested:
-    """Compute the interval by the paired or the unpaired test."""
-    levels, samples, base = response.levels, response.samples, response.base
-    interval: PairedInterval | IndifferenceInterval
-    if paired:
-        interval = paired_indifference_interval(levels, samples, significance, base)
-        linear = interval.linear_length
-    else:
-        interval = indifference_interval(
-            levels, response.means, response.deviations, samples.shape[1], significance, base
-        )
-        linear = _linear_length(response, interval)
+def _tested(response: Response, size: float, significance: float) -> dict:
+    """Compute the interval by the response's test, in units of ``size``."""
+    interval = response.interval(significance)
     status = "interval"
     if np.isnan(interval.length):
         status = "no real root"
@@ -341,11 +313,20 @@ def _tested(response: Response, significance: float, paired: bool) -> _Tested:
         status = "fitted deviation is negative at the root"
     elif interval.extrapolated:
         status = "extrapolated"
-    return _Tested(interval.length, interval.root, interval.extrapolated, status, linear)
+    return {
+        "length": interval.length / size,
+        "percent": 100.0 * interval.length / response.base,
+        "root": interval.root / size,
+        "extrapolated": interval.extrapolated,
+        "status": status,
+        "linear_length": _linear_length(response, interval) / size,
+    }
 
 
-def _linear_length(response: Response, interval: IndifferenceInterval) -> float:
+def _linear_length(response: Response, interval: PairedInterval | IndifferenceInterval) -> float:
     """Return t sqrt(2/n) S/|slope|: the length if mean and deviation are straight lines."""
+    if isinstance(interval, PairedInterval):
+        return interval.linear_length
     mean = fit_quadratic(response.levels, response.means, response.base)
     deviation = fit_quadratic(response.levels, response.deviations, response.base).d
     slope, n = mean.c / mean.half_range, response.samples.shape[1]

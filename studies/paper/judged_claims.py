@@ -336,7 +336,7 @@ Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel:
-    """Mean closures of all cases of a rock, as `studies.paper.claims.Closed`.
+    """Mean closures of all cases of a rock.
 
     ``critical`` is t sqrt(2/n) of a study's test: the smallest significant change of a mean in
     standard deviations of a closure.

@@ -11,8 +11,7 @@ import xarray as xr
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
 from jointclosure.statistics.correlations import fit_quadratic
-from jointclosure.statistics.indifference import check_significance, indifference_interval
-from jointclosure.statistics.paired import paired_indifference_interval
+from jointclosure.statistics.indifference import check_significance
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import (
     elasticity,
@@ -138,7 +137,7 @@ def _criteria(response: Response, significance: float) -> dict[str, Callable[[in
     at_base = variation[response.levels == response.base][0]
 
     def length(n: int, amount: float) -> bool:
-        expected = _length(response, n, significance)
+        expected = response.interval(significance, n).length
         return 100.0 * expected / abs(response.base) <= amount  # no root: NaN, not reached
 
     def elasticity_error(n: int, amount: float) -> bool:
@@ -152,17 +151,6 @@ def _criteria(response: Response, significance: float) -> dict[str, Callable[[in
         "elasticity-error": elasticity_error,
         "power": lambda n, amount: power_of_ends(response, n, significance) >= amount,
     }
-
-
-def _length(response: Response, n: int, significance: float) -> float:
-    levels, base = response.levels, response.base
-    if response.paired:
-        return paired_indifference_interval(
-            levels, response.samples, significance, base, surfaces=n
-        ).length
-    return indifference_interval(
-        levels, response.means, response.deviations, n, significance, base
-    ).length
 
 
 def length_error(response: Response, n: int) -> float:

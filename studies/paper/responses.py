@@ -11,6 +11,8 @@ from jointclosure.engine.settings import BASE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
+from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
+from jointclosure.statistics.paired import PairedInterval, paired_indifference_interval
 from studies.frame.ensemble.covariates import Covariates
 
 
@@ -38,6 +40,18 @@ class Response(NamedTuple):
     @property
     def deviations(self) -> np.ndarray:
         return self.samples.std(axis=1, ddof=1)
+
+    def interval(
+        self, significance: float, surfaces: int | None = None
+    ) -> PairedInterval | IndifferenceInterval:
+        """Compute the indifference interval [SI] by its test, for another number of surfaces."""
+        levels, base = self.levels, self.base
+        if self.paired:
+            return paired_indifference_interval(
+                levels, self.samples, significance, base, surfaces=surfaces
+            )
+        n = surfaces or self.samples.shape[1]
+        return indifference_interval(levels, self.means, self.deviations, n, significance, base)
 
 
 class Levels(NamedTuple):

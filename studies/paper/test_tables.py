@@ -1,11 +1,11 @@
 import pandas as pd
 import pytest
 
+from jointclosure.statistics.standard_errors import significant
 from studies.paper.layout import (
     case_table,
     closure_lines,
     rock_table,
-    significant,
     table_3_latex,
     table_3_markdown,
     with_paper,
