@@ -94,7 +94,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
 def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
     """Return sealed figures that have a caption, in the order in which they were drawn."""
     from jointclosure.cli.page import Picture
-    from studies.paper.report.captions import read_caption
+    from studies.paper.report.page import read_caption
 
     figures = [path for path in sealed if path.parent == folder / "figures"]
     return [

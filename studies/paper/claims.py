@@ -166,10 +166,7 @@ class Statement(NamedTuple):
         """
         if self.within:
             intervals = [
-                Interval(
-                    self.above - max(abs(low), abs(high)),
-                    self.above - max(low, -high, 0.0),
-                )
+                Interval(self.above - max(abs(low), abs(high)), self.above - max(low, -high, 0.0))
                 for low, high in intervals
             ]
         return Interval(*(min(ends) for ends in zip(*intervals, strict=True)))

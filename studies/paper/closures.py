@@ -181,20 +181,9 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
 PAIRED, UNPAIRED = "paired", "unpaired"
 
 _ROW = ("rock", "parameter", "cycle", "unit", "base", "samples", "test")
-_FOUND = (
-    "length",
-    "percent",
-    "root",
-    "extrapolated",
-    "status",
-    "length_low",
-    "length_high",
-    "standard_error",
-    "share_without_root",
-    "linear_length",
-    "unpaired_length",
-    "unpaired_percent",
-)
+_FOUND = ["length", "percent", "root", "extrapolated", "status", "length_low", "length_high"]
+_FOUND += ["standard_error", "share_without_root", "linear_length"]
+_FOUND += ["unpaired_length", "unpaired_percent"]
 """Columns of an interval; those with the suffix ``_net`` are net of bulk indentation."""
 _ENDS = ("p_of_ends", "unpaired_p_of_ends")
 _ADJUSTED = tuple(
@@ -203,10 +192,7 @@ _ADJUSTED = tuple(
 
 
 def indifference_table(
-    study: xr.Dataset,
-    statistics: Statistics,
-    root_seed: int,
-    covariates: Covariates | None = None,
+    study: xr.Dataset, statistics: Statistics, root_seed: int, covariates: Covariates | None = None
 ) -> pd.DataFrame:
     """Tabulate the indifference intervals of all rocks, parameters and cycles.
 

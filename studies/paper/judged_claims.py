@@ -33,13 +33,7 @@ from jointclosure.statistics.drawn_studies import (
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
-from jointclosure.statistics.verdicts import (
-    UNDECIDED,
-    Frequency,
-    Interval,
-    frequency,
-    t_interval,
-)
+from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
 from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, OURS, TABLE_3, TARGET, Claim, Findings
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 

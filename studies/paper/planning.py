@@ -33,17 +33,8 @@ RESAMPLES = 40
 _NORMAL_95 = 1.96
 
 
-_COLUMNS = (
-    "rock",
-    "parameter",
-    "cycle",
-    "test",
-    "surfaces",
-    "low_68",
-    "high_68",
-    "simulations",
-    "core_minutes",
-)
+_COLUMNS = ["rock", "parameter", "cycle", "test", "surfaces", "low_68", "high_68"]
+_COLUMNS += ["simulations", "core_minutes"]
 
 
 _LARGEST = {"length": 1e3, "width": 10.0, "standard-error": 1.0, "elasticity-error": 10.0}
@@ -92,7 +83,7 @@ def plan(
         row |= {"low_68": low, "high_68": high}
         row |= {"simulations": n * response.levels.size, "core_minutes": n * seconds / 60.0}
         rows.append(row)
-    return pd.DataFrame(rows, columns=list(_COLUMNS))
+    return pd.DataFrame(rows, columns=_COLUMNS)
 
 
 def surfaces_for(

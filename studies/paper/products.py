@@ -23,12 +23,7 @@ from studies.frame.config.files import METHODS
 from studies.frame.config.typed import Statistics, StudyRock
 from studies.frame.config.wanted import Wanted, preset_errors
 from studies.frame.ensemble.checks import check_results as check
-from studies.frame.ensemble.covariates import (
-    Covariates,
-    as_dataset,
-    from_dataset,
-    known_covariates,
-)
+from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.ensemble.covariates import measure_covariates as measure
 from studies.frame.ensemble.flow_table import flow_table
 from studies.frame.measured_files import CurveSettings, measured_curves
@@ -50,12 +45,7 @@ from studies.paper.layout import (
     with_paper,
 )
 from studies.paper.planning import describe_reached, reached_table
-from studies.paper.predictive import (
-    joint_table,
-    lengths_dataset,
-    predictive,
-    predictive_table,
-)
+from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 
 __all__ = ["PRODUCTS"]
 

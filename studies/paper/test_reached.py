@@ -10,9 +10,7 @@ from studies.frame.config.wanted import BLOCK, PresetErrors, Wanted
 from studies.paper.claims import TARGET
 from studies.paper.closures import max_closure_table
 from studies.paper.planning import Goal, reached_table, surfaces_for, surfaces_next
-from studies.paper.responses import (
-    responses,
-)
+from studies.paper.responses import responses
 from studies.paper.world import world
 
 BIASES = {1: Bias(0.02), 2: Bias(-0.01, 0.005)}

@@ -17,12 +17,7 @@ from studies.paper.closures import (
 )
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.planning import GOALS, Goal, plan, power_of_ends
-from studies.paper.predictive import (
-    joint_table,
-    lengths_dataset,
-    predictive,
-    predictive_table,
-)
+from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import responses
 from studies.paper.world import ELASTICITIES, world
 from tests.studied import study_of

@@ -81,13 +81,7 @@ def titled(title):
     return {"slate": rocks["slate"]}
 
 
-@pytest.mark.parametrize(
-    "title",
-    [
-        '=HYPERLINK("a")',
-        "\t=1",
-    ],
-)
+@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "\t=1"])
 def test_a_title_is_no_formula_of_a_spreadsheet(title):
     assert rock_table(titled(title)).title.tolist() == ["'" + title]
 

@@ -198,10 +198,7 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
 
 def _estimated(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
     """Return the columns of a number and of its standard error, in the unit of the table."""
-    return {
-        name: scale * estimate.value,
-        f"{name}_standard_error": scale * estimate.standard_error,
-    }
+    return {name: scale * estimate.value, f"{name}_standard_error": scale * estimate.standard_error}
 
 
 def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
