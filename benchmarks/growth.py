@@ -53,7 +53,7 @@ from yardstick import (
 
 import jointclosure as jc
 from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.walls.synthesis import ROLL_OFF
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}

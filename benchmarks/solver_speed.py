@@ -60,7 +60,7 @@ from yardstick import (
 
 import jointclosure as jc
 from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)

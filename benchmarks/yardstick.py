@@ -25,7 +25,7 @@ import scipy.fft
 
 import jointclosure as jc
 from jointclosure.engine.settings import BASE, Case, ClosureSettings
-from jointclosure.engine.surfaces import walls_of
+from jointclosure.engine.walls import walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
 from jointclosure.storage.text import read_csv

@@ -7,7 +7,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from jointclosure.engine.points import Point
-from jointclosure.inputs.plain import from_plain, to_plain
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.accuracy.cost import (
     Resampling,
@@ -17,7 +16,7 @@ from studies.accuracy.cost import (
     setting_table,
     source_table,
 )
-from studies.accuracy.design import Setting, design_of, joint_of
+from studies.accuracy.design import design_of, joint_of
 from studies.accuracy.figures import SCENE_TITLES, error_sources, work_precision
 from studies.frame.config.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
@@ -37,7 +36,7 @@ def accuracy_design(configured: Configured) -> Design:
         for name, run in runs.items()
     }
     parameters = {
-        "settings": to_plain(settings),
+        "settings": settings,
         "bases": {name: run.base for name, run in runs.items()},
         "keys": keys,
         "root_seed": configuration.study.root_seed,
@@ -45,7 +44,7 @@ def accuracy_design(configured: Configured) -> Design:
         "significance": configuration.statistics.significance,
     }
     if keys.get("total"):
-        parameters["joint"] = to_plain(joint_of(keys["total"]["scene"], settings, runs))
+        parameters["joint"] = joint_of(keys["total"]["scene"], settings, runs)
     variants = sorted({setting.scene for setting in settings})
     return Design(
         jobs,
@@ -57,7 +56,7 @@ def accuracy_design(configured: Configured) -> Design:
 
 def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return costs, orders of convergence, sources of error, and the settings of presets."""
-    keys, settings = parameters["keys"], from_plain(list[Setting], parameters["settings"])
+    keys, settings = parameters["keys"], parameters["settings"]
     runs, seed = runs_of(joints, parameters["bases"]), parameters["root_seed"]
     drawn, drawn_for_sources = (
         Resampling(generator(seed_of(seed, *name)), keys["resamples"], keys["confidence"])

@@ -15,7 +15,7 @@ import pandas as pd
 
 from jointclosure.engine.quantities import pair_seconds
 from jointclosure.engine.settings import BASE
-from jointclosure.engine.surfaces import walls_of_seed
+from jointclosure.engine.walls import walls_of_seed
 from jointclosure.inputs import InputError
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.randomness import seed_of

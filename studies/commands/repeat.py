@@ -4,18 +4,17 @@ import json
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.cache import is_kept
 from jointclosure.inputs import InputError
-from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text
 from studies.commands import COMMANDS
+from studies.frame.config.configuration import resolved
+from studies.frame.ensemble.closing import Ensemble, close_block
 from studies.frame.ensemble.comparison import differences
-from studies.frame.ensemble.repetition import repeated
 
-_SETTINGS = "settings: "
+_CONFIGURATION = "configuration: "
 
 
 def add_to(commands) -> None:
@@ -24,7 +23,7 @@ def add_to(commands) -> None:
         "repeat",
         help=COMMANDS["repeat"],
         description="Closes one surface pair of a study again, with the settings of its files "
-        "or, if its job failed, of its logs, and reports whether the results are the stored ones.",
+        "and logs, and reports whether the results are the stored ones.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
@@ -37,51 +36,41 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
-    results, case, realization = arguments.results, arguments.case, arguments.realization
-    ensemble = "pool" if arguments.pool else "cases"
-    settings = _settings(results, ensemble, case, realization)
-    first = settings.surfaces.first_realization
-    surface = settings.case.surface
-    walls = _stored(results / f"{ensemble}/{surface}.{first}.surfaces.nc", realization)
-    print(f"realisation {realization} of {case}", flush=True)
-    again = repeated(settings, realization, walls)
-    for name, variable in again.data_vars.items():
+    results, label, realization = arguments.results, arguments.case, arguments.realization
+    name = "pool" if arguments.pool else "cases"
+    ensemble = Ensemble(resolved(_keys(results, name)), name)
+    block = next((block for block in ensemble.blocks if realization in block), None)
+    if label not in ensemble.cases or block is None:
+        raise InputError(f"{results}: has no realisation {realization} of {label!r} in {name}")
+    entries = {entry.name: entry for entry in ensemble.entries(results)}
+    entry = entries[f"{name}/{label}.{block.start}"]
+    (settings,) = entry.settings
+    surfaces = settings.surfaces._replace(first_realization=realization, realizations=1)
+    print(f"realisation {realization} of {label}", flush=True)
+    again = close_block(
+        settings._replace(surfaces=surfaces),
+        report=lambda line: None,
+        walls=entry.options.get("walls"),
+    )
+    for key, variable in again.data_vars.items():
         if variable.size <= max(8, again.sizes["cycle"]):
             values = ", ".join(f"{value:.8g}" for value in np.ravel(variable.values))
-            print(f"  {name:24} {values} {variable.attrs.get('units', '')}".rstrip())
-    stored = _stored(results / f"{ensemble}/{case}.{first}.nc", realization)
-    if stored is None:
+            print(f"  {key:24} {values} {variable.attrs.get('units', '')}".rstrip())
+    if not is_kept(entry, results):
         print("no stored results to compare with")
         return 0
+    with reading_netcdf(entry.file(results)) as dataset:
+        stored = dataset.sel(realization=[realization]).load()
     messages = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
     print("\n".join(messages) or "identical to the stored results")
     return 1 if messages else 0
 
 
-def _stored(path: Path, realization: int) -> xr.Dataset | None:
-    if not path.is_file():
-        return None
-    with reading_netcdf(path) as dataset:
-        return dataset.sel(realization=[realization]).load()
-
-
-def _settings(results: Path, ensemble: str, case: str, realization: int) -> ClosureSettings:
-    """Return the settings of the block of a case that contains the realisation."""
-    logs = sorted((results / "logs/close_surfaces" / ensemble).glob(f"{_plain(case)}.*.log"))
-    for log in logs:
-        lines = (line for line in read_text(log).splitlines() if _SETTINGS in line)
-        for line in lines:
-            settings = from_plain(ClosureSettings, json.loads(line.partition(_SETTINGS)[2]))
-            first = settings.surfaces.first_realization
-            if first <= realization < first + settings.surfaces.realizations:
-                return settings
-    raise InputError(
-        f"{results}: no log in logs/close_surfaces/{ensemble} contains realisation "
-        f"{realization} of {case!r}"
-    )
-
-
-def _plain(case: str) -> str:
-    if not case.replace("-", "").replace("_", "").isalnum():
-        raise InputError(f"case = {case!r}: must be letters, digits, '-' and '_'")
-    return case
+def _keys(results: Path, name: str) -> dict:
+    """Return the keys of a study from the log of the job that closes its joints."""
+    log = results / f"logs/close_{'pool' if name == 'pool' else 'study'}.log"
+    lines = read_text(log).splitlines() if log.is_file() else []
+    keys = [line.partition(_CONFIGURATION)[2] for line in lines if _CONFIGURATION in line]
+    if not keys:
+        raise InputError(f"{log}: has no configuration; was the study run here?")
+    return json.loads(keys[0])

@@ -15,9 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from jointclosure.engine.choice import JOINTS, SceneChoice, choose_among
 from jointclosure.engine.pilot import Close, Closed, Pilot, closing, max_closures
+from jointclosure.engine.points import as_dataset
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -212,6 +214,13 @@ def validate(
             )
         report(f"tolerance {tolerance:g}: {rows[-1]}")
     return pd.DataFrame(rows)
+
+
+def validated_scene(
+    settings: ValidationSettings, number: int, report: Callable[[str], None]
+) -> xr.Dataset:
+    """Return `validate` as a dataset (`jointclosure.engine.points.as_dataset`)."""
+    return as_dataset(validate(settings, number, report))
 
 
 def _limited(runs: _Runs, tolerance: float) -> Close:

@@ -6,17 +6,20 @@ An experiment is a package of `studies` with a constant ``EXPERIMENT``. The engi
 
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pandas as pd
 
-from jointclosure.engine.points import Jobs, Samples, samples_of
+from jointclosure.engine.cache import Entry
+from jointclosure.engine.points import Jobs, Samples, entries_of, samples_of
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
-from studies.frame.config.configuration import Configured
+from studies.frame.config.configuration import Configured, resolved
 from studies.frame.config.keys.configuration import SECTIONS
 from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.closing import Ensemble
 from studies.frame.ensemble.slices import block_settings
 
 if TYPE_CHECKING:
@@ -29,7 +32,7 @@ Tables = Mapping[str, Any]
 class Design(NamedTuple):
     """Jobs, tables and figures of an experiment for one configuration.
 
-    Every process of the workflow makes it anew, so slow parts are callables.
+    Jobs make it anew, so slow parts are callables.
 
     Attributes
     ----------
@@ -38,7 +41,7 @@ class Design(NamedTuple):
     tables, figures : tuple of str
         Names of the files that are written.
     parameters : dict
-        Plain data that tables and figures need besides the joints.
+        What tables and figures need besides the joints.
     files : mapping
         Further tables (CSV) that are read into the parameters, by name of the parameter.
     compiled : callable, optional
@@ -118,3 +121,23 @@ def settings_of(configuration: Configuration, case: Case, **surface: Any) -> Clo
     changed = configuration._replace(surface=configuration.surface._replace(**surface))
     block = range(configuration.study.realizations)
     return block_settings(changed, {case.label: case}, case.label, block)
+
+
+def checked(keys: dict) -> Configured:
+    """Return the configuration of keys that were checked before a job started."""
+    return Configured(keys, resolved(keys), "")
+
+
+def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:
+    """Return files of the cache by name: of the cases, pool, pilots (effects_of), or an experiment.
+
+    The cases depend on the effects that pilots chose, which are read if the folder is given.
+    """
+    if kind in SECTIONS:
+        experiment = experiment_named(kind)
+        entries = entries_of(kind, experiment.design(configured).jobs, experiment.quantities)
+    elif kind == "effects_of":
+        entries = list(Ensemble(configured.typed).pilots().values())
+    else:
+        entries = Ensemble(configured.typed, kind).entries(folder)
+    return {entry.name: entry for entry in entries}

@@ -9,7 +9,7 @@ import pytest
 
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.surfaces import seeds_of
+from jointclosure.engine.walls import seeds_of
 from jointclosure.inputs.plain import from_plain, to_plain
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters import Effects

@@ -7,13 +7,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from jointclosure.engine.points import JobsOnDemand, Point, Sample
-from jointclosure.inputs.plain import from_plain, to_plain
 from studies.frame.config.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import (
     SURFACES,
-    Sampling,
     check_sampling,
     sampling_of,
     settings_of_choices,
@@ -59,7 +57,7 @@ def global_sensitivity_design(configured: Configured) -> Design:
         tuple(PREFIX + name for name in ("indices", "elasticities", "conclusions", "margins")),
         tuple(PREFIX + name for name in ("indices", "convergence", "conclusions")),
         {
-            "sampling": to_plain(sampling),
+            "sampling": sampling,
             "rocks": {rock: keys["rocks"][rock] for rock in sampling.rocks},
         },
         compiled=lambda: settings_of_choices(sampling, makers[sampling.rocks[0]]),
@@ -69,7 +67,7 @@ def global_sensitivity_design(configured: Configured) -> Design:
 
 def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return indices, elasticities, shares of choices for which conclusions hold, and margins."""
-    sampling, closed = from_plain(Sampling, parameters["sampling"]), by_rock(joints)
+    sampling, closed = parameters["sampling"], by_rock(joints)
     held, margins = conclusion_tables(sampling, parameters, closed)
     tables = {
         "indices": index_table(sampling, closed),

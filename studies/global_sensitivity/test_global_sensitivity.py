@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.engine.points import close_points
-from jointclosure.engine.surfaces import walls_of
+from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv

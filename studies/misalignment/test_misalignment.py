@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from jointclosure.engine.points import close_points, gridded
-from jointclosure.engine.surfaces import seeds_of
+from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair

@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.aggregation import CURVES
-from jointclosure.engine.settings import Grid, Surface, SurfaceSettings, check_settings
+from jointclosure.engine.settings import Grid, Surface
 from jointclosure.measured.curves import fit_table
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.drawn_studies import Design
@@ -266,7 +266,7 @@ def draw_figures(
     study: Annotated[xr.Dataset, reading_netcdf],
     intervals: pd.DataFrame,
     closures: pd.DataFrame,
-    surfaces: str,
+    first_walls: Annotated[xr.Dataset, read_netcdf],
     curve_files: list[str],
     fits: pd.DataFrame | None,
     flow: pd.DataFrame | None,
@@ -274,7 +274,6 @@ def draw_figures(
     curves: dict[str, CurveSettings],
     seating_stress: float,
     wall_strength_ratio: float,
-    surface_settings: SurfaceSettings,
     log: Callable[[str], object],
 ):
     """Draw the figures of the study itself, as PNG and PDF."""
@@ -288,8 +287,6 @@ def draw_figures(
     drawn = np.union1d(study.realization.values[: plotting.MOST_DRAWN], measured.best)
     shown = study.sel(realization=drawn.astype(int)).load()
     log(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
-    pair = read_netcdf(surfaces)
-    check_settings(surfaces, pair.attrs, surface_settings)
     first = next(iter(rocks.values()))
 
     def closure(seating: float | None, measured: Measurements = Measurements()):
@@ -300,9 +297,9 @@ def draw_figures(
         "fig_5_closure": closure(None),
         "closure_since_seating": closure(seating_stress, measured),
         "wall_pair": plotting.wall_pair_figure(
-            pair.upper.values[0],
-            pair.lower.values[0],
-            pair.attrs["spacing_m"],
+            first_walls.upper.values,
+            first_walls.lower.values,
+            first_walls.attrs["spacing_m"],
             f"{first.title}, {roughness_title(first)}, realisation 0",
         ),
     }

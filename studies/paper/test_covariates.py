@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.engine.surfaces import walls_of
+from jointclosure.engine.walls import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.ensemble.cases import cases_of

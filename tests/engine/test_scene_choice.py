@@ -18,7 +18,7 @@ from jointclosure.engine.choice import (
 )
 from jointclosure.engine.joints import close_surfaces, closed_before, rows_by_seed
 from jointclosure.engine.pilot import CONFIDENCE, Closed, Pilot, _limits, closing
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from studies.frame.ensemble.repetition import repeated
 
 from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.choice import choose_for_case
@@ -18,13 +19,12 @@ from jointclosure.engine.settings import (
     as_text,
     check_settings,
 )
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.frame.config.typed import Configuration
 from studies.frame.ensemble.cases import blocks_of, cases_of
 from studies.frame.ensemble.comparison import differences
-from studies.frame.ensemble.repetition import repeated
 from studies.frame.ensemble.slices import block_settings
 from studies.paper.closures import max_closure_table
 from tests.studied import study_of

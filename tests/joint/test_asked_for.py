@@ -13,7 +13,7 @@ from jointclosure.cli.exports import geos_aperture_table
 from jointclosure.engine.aggregation import CURVES, join_cases
 from jointclosure.engine.joints import close_surfaces
 from jointclosure.engine.quantities import OF_FLOW
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.joint.curves import curve_table, cycle_table
 from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.joint import engineering_figure

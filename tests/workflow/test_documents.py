@@ -12,7 +12,7 @@ import yaml
 from jointclosure.cli import main as cli
 from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.surfaces import surfaces_of
+from jointclosure.engine.walls import surfaces_of
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.config.configuration import merged, written_out
 from studies.frame.ensemble.cases import cases_of

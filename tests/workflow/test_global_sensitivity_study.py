@@ -5,8 +5,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-
 from studies.frame.jobs.logbook import failed_log
+
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow

@@ -11,10 +11,6 @@ CHOICE_FIGURES = expand(
 )
 
 
-wildcard_constraints:
-    rock="[a-z][a-z0-9_]*",
-
-
 rule effects_auto:
     input:
         [
@@ -28,27 +24,13 @@ rule effects_auto:
 
 
 rule validate_choice:
-    input:
-        ancient(f"{RESULTS}/logs/effects_kernels.txt"),
-    output:
-        f"{RESULTS}/effects/random_scene_{{number}}.csv",
-    wildcard_constraints:
-        number=r"\d+",
-    params:
-        settings=(to_plain(validation_settings(CONFIGURATION)) if VALIDATION else None),
-    script:
-        "../scripts/validate_choice.py"
-
-
-rule sum_up_choices:
-    input:
-        scenes=expand(
-            f"{RESULTS}/effects/random_scene_{{number}}.csv",
-            number=range(VALIDATION.scenes) if VALIDATION else [],
-        ),
     output:
         scenes=f"{RESULTS}/tables/effects_auto.csv",
         summary=f"{RESULTS}/tables/effects_auto_summary.csv",
         figures=CHOICE_FIGURES,
+    threads: workflow.cores
+    params:
+        settings=validation_settings(CONFIGURATION) if VALIDATION else None,
+        kernels=DESIGNS["effects"].kernels() if VALIDATION else [],
     script:
-        "../scripts/sum_up_choices.py"
+        "../scripts/validate_choice.py"

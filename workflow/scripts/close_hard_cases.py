@@ -5,9 +5,9 @@ import sys
 
 import pandas as pd
 
+from jointclosure.storage.logs import Logbook
 from jointclosure.storage.text import write_csv
 from studies.frame.jobs.job import job
-from studies.frame.jobs.logbook import Logbook
 from studies.verification.hard_cases import (
     curve_of,
     failed_requirements,

@@ -1,39 +1,23 @@
 """Draw the figures of an experiment from its tables."""
 
 import itertools
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
-from studies.frame.experiments import Experiment, experiment_named
+from studies.frame.experiments import checked, experiment_named
 from studies.frame.jobs.job import job, listed
-from studies.frame.jobs.logbook import Logbook
-
-
-def main(
-    experiment: Experiment,
-    parameters: Mapping,
-    tables: Sequence[str],
-    outputs: Sequence[str],
-    log: Logbook,
-) -> None:
-    """Write each figure in the format of each of its files."""
-    read = {Path(table).stem: read_csv(table) for table in tables if table.endswith(".csv")}
-    for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
-        figure = experiment.draw(name, read, parameters)
-        for output in files:
-            save_figure(figure, output)
-            log(f"drew {output}")
-
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        params = snakemake.params
-        main(
-            experiment_named(params.experiment),
-            params.parameters | {name: read_csv(file) for name, file in params.files.items()},
-            listed(snakemake.input.tables),
-            list(snakemake.output.figures),
-            logbook,
-        )
+        experiment = experiment_named(snakemake.params.experiment)
+        design = experiment.design(checked(snakemake.config))
+        files = {name: read_csv(file) for name, file in design.files.items()}
+        tables = [path for path in listed(snakemake.input.tables) if path.endswith(".csv")]
+        read = {Path(table).stem: read_csv(table) for table in tables}
+        figures = listed(snakemake.output.figures)
+        for name, outputs in itertools.groupby(figures, lambda output: Path(output).stem):
+            figure = experiment.draw(name, read, design.parameters | files)
+            for output in outputs:
+                save_figure(figure, output)
+                logbook(f"drew {output}")

@@ -3,9 +3,9 @@
 import numpy as np
 import pandas as pd
 
+from jointclosure.storage.logs import Logbook
 from jointclosure.storage.text import write_csv
 from studies.frame.jobs.job import job
-from studies.frame.jobs.logbook import Logbook
 from studies.verification import printed, sweeps
 from studies.verification.analytic import analytic_table
 

@@ -1,18 +1,16 @@
 """Read the scanned walls of a rock, bring them to the grid, and check that there is room."""
 
-from jointclosure.engine.settings import Grid, Walls
-from jointclosure.inputs.plain import from_plain
+from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.scans import read_scan
 from studies.frame.config.walls import wall_files
 from studies.frame.ensemble.measured_walls import cutter_of, prepared_walls, room
 from studies.frame.jobs.job import job
-from studies.frame.jobs.logbook import Logbook
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:
     """Write the walls (y, x) of a rock, with the digests of their files."""
-    walls, grid = from_plain(Walls, settings["walls"]), from_plain(Grid, settings["grid"])
+    walls, grid = settings["walls"], settings["grid"]
     files = wall_files(walls)
     given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}

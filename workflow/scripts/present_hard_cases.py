@@ -3,10 +3,10 @@
 import pandas as pd
 
 from jointclosure.storage.figures import save_figures
+from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.jobs.job import job, listed
-from studies.frame.jobs.logbook import Logbook
 from studies.verification.figures import hard_case_page, numerics_figure
 from studies.verification.printed import formula_rows
 from studies.verification.requirements import error_table

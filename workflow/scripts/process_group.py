@@ -1,36 +1,33 @@
-"""Process groups that end within seconds after a request, and with the process that made them.
+"""Commands in process groups of their own, which end within seconds after a request.
 
 As a program it replaces a command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
 standard library only, as `make setup` runs it before there is an environment.
 """
 
+import contextlib
+import ctypes
 import os
-import select
 import signal
+import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 GRACE = 15.0
 """Seconds between the interruption of a process group and its kill."""
 SAME_REQUEST = 1.0
 """Seconds within which signals are one request: `timeout` and `make` both send theirs."""
 GO_ON = "what is finished stays; the same command goes on from there"
+_PR_SET_PDEATHSIG = 1
 
 
 class EndRequest:
-    """Request to end this process; true from the first request on.
+    """Request to end this process, by INT, TERM or HUP; true from the first on, later ``repeated``.
 
-    Requests are the signals INT, TERM and HUP, and the interruption or death of the `make` that
-    started this process: an INT that reaches make alone is not passed on by it.
-
-    Attributes
-    ----------
-    signal : int
-        Signal of the first request; 0 before it.
-    repeated : bool
-        Whether another request came later, so that no job is waited for.
+    The interruption or death of the `make` that started this process is a request too: an INT that
+    reaches make alone is not passed on by it.
     """
 
     def __init__(self) -> None:
@@ -83,103 +80,49 @@ def _catches_interrupts(process: int) -> bool:
     return bool(caught) and bool(int(caught[0], 16) >> (signal.SIGINT - 1) & 1)
 
 
-class ForkedGroup:
-    """Function in a forked process that leads a new process group, with the interface of `Popen`.
+@contextlib.contextmanager
+def group(command: list[str], output: TextIO | None = None) -> Iterator[subprocess.Popen]:
+    """Start a command without input as the leader of a process group, and kill what is left of it.
 
-    What is left of the group is killed as soon as its leader or this process has ended, whatever
-    ended it: programs that the group starts need not know of this.
-
-    Parameters
-    ----------
-    function : callable
-        Without arguments; it ends or replaces its process.
+    Where Linux allows it the command is killed when this process is, whatever kills that.
     """
-
-    def __init__(self, function: Callable[[], object]):
-        self.returncode: int | None = None
-        sys.stdout.flush()
-        ready, leads = os.pipe()
-        alive, self._held = os.pipe()
-        self.pid = os.fork()
-        if not self.pid:
-            try:
-                os.setsid()
-                os.close(leads)
-                os.close(self._held)
-                _guard(alive)
-                function()
-            except OSError as error:
-                print(error, file=sys.stderr, flush=True)
-            finally:
-                os._exit(127)
-        os.close(leads)
-        os.close(alive)
-        os.read(ready, 1)  # until the process leads its group, so that signals reach it
-        os.close(ready)
-
-    def poll(self) -> int | None:
-        """Return the exit status; None before the end."""
-        return self._wait(os.WNOHANG)
-
-    def wait(self) -> int | None:
-        """Wait for the end, and return the exit status."""
-        return self._wait(0)
-
-    def _wait(self, options: int) -> int | None:
-        if self.returncode is None:
-            process, status = os.waitpid(self.pid, options)
-            self.returncode = os.waitstatus_to_exitcode(status) if process else None
-        return self.returncode
+    prctl = getattr(ctypes.CDLL(None), "prctl", lambda *_: None)
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=output,
+        stderr=output,
+        start_new_session=True,
+        close_fds=False,  # the lock of the folder is inherited
+        preexec_fn=lambda: prctl(_PR_SET_PDEATHSIG, signal.SIGKILL),
+    )
+    try:
+        yield process
+    finally:
+        _send(process, signal.SIGKILL)
+        process.wait()
 
 
-def _guard(alive: int) -> None:
-    """Fork the process that kills this group when its leader, or all that hold a pipe, ended."""
-    leader = os.getpid()
-    if os.fork():
-        return
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
-    while os.getppid() == leader and not select.select([alive], [], [], 0.2)[0]:
-        pass
-    os.killpg(0, signal.SIGKILL)
+def end_group(process: subprocess.Popen, request: EndRequest, number: int = signal.SIGINT) -> None:
+    """Signal a process group once, and wait for its end, for the grace period at most."""
+    _send(process, number)
+    deadline = time.monotonic() + GRACE
+    while _send(process, 0) and time.monotonic() < deadline and not request.repeated:
+        process.poll()  # a leader that is not waited for would stay in the group
+        time.sleep(0.1)
 
 
 def run_group(command: list[str], request: EndRequest) -> int:
     """Run a command to its end, or until this process is asked to end; its exit status."""
     if request:
         return 128 + request.signal
-    process = ForkedGroup(lambda: _replace(command))
-    while process.poll() is None:
-        if request:
-            end_group(process, request, signal.SIGTERM)
-            return 128 + request.signal
-        time.sleep(0.1)
-    kill_group(process)
-    return shell_status(process.returncode or 0)
-
-
-def _replace(command: list[str]) -> None:
-    """Become a command, without input and with its usual reactions to signals."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
-        signal.signal(number, signal.SIG_DFL)
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    os.execvp(command[0], command)
-
-
-def end_group(process: ForkedGroup, request: EndRequest, number: int = signal.SIGINT) -> None:
-    """Signal a process group once, and kill what is left of it after the grace period."""
-    _send(process, number)
-    deadline = time.monotonic() + GRACE
-    while _send(process, 0) and time.monotonic() < deadline and not request.repeated:
-        process.poll()  # a leader that is not waited for would stay in the group
-        time.sleep(0.1)
-    kill_group(process)
-
-
-def kill_group(process: ForkedGroup) -> None:
-    """Kill what is left of the group of a process, and wait for the process."""
-    _send(process, signal.SIGKILL)
-    process.wait()
+    with group(command) as process:
+        while process.poll() is None:
+            if request:
+                end_group(process, request, signal.SIGTERM)
+                return 128 + request.signal
+            time.sleep(0.1)
+    return shell_status(process.returncode)
 
 
 def shell_status(returncode: int) -> int:
@@ -187,7 +130,7 @@ def shell_status(returncode: int) -> int:
     return 128 - returncode if returncode < 0 else returncode
 
 
-def _send(process: ForkedGroup, number: int) -> bool:
+def _send(process: subprocess.Popen, number: int) -> bool:
     """Send a signal to the group of a process; False where none of the group is left."""
     try:
         os.killpg(process.pid, number)

@@ -92,7 +92,7 @@ def run_target(name: str, request: EndRequest) -> int:
         for goal in target.goals:
             while True:
                 words = [*command, *given, *planned(override, folder), "--", goal]
-                status = follow(partial(run_snakemake, words), stream, log, request)
+                status = follow(words, stream, log, request)
                 if status:
                     return status
                 if goal != "all" or not enlarged(override, folder):
@@ -164,7 +164,7 @@ def enlarged(override: str, folder: Path) -> bool:
 
 
 def snakemake(profile: str, cores: str) -> list[str]:
-    """Return the arguments, without goals and configuration."""
+    """Return the command, without goals and configuration."""
     file = Path(profile) / "config.yaml"
     if not file.is_file():
         raise InputError(f"PROFILE={profile}: has no config.yaml")
@@ -179,12 +179,5 @@ def snakemake(profile: str, cores: str) -> list[str]:
         if name not in (None, "local") and not importlib.util.find_spec(plugin):
             advice = _ADVICE.get(settings.get("executor"), f"install {plugin.replace('_', '-')}")
             raise InputError(f"PROFILE={profile}: needs {plugin}, which is not installed: {advice}")
-    return ["--workflow-profile", profile, *(["--cores", cores] if cores else [])]
-
-
-def run_snakemake(arguments: list[str]) -> None:
-    """Run Snakemake in this process."""
-    from snakemake.cli import main
-
-    sys.argv = ["snakemake", *arguments]  # the Snakefile reads them too
-    main()
+    command = [sys.executable, "-m", "snakemake", "--workflow-profile", profile]
+    return [*command, *(["--cores", cores] if cores else [])]

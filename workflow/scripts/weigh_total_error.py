@@ -1,9 +1,8 @@
 """Compute and draw the total error of all methods over their core-minutes."""
 
-from jointclosure.inputs.plain import from_plain
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.logs import Logbook
 from jointclosure.storage.text import read_csv, write_csv
-from studies.accuracy.design import Joint
 from studies.accuracy.figures import total_error_figure
 from studies.accuracy.total import (
     Diagram,
@@ -13,12 +12,11 @@ from studies.accuracy.total import (
     time_cheap,
 )
 from studies.frame.jobs.job import job
-from studies.frame.jobs.logbook import Logbook
 
 
 def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:
     """Write methods, points and splits, and the figure to each of its outputs."""
-    design, joint = settings["design"], from_plain(Joint, settings["joint"])
+    design, joint = settings["design"], settings["joint"]
     total = design["total"]
     cheap = time_cheap(joint)
     log(f"FFT pairs: {cheap}")

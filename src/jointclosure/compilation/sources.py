@@ -25,8 +25,8 @@ SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 which it reaches results. The text counts only if that module is imported."""
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
+    "jointclosure/storage/logs.py",
     "studies/frame/jobs/job.py",
-    "studies/frame/jobs/logbook.py",
     "studies/frame/jobs/seals.py",
 )
 """Modules that report on jobs and protect their inputs, and that change no result."""

@@ -15,14 +15,17 @@ tolerance, where all effects left out before it stay out.
 """
 
 import itertools
+import json
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
+from jointclosure.engine.joints import read_joint, reading_of_case, stacked
 from jointclosure.engine.pilot import Closed, Pilot, Verdict, closing
 from jointclosure.engine.settings import BASE, ClosureSettings
-from jointclosure.engine.surfaces import walls_of
+from jointclosure.engine.walls import seeds_of, walls_of
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
@@ -229,32 +232,18 @@ def choose_for_case(
     return choose_among(Pilot(close, settings.case.effects, joints), tolerance, report)
 
 
-class RockChoice(NamedTuple):
-    """Effects for all cases of a rock, and their estimated error.
-
-    ``cases`` has the choice of the case that was examined, by its label.
-    """
-
-    effects: Effects
-    error: float
-    cases: dict[str, SceneChoice]
-
-
 def choose_for_rock(
     settings: dict[str, ClosureSettings], report: Callable[[str], None] = lambda line: None
-) -> RockChoice:
+) -> xr.Dataset:
     """Make one selection for all cases of a rock, because these are compared with each other.
 
     It is made in the case where effects matter most: that of the largest maximum stress over the
     compressive strength, and the base case among equals. Both the bulk indentation of interaction
-    and the breakage grow with this ratio.
+    and the breakage grow with this ratio. ``settings`` are those of each case by its label.
 
-    Parameters
-    ----------
-    settings : dict
-        Settings of each case by its label.
-    report : callable
-        Receives a line for each decision.
+    The joints that were closed with the selected effects are returned as from `close_case`, with
+    the attributes ``case`` and ``chosen``: JSON of the ``effects``, their ``error``, and the choice
+    of the case.
     """
 
     def order(label: str) -> tuple[float, bool]:
@@ -266,7 +255,18 @@ def choose_for_rock(
     joints = sum(one.surfaces.realizations for one in settings.values())
     report(f"{label}, for {len(settings)} cases of {joints} joints together:")
     choice = choose_for_case(settings[label], report, joints)
-    return RockChoice(choice.effects, choice.error, {label: choice})
+    used = settings[label].with_effects(choice.effects)
+    surfaces, reading = used.surfaces, reading_of_case(used)
+    rows = [
+        read_joint(walls, closed.dataset, closed.seconds, reading)
+        for walls, closed in zip(walls_of(surfaces), choice.closed, strict=False)
+    ]
+    numbers = surfaces.first_realization + np.arange(len(rows))
+    seeds = [f"{seed:032x}" for seed in seeds_of(surfaces)[: len(rows)]]
+    about = {"effects": choice.effects._asdict(), "error": choice.error}
+    chosen = about | {"cases": {label: about | {"reasons": choice.reasons}}}
+    closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
+    return closed.assign_attrs(case=label, chosen=json.dumps(chosen))
 
 
 def _checked_pairs(

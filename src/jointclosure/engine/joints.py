@@ -1,8 +1,7 @@
 """Joints closed, timed and read: one, and all of a case."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,16 +10,13 @@ import xarray as xr
 from jointclosure.engine.closed_joint import ClosedJoint
 from jointclosure.engine.quantities import QUANTITIES, names_of_case
 from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.walls import Walls, seeds_of, walls_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
 
-Walls = tuple[np.ndarray, np.ndarray]
-"""Upper and lower wall (y, x), heights towards the other [m]."""
 Row = dict[str, Any]
 """Quantities of a joint by name; a failed joint has only those of effort."""
-_TOGETHER = 100
-"""Number of realisations that are joined before they are written."""
 
 
 class Reading(NamedTuple):
@@ -81,61 +77,40 @@ def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading
     return joined
 
 
-def close_surfaces(
-    surfaces: xr.Dataset,
+def close_case(
     settings: ClosureSettings,
+    walls: Iterable[Walls] | None = None,
     *,
+    known: Mapping[str, Row] = {},
     report: Callable[[str], None] = lambda line: None,
-    repeated_by: str = "",
-    known: Mapping[str, Row] = MappingProxyType({}),
-) -> Iterator[xr.Dataset]:
-    """Close all surface pairs of a case (`make_surfaces`), up to a hundred in memory at a time.
-
-    ``report`` receives a line for each realisation, in which ``repeated_by`` is the command that
-    repeats a failed one, without its number. ``known`` has the quantities of pairs that were closed
-    with these settings before, by seed (`rows_by_seed`). Datasets are over (realization, cycle,
-    branch, stress); a failed realisation has a status of 16 or more, counts, and otherwise NaN.
-    """
-    reading = reading_of_case(settings)
-    realizations, seeds = surfaces.realization.values, surfaces.seed.values
-    for first in range(0, realizations.size, _TOGETHER):
-        few = slice(first, first + _TOGETHER)
-        rows = []
-        for number, realization in enumerate(realizations[few], start=first):
-            again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
-            upper, lower = (surfaces[name][number].values for name in ("upper", "lower"))
-            try:
-                row = known.get(seeds[number]) or close_joint((upper, lower), reading)
-            except Exception as error:
-                report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
-                raise
-            report(f"realisation {realization}: {_described(row, again)}")
-            rows.append(row)
-        yield stacked(rows, realizations[few], seeds[few], reading)
-
-
-def closed_before(
-    surfaces: Iterable[xr.Dataset],
-    closed: Iterable[tuple[xr.Dataset, float]],
-    settings: ClosureSettings,
+    again: str = "",
 ) -> xr.Dataset:
-    """Join results that were closed for another purpose, in the form of `close_surfaces`.
+    """Close the walls of a case's block, over (realization, cycle, branch, stress).
 
-    ``closed`` are results of `close_walls` and processor times [s] for the first of the surfaces
-    (`make_surfaces`), closed with these settings.
+    Walls are made from their seeds unless given. ``known`` has the quantities of joints that were
+    closed with these settings before, by seed (`rows_by_seed`). ``report`` receives a line for each
+    realisation, in which ``again`` is the command that repeats a failed one, without its number. A
+    failed realisation has a status of 16 or more, counts, and otherwise NaN.
     """
-    reading = reading_of_case(settings)
-    rows, realizations, seeds = [], [], []
-    for (dataset, seconds), pair in zip(closed, surfaces, strict=False):
-        walls = pair.upper.values[0], pair.lower.values[0]
-        rows.append(read_joint(walls, dataset, seconds, reading))
-        realizations.append(int(pair.realization[0]))
-        seeds.append(str(pair.seed.values[0]))
-    return stacked(rows, np.array(realizations), np.array(seeds, dtype=object), reading)
+    reading, first = reading_of_case(settings), settings.surfaces.first_realization
+    pairs = walls_of(settings.surfaces) if walls is None else walls
+    seeds = [f"{seed:032x}" for seed in seeds_of(settings.surfaces)]
+    rows: list[Row] = []
+    for realization, (seed, pair) in enumerate(zip(seeds, pairs, strict=True), start=first):
+        repeat = f"; to repeat it: {again} {realization}" if again else ""
+        try:
+            row = known.get(seed) or close_joint(pair, reading)
+        except Exception as error:
+            error.add_note(f"realisation {realization}{repeat}")
+            raise
+        report(f"realisation {realization}: {_described(row, repeat)}")
+        rows.append(row)
+    numbers = np.arange(first, first + len(rows))
+    return stacked(rows, numbers, np.array(seeds, dtype=object), reading)
 
 
 def rows_by_seed(closed: xr.Dataset) -> dict[str, Row]:
-    """Return the quantities of joints of `close_surfaces` by the seeds of their walls."""
+    """Return the quantities of joints of `close_case` by the seeds of their walls."""
     joints = (closed.isel(realization=number) for number in range(closed.sizes["realization"]))
     return {
         str(joint.seed.values): {str(name): array.values for name, array in joint.data_vars.items()}

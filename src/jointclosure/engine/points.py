@@ -4,20 +4,18 @@ An experiment states as points which joints are closed. This module closes, time
 Failed joints stay in the table with their status and without readings.
 """
 
-import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.joints import Reading, Walls, close_joint
+from jointclosure.engine.cache import Entry
+from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import MAKERS
-from jointclosure.inputs.plain import from_plain, to_plain
+from jointclosure.engine.walls import MAKERS, Walls
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
@@ -31,7 +29,7 @@ class Point(NamedTuple):
     coordinates: dict[str, Any]
     settings: ClosureSettings
     walls: str = "synthetic"
-    options: Mapping[str, Any] = MappingProxyType({})
+    options: Mapping[str, Any] = {}
 
 
 Jobs = Mapping[str, Sequence[Point]]
@@ -95,6 +93,13 @@ def close_points(
             f"{at}: {part.seconds.mean():.2f} s a joint, statuses {np.unique(part.status).tolist()}"
         )
     return pd.concat(parts, ignore_index=True)
+
+
+def closed_table(
+    points: Sequence[Point], quantities: Sequence[str], report: Callable[[str], None]
+) -> xr.Dataset:
+    """Return `close_points` as a dataset (`as_dataset`)."""
+    return as_dataset(close_points(points, quantities, report))
 
 
 def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
@@ -181,61 +186,22 @@ def one_joint(point: Point) -> Point:
     return point._replace(settings=point.settings._replace(surfaces=surfaces))
 
 
-def joints_of(points: Iterable[Point]) -> int:
-    """Return the number of joints that are closed at some points."""
-    return sum(point.settings.surfaces.realizations for point in points)
-
-
-def packed(points: Sequence[Point]) -> dict:
-    """Convert points to plain data: the settings of the first, and the changes at the others.
-
-    It keeps the parameters of rules small for a job with hundreds of points.
-    """
-    first = points[0].settings
-    return {
-        "settings": to_plain(first),
-        "points": [
-            {
-                "coordinates": dict(point.coordinates),
-                "settings": _changes(first, point.settings),
-                "walls": point.walls,
-                "options": dict(point.options),
-            }
-            for point in points
-        ],
-    }
-
-
-def unpacked(plain: Mapping) -> list[Point]:
-    """Restore points from the plain data of `packed`."""
-    first = from_plain(ClosureSettings, plain["settings"])
+def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
+    """Return the files of a cache with the joints of each job of an experiment."""
     return [
-        Point(**dict(point) | {"settings": _changed(first, point["settings"])})
-        for point in plain["points"]
+        Entry(
+            f"{name}/{job}",
+            closed_table,
+            (list(points), tuple(quantities)),
+            joints=joints_of(points),
+        )
+        for job, points in jobs.items()
     ]
 
 
-def _changes(before: tuple, after: tuple) -> dict:
-    """Return the fields that differ between nested named tuples of one type, as plain data."""
-    changes: dict = {}
-    for name in after._fields:  # type: ignore[attr-defined]
-        old, new = getattr(before, name), getattr(after, name)
-        if old is new or (type(old) is type(new) and old == new):
-            continue
-        nested = hasattr(new, "_fields") and type(old) is type(new)
-        changes[name] = _changes(old, new) if nested else to_plain(new)
-    return changes
-
-
-def _changed(before, changes: dict):
-    """Apply the entries of `_changes` to nested named tuples."""
-    hints = typing.get_type_hints(type(before)) if changes else {}
-    new = {}
-    for name, value in changes.items():
-        old = getattr(before, name)
-        nested = hasattr(old, "_fields") and isinstance(value, dict)
-        new[name] = _changed(old, value) if nested else from_plain(hints[name], value)
-    return before._replace(**new)
+def joints_of(points: Iterable[Point]) -> int:
+    """Return the number of joints that are closed at some points."""
+    return sum(point.settings.surfaces.realizations for point in points)
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
@@ -254,7 +220,8 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
     dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         dataset[name].attrs = QUANTITIES[name].attributes
-    dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
+    if "seconds" in dataset:
+        dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
     return dataset
 
 

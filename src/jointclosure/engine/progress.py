@@ -1,14 +1,11 @@
-"""Progress of long work: bar on a terminal, lines in a log, progress of a workflow."""
+"""Progress of long work: a bar on a terminal, lines in a log."""
 
-import re
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO
 
-_BETWEEN_LINES = 10.0
-"""Seconds between two lines on a terminal."""
+_BETWEEN_LINES, _PART = 30.0, 0.1
+"""Time [s], or share of the work, between two lines."""
 
 
 @contextmanager
@@ -70,36 +67,24 @@ def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
 
 
 class Countdown:
-    """Count of the equal parts of a job, with an estimate of the remaining time.
+    """Count of the parts of some work, with the remaining time: reported now and then.
 
-    Each call counts one part and returns a line on the progress. A terminal also shows it, at most
-    every ten seconds: parallel jobs share the terminal, so that lines replace a bar.
-
-    Parameters
-    ----------
-    title : str
-        Title of the job.
-    total : int
-        Number of parts.
-    terminal : text stream
-        Terminal for the lines; by default that of the process, even if a logbook receives
-        its standard error.
+    ``report`` receives a line whenever a tenth of the ``total`` was done, or half a minute passed.
     """
 
-    def __init__(self, title: str, total: int, terminal: TextIO | None = None):
+    def __init__(self, title: str, total: int, report: Callable[[str], None]):
         self.title, self.total, self.done = title, total, 0
+        self._report, self._part = report, 0.0
         self._start = self._shown = time.monotonic()
-        self._terminal = terminal or sys.__stderr__ or sys.stderr
 
-    def __call__(self) -> str:
-        self.done += 1
-        now = time.monotonic()
-        left = (now - self._start) / self.done * (self.total - self.done)
-        text = f"{self.done} of {self.total} done, about {duration(left)} left"
-        if self._terminal.isatty() and now - self._shown > _BETWEEN_LINES:
-            self._shown = now
-            print(f"{self.title}: {text}", file=self._terminal, flush=True)
-        return text
+    def __call__(self, parts: int = 1) -> None:
+        self.done += parts
+        now, part = time.monotonic(), self.done / self.total
+        if part >= self._part + _PART or now - self._shown > _BETWEEN_LINES or part == 1.0:
+            self._shown, self._part = now, part
+            left = (now - self._start) / self.done * (self.total - self.done)
+            of = f"{self.title}: {self.done} of {self.total}"
+            self._report(f"{of}, about {duration(left)} left" if left else of)
 
 
 def duration(seconds: float) -> str:
@@ -112,79 +97,3 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
-class WorkflowProgress:
-    """Progress of a run of Snakemake, from the lines of its log.
-
-    The remaining time is estimated for each rule, from the mean time of its finished jobs and the
-    average number of parallel jobs. Jobs of rules without a finished job are only counted.
-    """
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
-        self._clock = clock
-        self._jobs: dict[str, int] = {}
-        self._started: dict[str, float] = {}
-        self._took: dict[str, list[float]] = {}
-        self._in_table = False
-        self._busy_before = self._busy_since = 0.0
-        self.done = self.total = 0
-
-    def read(self, line: str) -> None:
-        """Read a line of the log."""
-        if self._in_table or line.startswith("Job stats:"):
-            self._read_table(line)
-        elif match := _STARTED.match(line):
-            if not self._started:
-                self._busy_since = self._clock()
-            self._started.setdefault(match[1] or match[2], self._clock())
-        elif match := _FINISHED.match(line):
-            now = self._clock()
-            self._took.setdefault(match[2], []).append(now - self._started.pop(match[1], now))
-            if not self._started:
-                self._busy_before += now - self._busy_since
-        elif match := _STEPS.match(line):
-            self.done, self.total = int(match[1]), int(match[2])
-
-    def finished(self, *rules: str) -> bool:
-        """Return whether all jobs of some rules have finished in this run."""
-        return all(0 < self._jobs.get(rule, 0) <= len(self._took.get(rule, [])) for rule in rules)
-
-    def awaited(self, rule: str) -> bool:
-        """Return whether jobs of a rule are left."""
-        return len(self._took.get(rule, [])) < self._jobs.get(rule, 0)
-
-    def _read_table(self, line: str) -> None:
-        self._in_table = bool(line.strip())
-        words = line.split()
-        if len(words) == 2 and words[1].isdigit():
-            if words[0] == "total":
-                self.total = int(words[1])
-            elif words[0] != "all":
-                self._jobs[words[0]] = int(words[1])
-
-    def text(self) -> str:
-        """Describe the finished jobs, and the remaining time by rule."""
-        done = f"{self.done} of {self.total} jobs done"
-        left = {name: n - len(self._took.get(name, [])) for name, n in self._jobs.items()}
-        parts = [
-            f"{n} {name} (about {duration(n * self._seconds_a_job(name))})"
-            for name, n in left.items()
-            if n > 0 and name in self._took
-        ]
-        untimed = sum(n for name, n in left.items() if name not in self._took)
-        parts += [f"{untimed} jobs not yet timed"] if parts and untimed else []
-        return f"{done}; left: {', '.join(parts)}" if parts else done
-
-    def _seconds_a_job(self, rule: str) -> float:
-        """Return the mean time between ends of a rule's jobs, in parallel as so far."""
-        now = self._clock()
-        busy = self._busy_before + (now - self._busy_since if self._started else 0.0)
-        spent = sum(map(sum, self._took.values())) + sum(now - s for s in self._started.values())
-        took = self._took[rule]
-        return sum(took) / len(took) / max(spent / busy if busy else 1.0, 1.0)
-
-
-_STARTED = re.compile(r"(?:Job (\d+): |\s+jobid: (\d+)$)")
-_FINISHED = re.compile(r"Finished jobid: (\d+) \(Rule: (\w+)\)")
-_STEPS = re.compile(r"(\d+) of (\d+) steps")

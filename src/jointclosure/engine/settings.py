@@ -1,16 +1,7 @@
-"""Settings that the files of a case depend on; files of other settings are detected.
+"""Settings that the joints of a case depend on, which no configuration is needed to make."""
 
-A file stores its settings as JSON in its attribute ``settings``. A reader states the settings that
-it expects, and `check_settings` names the first one that differs. `studies.frame.ensemble.slices`
-makes settings from a configuration; the closure of walls does not depend on a configuration.
-"""
-
-import json
-from pathlib import Path
 from typing import NamedTuple
 
-from jointclosure.inputs import InputError
-from jointclosure.inputs.plain import to_plain
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import (
     Choices,
@@ -67,10 +58,6 @@ class Surface(NamedTuple):
     roll_off: float | None
 
 
-class OtherSettingsError(InputError):
-    """Error for a file that was made with other settings, or by other code."""
-
-
 class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
@@ -105,8 +92,8 @@ class Case(NamedTuple):
 class SurfaceSettings(NamedTuple):
     """Settings that the surface pairs of a case and a block of realisations depend on.
 
-    ``seeds_named_by`` and ``root_seed`` determine the seeds. ``code`` is a digest of the sources
-    that make surfaces. ``sha256`` contains digests of the files of measured ``walls``, by wall.
+    ``seeds_named_by`` and ``root_seed`` determine the seeds. ``sha256`` contains digests of the
+    files of measured ``walls``, by wall.
     """
 
     jrc: float
@@ -118,7 +105,6 @@ class SurfaceSettings(NamedTuple):
     realizations: int
     grid: Grid
     surface: Surface
-    code: str
 
 
 class ClosureSettings(NamedTuple):
@@ -138,7 +124,6 @@ class ClosureSettings(NamedTuple):
     largest_stress: float
     effects_chosen_to: float | None
     flow: bool
-    code: str
 
     def conditions(self) -> Conditions:
         """Conditions at which the walls of the case are closed."""
@@ -157,36 +142,3 @@ class ClosureSettings(NamedTuple):
     def with_effects(self, effects: Effects) -> "ClosureSettings":
         """Return the settings with other effects."""
         return self._replace(case=self.case._replace(effects=effects))
-
-
-def as_text(settings: SurfaceSettings | ClosureSettings) -> str:
-    """Convert settings to JSON; equal settings give equal text."""
-    return json.dumps(to_plain(settings), sort_keys=True)
-
-
-def check_settings(
-    path: str | Path, attributes: dict, expected: SurfaceSettings | ClosureSettings
-) -> None:
-    """Raise `OtherSettingsError` unless a file has the expected settings."""
-    text = attributes.get("settings")
-    if text == as_text(expected):
-        return
-    if text is None:
-        difference = "it does not state them"
-    else:
-        difference = _first_difference(json.loads(text), json.loads(as_text(expected)))
-    raise OtherSettingsError(
-        f"{path}: the file was made with other settings ({difference}): "
-        "delete it and start again; missing files are made again"
-    )
-
-
-def _first_difference(actual: dict, expected: dict, prefix: str = "") -> str:
-    for key in sorted({*actual, *expected}):
-        one, other = actual.get(key), expected.get(key)
-        if json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True):
-            continue
-        if isinstance(one, dict) and isinstance(other, dict):
-            return _first_difference(one, other, f"{prefix}{key}.")
-        return f"{prefix}{key} is {one!r}, must be {other!r}"
-    return "other order of keys"

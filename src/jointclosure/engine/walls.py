@@ -1,15 +1,41 @@
-"""Makers of the walls of an experiment's joints, from the settings of their surfaces."""
+"""Walls of the joints of a case or an experiment, made from their seeds."""
 
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from jointclosure.engine.joints import Walls
-from jointclosure.engine.settings import ClosureSettings, Grid, SurfaceSettings
-from jointclosure.engine.surfaces import seeds_of, walls_of
+from jointclosure.engine.settings import ClosureSettings, Grid, Surface, SurfaceSettings
+from jointclosure.inputs import InputError
 from jointclosure.joint.simulation import close_walls
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
-from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
+from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted, wall_pair
+
+Walls = tuple[np.ndarray, np.ndarray]
+"""Upper and lower wall (y, x), heights towards the other [m]."""
+
+
+def seeds_of(settings: SurfaceSettings) -> list[int]:
+    """Return the seeds of the walls of a block."""
+    first = settings.first_realization
+    return [
+        seed_of(settings.root_seed, *settings.seeds_named_by, realization)
+        for realization in range(first, first + settings.realizations)
+    ]
+
+
+def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:
+    """Make the walls of one realisation; unusual values were checked."""
+    settings = surface._asdict()
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **settings, unusual_values=True)
+
+
+def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:
+    """Generate the walls of a block, from a JRC."""
+    if settings.walls:
+        raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
+    for seed in seeds_of(settings):
+        yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:

@@ -5,19 +5,24 @@ script of the caller again, and if it dies only its current task is lost. It is 
 caller ends, also in a task.
 """
 
+import ctypes
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, NamedTuple
 
-from jointclosure.engine.forks import end_with_parent
 from jointclosure.inputs import InputError, check_number
 
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+_PR_SET_PDEATHSIG = 1
 
 
 class ProcessLostError(RuntimeError):
@@ -42,7 +47,7 @@ def number_of_workers(workers: int | None) -> int:
 
 
 def shared(
-    function: Callable[..., Any], tasks: Sequence[tuple], workers: int
+    function: Callable[..., Any], tasks: Sequence[tuple], workers: int, apart: bool = False
 ) -> Iterator[tuple[int, Any]]:
     """Call a function for each of some tasks, in any order.
 
@@ -53,14 +58,14 @@ def shared(
     tasks : sequence of tuple
         Arguments, which can be pickled.
     workers : int
-        Number of processes; 1 is the current process.
+        Number of processes; 1 is the current process, unless ``apart``.
 
     Yields
     ------
     (place of the task, result or `Failed`)
         In the order in which they finish.
     """
-    if workers == 1:
+    if workers == 1 and not apart:
         for place, task in enumerate(tasks):
             yield place, _answer(function, task)
         return
@@ -137,12 +142,35 @@ def _answer(function: Callable[..., Any], task: tuple) -> Any:
         return Failed(error)
 
 
+def end_with_parent(parent: int) -> None:
+    """Have this process killed when its parent ends, whatever ends it, or has ended already.
+
+    Parameters
+    ----------
+    parent : int
+        Process that made this one, by its number, which it knew before.
+    """
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)  # of Linux only
+    if prctl is None or prctl(_PR_SET_PDEATHSIG, signal.SIGKILL):
+        threading.Thread(target=_kill_without, args=(parent,), daemon=True).start()
+    elif os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _kill_without(parent: int) -> None:
+    """Kill this process once it has another parent."""
+    while os.getppid() == parent:
+        time.sleep(0.2)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def work(parent: int) -> None:
     """Answer requests on standard input until it, or the parent, ends.
 
     Nothing else may write to the standard output.
     """
     end_with_parent(parent)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is interrupted too, and ends this
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while True:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.settings import SurfaceSettings, Walls
-from jointclosure.engine.surfaces import surface_pair
+from jointclosure.engine.walls import seeds_of
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
@@ -155,37 +155,13 @@ def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normal
     return Cutter(measured, shape, order_seed, normalise)
 
 
-def cutter_for(walls: xr.Dataset, settings: SurfaceSettings) -> Cutter:
-    """Return the cutter for the surfaces of a case."""
+def cut_walls(walls: xr.Dataset, settings: SurfaceSettings) -> Iterator[tuple]:
+    """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
-    return cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
-
-
-def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:
-    """Cut surface pairs out of scanned walls, in the form of `engine.surfaces.make_surfaces`.
-
-    Parameters
-    ----------
-    cutter : Cutter
-    seeds : list of int
-        One for each realisation.
-    first : int
-        Number of the first realisation.
-
-    Yields
-    ------
-    Dataset
-        Walls, and the cells of the scan at which they begin (-1 for a synthetic wall).
-    """
-    for realization, seed in enumerate(seeds, start=first):
+    cutter = cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
+    for realization, seed in enumerate(seeds_of(settings), start=settings.first_realization):
         joint = cutter.joint(realization, seed)
-        attributes = {"spacing_m": cutter.walls.spacing, "jrc": float("nan")}
-        pair = surface_pair((joint.upper, joint.lower), realization, seed, attributes)
-        for side, origin in (("upper", joint.upper_origin), ("lower", joint.lower_origin)):
-            for axis, cell in zip(("y", "x"), origin, strict=True):
-                about = {"long_name": f"{axis} of the scan's cell where the {side} wall begins"}
-                pair[f"{side}_origin_{axis}"] = ("realization", np.array([cell]), about)
-        yield pair
+        yield joint.upper, joint.lower
 
 
 def room(cutter: Cutter) -> dict[str, int]:

@@ -13,21 +13,8 @@ def closed_keys(keys: dict) -> dict:
     return {key: value for key, value in keys.items() if key != "statistics"} | {"output": output}
 
 
-def surface_settings(
-    configuration: Configuration, case: Case, block: range, code: str = ""
-) -> SurfaceSettings:
-    """Settings of the surface pairs of a case.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    case : Case
-        A case that closes its own surfaces: its ``surface`` is its label.
-    block : range
-        Realisations, see `studies.frame.ensemble.cases.blocks_of`.
-    code : str
-        Digest of the sources that make surfaces, for surfaces that are stored in a file.
-    """
+def surface_settings(configuration: Configuration, case: Case, block: range) -> SurfaceSettings:
+    """Settings of the surface pairs of a case that closes its own: its ``surface`` is its label."""
     walls = configuration.rocks[case.rock].walls
     return SurfaceSettings(
         jrc=case.jrc,
@@ -39,7 +26,6 @@ def surface_settings(
         realizations=len(block),
         grid=configuration.grid,
         surface=configuration.surface,
-        code=code,
     )
 
 
@@ -48,23 +34,14 @@ def wall_digests(walls: Walls) -> dict[str, str]:
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
-def closure_settings(
-    configuration: Configuration, case: Case, surfaces: SurfaceSettings, code: str = ""
+def block_settings(
+    configuration: Configuration, cases: dict[str, Case], label: str, block: range
 ) -> ClosureSettings:
-    """Settings of the closures of a case.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    case : Case
-    surfaces : SurfaceSettings
-        Settings of the surface pairs that are closed.
-    code : str
-        Digest of the sources that close them, for closures that are stored in a file.
-    """
+    """Settings of the closures of a case and a block of realisations."""
+    case = cases[label]
     return ClosureSettings(
         case=case,
-        surfaces=surfaces,
+        surfaces=surface_settings(configuration, cases[case.surface], block),
         cycles=configuration.study.cycles,
         seating_stress=configuration.seating_stress,
         choices=configuration.choices,
@@ -73,19 +50,4 @@ def closure_settings(
         largest_stress=configuration.output.largest_stress,
         effects_chosen_to=configuration.effects_chosen_to,
         flow=configuration.flow,
-        code=code,
     )
-
-
-def block_settings(
-    configuration: Configuration,
-    cases: dict[str, Case],
-    label: str,
-    block: range,
-    surface_code: str = "",
-    solver_code: str = "",
-) -> ClosureSettings:
-    """Return `closure_settings` of a case and a block, with those of its surfaces."""
-    case = cases[label]
-    surfaces = surface_settings(configuration, cases[case.surface], block, surface_code)
-    return closure_settings(configuration, case, surfaces, solver_code)

@@ -14,6 +14,8 @@ from typing import TextIO
 from jointclosure.inputs import InputError
 
 LOCK = Path(".snakemake/jointclosure.lock")
+HELD = "JOINTCLOSURE_LOCK"
+"""Variable of the environment with the number of the locked file, for programs that inherit it."""
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 _ENDING = 2.0
 """Seconds within which the processes of a killed run have ended."""
@@ -27,7 +29,7 @@ _held: list[TextIO] = []
 def enter_folder() -> None:
     """Lock the present folder for a run, if it and the limit of open files allow one.
 
-    The lock is held by this process and its forks, until the last of them ends.
+    The lock is held by this process and programs that inherit it, until the last of them ends.
 
     Raises
     ------
@@ -42,7 +44,7 @@ def enter_folder() -> None:
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     if 0 <= most < _OPEN_FILES:
         raise InputError(f"ulimit -n = {most}: must be at least {_OPEN_FILES} for a run")
-    if _held:  # by the process that forked this one
+    if _held or _inherited():
         return
     LOCK.parent.mkdir(exist_ok=True)
     file = open(LOCK, "a+", encoding="utf-8")  # noqa: SIM115 - open until this process ends
@@ -52,8 +54,19 @@ def enter_folder() -> None:
         file.close()
         raise
     _held.append(file)
+    os.set_inheritable(file.fileno(), True)
+    os.environ[HELD] = str(file.fileno())
     atexit.register(_unlock, file, os.getpid())
     shutil.rmtree(".snakemake/locks", ignore_errors=True)  # of a Snakemake that was killed
+
+
+def _inherited() -> bool:
+    """Return whether the process that started this one passed its lock of the folder on."""
+    number = os.environ.get(HELD, "")
+    try:
+        return bool(number) and os.path.samestat(os.fstat(int(number)), os.stat(LOCK))
+    except OSError:
+        return False
 
 
 def _lock(file: TextIO) -> None:

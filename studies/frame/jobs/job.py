@@ -1,58 +1,58 @@
 """Job of the workflow: its log, time and memory, check of its inputs, seal of its outputs."""
 
+import logging
 import os
-import resource
 import sys
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from jointclosure.engine.forks import end_with_parent
-from studies.frame.jobs.logbook import Logbook, logging_to
+from jointclosure.compilation.kernels import cache_folder
+from jointclosure.engine.workers import end_with_parent
+from jointclosure.joint.warmup import compile_kernels
+from jointclosure.parameters import Choices, scene_of
+from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
 from studies.frame.jobs.seals import check_inputs, write_seal
+
+ENGINE = "JOINTCLOSURE_ENGINE"
+"""Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
 
 
 @contextmanager
 def job(snakemake) -> Iterator[Logbook]:
     """Open the log of a job, check its inputs, and seal its outputs; end with who started it.
 
-    Before the work, all results that the job reads must be those listed by their seals (inputs
-    named ``seals``). After it, the outputs are sealed if the rule has an output ``seal``, and the
-    time and memory that the job took are written to the log ``benchmark``, if the rule has one.
-
-    Parameters
-    ----------
-    snakemake : object
-        The object of this name in a script of Snakemake.
-
-    Yields
-    ------
-    Logbook
+    ``snakemake`` is the object of this name in a script. Before the work, all results that the job
+    reads must be those listed by their seals (inputs named ``seals``). After it, the outputs are
+    sealed if the rule has an output ``seal``.
     """
-    start = time.monotonic()
-    end_with_parent(os.getppid())
-    with logging_to(snakemake.log[0]) as logbook:
-        seals = listed(snakemake.input.get("seals", []))
-        results = _results(Path(snakemake.log[0]))
-        inputs = [path for path in snakemake.input if path not in seals]
-        inputs = [path for path in inputs if Path(path).is_relative_to(results)]
-        check_inputs(inputs, seals)
-        yield logbook
-        if seal := snakemake.output.get("seal"):
-            outputs = [path for path in snakemake.output if path != seal]
-            write_seal(seal, outputs, dict(snakemake.params), inputs, seals)
-    if benchmark := snakemake.log.get("benchmark"):
-        _write_benchmark(benchmark, time.monotonic() - start)
+    if engine := os.environ.get(ENGINE):
+        end_with_parent(int(engine))
+    path = snakemake.log[0]
+    try:
+        with logging_to(path) as logbook, measured(snakemake.log.benchmark):
+            seals = listed(snakemake.input.get("seals", []))
+            results = _results(Path(path))
+            inputs = [path for path in snakemake.input if path not in seals]
+            inputs = [path for path in inputs if Path(path).is_relative_to(results)]
+            check_inputs(inputs, seals)
+            yield logbook
+            if seal := snakemake.output.get("seal"):
+                outputs = [path for path in snakemake.output if path != seal]
+                write_seal(seal, outputs, dict(snakemake.params), inputs, seals)
+    except BaseException as error:
+        reason = f"{type(error).__name__}: {error}; its log is {path}"
+        print(f"{SHOWN}{snakemake.rule} failed: {reason}", file=sys.__stderr__, flush=True)
+        raise
 
 
-def _write_benchmark(path: str, seconds: float) -> None:
-    """Write elapsed time [s], largest memory [MB] and processor time [s] of this process."""
-    used = [resource.getrusage(of) for of in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    memory = max(use.ru_maxrss for use in used) / (1e6 if sys.platform == "darwin" else 1e3)
-    processor = sum(use.ru_utime + use.ru_stime for use in used)
-    row = f"{seconds:.2f}\t{memory:.2f}\t{processor:.2f}"
-    Path(path).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")
+def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None:
+    """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them."""
+    report(f"kernels are kept in {cache_folder()}")
+    # the announcement of a compilation is for the user
+    logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
+    for scene, peaks, solver, breakage in kernels:
+        compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)
 
 
 def listed(paths) -> list[str]:

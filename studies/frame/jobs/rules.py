@@ -14,7 +14,7 @@ It reads and sets attributes of Snakemake's rules, which Snakemake has no other 
 """
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -107,22 +107,12 @@ class SealedJobs:
         return ""
 
 
-def complete(rules: Iterable[Any], environment: str, without_seal: Collection[str]) -> SealedJobs:
-    """Add to rules the parts that all of them have.
-
-    Parameters
-    ----------
-    rules : iterable
-        All rules of a workflow.
-    environment : str
-        File of the conda environment, from the files of the rules.
-    without_seal : collection of str
-        Names of rules whose files contain their settings, or are no input.
-    """
+def complete(rules: Iterable[Any], environment: str) -> SealedJobs:
+    """Add to all rules of a workflow the parts that all have, and the conda ``environment``."""
     rules = list(rules)
     jobs = [rule for rule in rules if rule.script]
     for rule in jobs:
-        _complete(rule, environment, sealed=rule.name not in without_seal)
+        _complete(rule, environment)
     made = SealedJobs(jobs)
     for rule in rules:
         if rule.ruleinfo.input:
@@ -130,7 +120,7 @@ def complete(rules: Iterable[Any], environment: str, without_seal: Collection[st
     return made
 
 
-def _complete(rule: Any, environment: str, sealed: bool) -> None:
+def _complete(rule: Any, environment: str) -> None:
     rule.log_modifier = rule.output_modifier
     rule.set_log(_file(rule, "logs", "log"), benchmark=_file(rule, "benchmarks", "tsv"))
     rule.conda_env = environment
@@ -140,7 +130,8 @@ def _complete(rule: Any, environment: str, sealed: bool) -> None:
     if not rule.message:
         named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
         rule.message = _first_line(script) + (f" ({named})" if named else "")
-    if sealed:
+    # notes are no input, and files of the cache bear a key
+    if Path(str(next(_raw(rule.ruleinfo.output)))).suffix != ".txt" and not rule.params.get("key"):
         rule.set_output(seal=_file(rule, "seals", "json"))
 
 

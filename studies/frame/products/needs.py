@@ -5,26 +5,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from jointclosure.engine.settings import SurfaceSettings
 from jointclosure.statistics.drawn_studies import Design
 from studies.frame.config.configuration import Configured
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.typed import Configuration
 from studies.frame.config.wanted import Wanted, measured_rocks, wanted_of
-from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
-from studies.frame.ensemble.slices import surface_settings
+from studies.frame.ensemble.cases import ensembles_of
 from studies.frame.measured_files import CurveSettings, curve_settings
 from studies.frame.products.frame import Product
 
 
 class Plan(NamedTuple):
-    """A study whose products are made.
-
-    ``surface_code`` is the digest of the sources that make its surfaces.
-    """
+    """A study whose products are made."""
 
     configured: Configured
-    surface_code: str
 
     @property
     def typed(self) -> Configuration:
@@ -65,11 +59,6 @@ class Plan(NamedTuple):
         """First existing table of another study, if this one is of the same model."""
         same_model = self.typed.study.name == read_plain(DEFAULT)["study"]["name"]
         return next((path for path in paths if same_model and Path(path).exists()), None)
-
-    def first_surfaces(self) -> SurfaceSettings:
-        """Settings of the surfaces of the first case, in its first block."""
-        first, block = cases_of(self.typed)[0], blocks_of(self.typed.study)[0]
-        return surface_settings(self.typed, first, block, self.surface_code)
 
     def inputs(self, product: Product) -> dict[str, Any]:
         """Paths of the files that a product reads, by name; an empty list for none."""
@@ -121,7 +110,7 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
     "curve_files": lambda plan: [curve.measured.file for curve in plan.curves.values()],
     "fits": lambda plan: plan.file("tables/measured_fit.csv", bool(plan.curves)),
     "flow": lambda plan: plan.file("tables/hydraulic_aperture.csv", plan.typed.flow),
-    "surfaces": lambda plan: plan.file(f"cases/{cases_of(plan.typed)[0].label}.0.surfaces.nc"),
+    "first_walls": _file("first_walls.nc"),
 }
 """Paths of files."""
 
@@ -134,7 +123,6 @@ SETTINGS: dict[str, Callable[[Plan], Any]] = {
     "keys": lambda plan: plan.configured.keys,
     "grid": lambda plan: plan.typed.grid,
     "surface": lambda plan: plan.typed.surface,
-    "surface_settings": Plan.first_surfaces,
     "rocks": lambda plan: plan.typed.rocks,
     "numerics": lambda plan: plan.typed.numerics,
     "seating_stress": lambda plan: plan.typed.seating_stress,

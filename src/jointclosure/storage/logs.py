@@ -1,6 +1,7 @@
-"""Logs of the workflow's scripts."""
+"""Logs of long work, with the time and memory that it took."""
 
 import contextlib
+import resource
 import shutil
 import sys
 import time
@@ -8,6 +9,9 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TextIO
+
+SHOWN = "jointclosure: "
+"""Prefix of lines on standard error that are for the user."""
 
 
 class Logbook:
@@ -18,6 +22,11 @@ class Logbook:
 
     def __call__(self, line: str) -> None:
         print(f"{time.monotonic() - self._start:8.2f} s  {line}", file=self._stream, flush=True)
+
+    def show(self, line: str) -> None:
+        """Log a line, and show it to the user."""
+        self(line)
+        print(f"{SHOWN}{line}", file=sys.__stderr__, flush=True)
 
 
 @contextlib.contextmanager
@@ -37,10 +46,20 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
             traceback.print_exception(error, file=stream)
             print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
             shutil.copyfile(path, failed_log(path))
-            print(f"{path}: {error}", file=sys.__stderr__, flush=True)
             raise
 
 
 def failed_log(path: str | Path) -> Path:
     """Return the path of the log of a failed job."""
     return Path(f"{path}.failed")
+
+
+@contextlib.contextmanager
+def measured(path: str | Path) -> Iterator[None]:
+    """Write the time [s], largest memory [MB] and processor time [s] of work in this process."""
+    start, used = time.monotonic(), time.process_time()
+    yield
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    memory = most / (1e6 if sys.platform == "darwin" else 1e3)
+    row = f"{time.monotonic() - start:.2f}\t{memory:.2f}\t{time.process_time() - used:.2f}"
+    Path(path).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")

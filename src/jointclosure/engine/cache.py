@@ -1,0 +1,122 @@
+"""Cache of closed joints: files that processes make, and that are kept while their key agrees.
+
+The key is a digest of the settings of a file and of the code of its maker. A killed run goes on
+with what is closed, an edit makes again what depends on it, and so do a foreign and a damaged file.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from jointclosure.compilation.sources import code_digest
+from jointclosure.engine.progress import Countdown
+from jointclosure.engine.workers import Failed, ProcessLostError, shared
+from jointclosure.storage.logs import logging_to, measured
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
+
+
+class Entry(NamedTuple):
+    """A file of a cache: its ``name`` in the folder, and the function that makes its dataset.
+
+    ``make`` gets the ``settings``, on which the key depends, and as keywords the ``options``, which
+    do not change the result, and ``report``. Entries take a time proportional to their ``joints``.
+    """
+
+    name: str
+    make: Callable[..., xr.Dataset]
+    settings: tuple
+    options: Mapping[str, Any] = {}
+    joints: int = 1
+
+    @property
+    def key(self) -> str:
+        """Digest of the settings, and of the code of the maker."""
+        return digest(_code(self.make), self.settings)
+
+    def file(self, folder: Path) -> Path:
+        """Path in the folder of a cache."""
+        return folder / f"{self.name}.nc"
+
+
+def digest(*parts: object) -> str:
+    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@lru_cache(maxsize=None)
+def _code(make: Callable) -> str:
+    return code_digest(f"{make.__module__}:{make.__name__}")
+
+
+def is_kept(entry: Entry, folder: Path) -> bool:
+    """Return whether the file of an entry is there, whole, and of this key."""
+    try:
+        with reading_netcdf(entry.file(folder)) as stored:
+            return stored.attrs.get("key") == entry.key
+    except OSError:
+        return False
+
+
+def make_missing(
+    entries: Iterable[Entry],
+    folder: Path,
+    workers: int,
+    report: Callable[[str], None],
+    title: str = "closed",
+    prepare: Callable[[], object] = lambda: None,
+) -> None:
+    """Make the files of entries that are not kept, each with its log and benchmark.
+
+    ``prepare`` is called before the processes start, if anything is missing.
+
+    Raises
+    ------
+    RuntimeError
+        After all others are made, if some could not be.
+    """
+    entries = list(entries)
+    missing = [entry for entry in entries if not is_kept(entry, folder)]
+    again = sum(entry.file(folder).exists() for entry in missing)
+    if again:
+        report(f"{again} files are of other settings or code, or damaged, and are made again")
+    if not missing:
+        return
+    prepare()
+    for entry in missing:
+        entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
+    done = Countdown(title, sum(entry.joints for entry in missing), report)
+    failed = []
+    tasks = [(entry, folder) for entry in missing]
+    for place, answer in shared(_make, tasks, workers, apart=True):
+        if isinstance(answer, Failed):
+            failed.append(_described(missing[place], answer.error))
+            report(failed[-1])
+        else:
+            done(missing[place].joints)
+    if failed:
+        raise RuntimeError(f"{len(failed)} of {len(entries)} could not be made: {failed[0]}")
+
+
+def _make(entry: Entry, folder: Path) -> None:
+    """Make the file of an entry, in a worker."""
+    log, benchmark = (
+        folder / kind / f"{entry.name}{suffix}"
+        for kind, suffix in (("logs", ".log"), ("benchmarks", ".tsv"))
+    )
+    for path in (log, benchmark):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with logging_to(log) as logbook, measured(benchmark):
+        made = entry.make(*entry.settings, **entry.options, report=logbook)
+        write_netcdf(made.assign_attrs(key=entry.key), entry.file(folder))
+
+
+def _described(entry: Entry, error: Exception) -> str:
+    """Describe a failure: its reason, and what repeats it."""
+    notes = list(getattr(error, "__notes__", []))
+    if isinstance(error, ProcessLostError):
+        notes.append("systems that run out of memory kill processes: start again with CORES=1")
+    return "; ".join([f"{entry.name}: {type(error).__name__}: {error}", *notes])

@@ -1,0 +1,197 @@
+"""Cached joints of a study: those of its cases, pilots and experiments, and their datasets."""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.aggregation import join_cases, succeeded
+from jointclosure.engine.cache import Entry, make_missing
+from jointclosure.engine.choice import choose_for_rock, possible_scenes
+from jointclosure.engine.joints import close_case, rows_by_seed
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.walls import walls_of
+from jointclosure.joint.warmup import kernels_of
+from jointclosure.parameters import Effects, scene_name
+from jointclosure.storage.logs import Logbook
+from jointclosure.storage.netcdf import (
+    read_netcdf,
+    reading_netcdf,
+    write_netcdf_regions,
+)
+from studies.frame.config.typed import Configuration
+from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
+from studies.frame.ensemble.measured_walls import cut_walls
+from studies.frame.ensemble.slices import block_settings
+from studies.frame.jobs.job import compile_all
+
+ROWS = 256
+"""Realisations in memory at a time, and compressed together."""
+
+
+def close_block(
+    settings: ClosureSettings,
+    *,
+    report: Callable[[str], None],
+    again: str = "",
+    walls: Path | None = None,
+    pilot: Path | None = None,
+) -> xr.Dataset:
+    """Close the joints of a case's block.
+
+    ``walls`` is the file of the scanned walls of its rock, and ``pilot`` that of the choice of its
+    effects, which closed some of the joints.
+    """
+    known = {}
+    if pilot is not None:
+        by_pilot = read_netcdf(pilot)
+        known = rows_by_seed(by_pilot) if by_pilot.attrs["case"] == settings.case.label else {}
+    pairs = cut_walls(read_netcdf(walls), settings.surfaces) if walls else None
+    closed = close_case(settings, pairs, known=known, report=report, again=again)
+    return closed.assign_attrs(scene=scene_name(settings.case.effects))
+
+
+class Ensemble:
+    """Cases of a study, or of its pool, and the files of their joints in the study's folder.
+
+    Parameters
+    ----------
+    study : Configuration
+        Configuration of the whole study.
+    name : str
+        "cases" or "pool".
+    """
+
+    def __init__(self, study: Configuration, name: str = "cases"):
+        self._study, self.name = study, name
+        self.configuration = ensembles_of(study)[name]
+        self.cases = {case.label: case for case in cases_of(self.configuration)}
+        self.blocks = blocks_of(self.configuration.study)
+
+    @property
+    def chosen(self) -> bool:
+        """Whether pilots choose the effects of the rocks."""
+        return self._study.effects_chosen_to is not None
+
+    def settings(self, label: str, block: range) -> ClosureSettings:
+        """Settings of a case and a block, with all effects that may be chosen."""
+        return block_settings(self.configuration, self.cases, label, block)
+
+    def pilots(self) -> dict[str, Entry]:
+        """Choices of effects by rock, which are those of the study for its pool too."""
+        whole = Ensemble(self._study) if self.name != "cases" else self
+        block = range(self._study.study.realizations)
+        settings: dict[str, dict] = {rock: {} for rock in self._study.rocks if self.chosen}
+        for label, case in whole.cases.items() if self.chosen else ():
+            settings[case.rock][label] = whole.settings(label, block)
+        return {
+            rock: Entry(f"effects_of/{rock}", choose_for_rock, (of_cases,))
+            for rock, of_cases in settings.items()
+        }
+
+    def entries(self, folder: Path | None = None) -> list[Entry]:
+        """Blocks of all cases; with the effects that the pilots in the folder chose, if any."""
+        pilots = {rock: entry.file(folder or Path()) for rock, entry in self.pilots().items()}
+        chosen = {rock: chosen_in(file) for rock, file in pilots.items() if folder}
+        return [
+            self._entry(label, block, folder or Path(), chosen, pilots)
+            for label in self.cases
+            for block in self.blocks
+        ]
+
+    def _entry(
+        self, label: str, block: range, folder: Path, chosen: dict, pilots: dict[str, Path]
+    ) -> Entry:
+        case, settings = self.cases[label], self.settings(label, block)
+        options: dict = {"again": self.again(folder, label)}
+        if self.configuration.rocks[case.rock].walls:
+            options["walls"] = folder / f"walls/{case.rock}.nc"
+        if case.rock in chosen:
+            settings = settings.with_effects(Effects(**chosen[case.rock]["effects"]))
+            if self.name == "cases":
+                options["pilot"] = pilots[case.rock]
+        name = f"{self.name}/{label}.{block.start}"
+        return Entry(name, close_block, (settings,), options, len(block))
+
+    def again(self, folder: Path, label: str) -> str:
+        """Return the command that repeats a realisation of a case, without its number."""
+        pool = "--pool " if self.name == "pool" else ""
+        return f"python -m studies repeat {pool}{folder} {label}"
+
+    def kernels(self) -> list[list[str]]:
+        """Kernels of all scenes that may be closed."""
+        given = self.configuration
+        return kernels_of(
+            (scene, given.choices, given.numerics)
+            for rock in given.rocks.values()
+            for scene in possible_scenes(rock.effects, chosen=self.chosen)
+        )
+
+    def close(self, folder: Path, workers: int, log: Logbook) -> list[Entry]:
+        """Close what is missing in a folder, first by the pilots; return the blocks of cases."""
+        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots().values()
+        make_missing(pilots, folder, workers, log.show, "effects chosen", prepare)
+        entries = self.entries(folder)
+        make_missing(entries, folder, workers, log.show, f"{self.name}: joints closed", prepare)
+        return entries
+
+    def first_walls(self, folder: Path) -> xr.Dataset:
+        """Return the first pair of walls (y, x) [m] of the first case."""
+        entry = self.entries(folder)[0]
+        walls, settings = entry.options.get("walls"), entry.settings[0].surfaces
+        pairs = cut_walls(read_netcdf(walls), settings) if walls else walls_of(settings)
+        pair = zip(("upper", "lower"), next(iter(pairs)), strict=True)
+        about = {"units": "m", "long_name": "height towards the other wall"}
+        return xr.Dataset(
+            {name: (("y", "x"), wall, about) for name, wall in pair},
+            attrs={"spacing_m": settings.grid.spacing},
+        )
+
+    def join(
+        self,
+        entries: Iterable[Entry],
+        folder: Path,
+        attributes: dict,
+        output: Path,
+        report: Callable[[str], None],
+    ) -> None:
+        """Write all cases as one dataset (case, realization, ...), with few rows in memory."""
+        files = [entry.file(folder) for entry in entries]
+        cases, rows = list(self.cases.values()), self.configuration.study.realizations
+        with reading_netcdf(files[0]) as first:
+            frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
+        scenes = np.array([_scene(file) for file in files[:: len(self.blocks)]], dtype=object)
+        about = {"long_name": "effects that were simulated"}
+        frame = frame.assign_coords(scene=("case", scenes, about))
+        frame.attrs = attributes
+        chunks = {"case": 1, "realization": min(ROWS, rows)}
+        write_netcdf_regions(frame, self._regions(files, report), "realization", chunks, output)
+
+    def _regions(
+        self, files: Sequence[Path], report: Callable[[str], None]
+    ) -> Iterator[tuple[dict, xr.Dataset]]:
+        """Place and content of every case and block."""
+        for place, file in enumerate(files):
+            case, block = divmod(place, len(self.blocks))
+            with reading_netcdf(file) as closed:
+                used, count = int(succeeded(closed).sum()), closed.sizes["realization"]
+                report(f"{file.stem}: {used} of {count} realisations are used")
+                for start in range(0, closed.sizes["realization"], ROWS):
+                    part = closed.isel(realization=slice(start, start + ROWS)).load()
+                    first = self.blocks[block].start + start
+                    rows = slice(first, first + part.sizes["realization"])
+                    yield {"case": case, "realization": rows}, part
+
+
+def chosen_in(pilot: Path) -> dict:
+    """Return the choice of effects in the file of a pilot."""
+    with reading_netcdf(pilot) as closed:
+        return json.loads(closed.attrs["chosen"])
+
+
+def _scene(file: Path) -> str:
+    with reading_netcdf(file) as closed:
+        return closed.attrs["scene"]
