@@ -12,7 +12,7 @@ import pandas as pd
 
 from jointclosure.storage.netcdf import reading_netcdf
 
-PER_SIMULATION = {"make_surfaces", "close_surfaces", "aggregate"}
+PER_SIMULATION = {"cases", "pool", "close_study", "close_pool"}
 """Rules whose cost grows with the number of simulations; those of the tail are shown only."""
 
 

@@ -52,8 +52,7 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.walls import surfaces_of
+from jointclosure.engine.joints import close_case
 from jointclosure.walls.synthesis import ROLL_OFF
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
@@ -94,7 +93,7 @@ def case_of(scene: str, seed: int, realisations: int):
     )
 
     def run():
-        return [list(close_surfaces(pair, settings)) for pair in surfaces_of(settings.surfaces)]
+        return close_case(settings)
 
     return run
 

@@ -59,9 +59,8 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.walls import surfaces_of
-from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
+from jointclosure.engine.joints import close_case
+from jointclosure.storage.netcdf import write_netcdf
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 TARGETS = {
@@ -200,14 +199,8 @@ def ensemble_memory(realizations: int) -> dict:
     row = {"realisations": realizations, "imported": peak_memory()}
     settings = case_settings(realizations, 100, 1e6, FULL)
     with tempfile.TemporaryDirectory() as folder:
-        walls, closures = f"{folder}/walls.nc", f"{folder}/closures.nc"
-        write_netcdf_blocks(surfaces_of(settings.surfaces), "realization", walls)
-        row["surfaces made"] = peak_memory()
-        with reading_netcdf(walls) as surfaces:
-            closed = close_surfaces(surfaces, settings)
-            write_netcdf_blocks(closed, "realization", closures)
-        row["closed"] = peak_memory()
-        return row | {"MB of surfaces on disk": 1e-6 * os.path.getsize(walls)}
+        write_netcdf(close_case(settings), f"{folder}/closures.nc")
+        return row | {"closed": peak_memory()}
 
 
 def memory(arguments) -> tuple[pd.DataFrame, tuple]:

@@ -151,16 +151,6 @@ def test_all_errors_are_listed_at_once_a_line_each():
     assert len(str(error.value).splitlines()) == 4
 
 
-def test_what_is_typed_becomes_plain_data_and_comes_back():
-    study = study_of()
-    assert from_plain(Configuration, json.loads(json.dumps(to_plain(study)))) == study
-    cases = {case.label: case for case in cases_of(study)}
-    settings = block_settings(study, cases, "slate-jrc-low", range(3))
-    assert from_plain(ClosureSettings, json.loads(json.dumps(to_plain(settings)))) == settings
-    with pytest.raises(TypeError, match="hurts"):
-        from_plain(ClosureSettings, to_plain(settings) | {"hurts": 1})
-
-
 def test_a_study_is_read_again_from_the_keys_that_it_left():
     keys = checked_study({"study": {"realizations_per_job": 3}}).keys
     left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}

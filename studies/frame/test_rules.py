@@ -30,7 +30,7 @@ rule all:
     default_target: True
     input: "results/small/total.csv",
 
-SEALED = complete(workflow.rules, "environment.yaml", without_seal=())
+SEALED = complete(workflow.rules, "environment.yaml")
 SEALED.withdraw_unmet(print, remove=True)
 """
 SCRIPT = '''"""Write a number.

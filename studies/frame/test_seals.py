@@ -22,6 +22,14 @@ class Named(list):
         self.get = parts.get
 
 
+class Log(list):
+    """As Snakemake gives logs, of which one has a name."""
+
+    @property
+    def benchmark(self) -> str:
+        return self[0].replace(".log", ".tsv")
+
+
 def run(folder, rule, inputs, outputs, work, sealed_by=(), **params):
     """Run a job as Snakemake would, in `folder`."""
     (folder / "seals").mkdir(parents=True, exist_ok=True)
@@ -33,7 +41,7 @@ def run(folder, rule, inputs, outputs, work, sealed_by=(), **params):
         ),
         output=Named({"files": outputs, "seal": str(folder / f"seals/{rule}.json")}),
         params=params,
-        log=Named({"log": str(folder / f"logs/{rule}.log")}),
+        log=Log([str(folder / f"logs/{rule}.log")]),
     )
     with job(wrapped):
         work()

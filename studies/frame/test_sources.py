@@ -140,15 +140,14 @@ EDITS = {
     "../studies/paper/closure_figures.py": "draw_figures write_report",
     "statistics/bootstrap.py": "find_indifference_intervals",
     "../studies/paper/judged_claims.py": "judge_claims",
-    "storage/provenance.py": "aggregate",
-    "solvers/newton.py": "close_surfaces",
+    "storage/provenance.py": "close_ensemble",
+    "solvers/newton.py": "joints",
     "../studies/frame/jobs/job.py": "",
     "../studies/frame/jobs/seals.py": "",
 }
 RULES = [
-    "make_surfaces",
-    "close_surfaces",
-    "aggregate",
+    "joints",
+    "close_ensemble",
     "fit_correlations",
     "find_indifference_intervals",
     "judge_claims",
@@ -164,7 +163,8 @@ def scripts_digests():
     products = {name: product.code for name, product in PRODUCTS.items()}
     scripts = {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
     del scripts["make_product"]  # its rules have the digests of the products
-    return scripts | products
+    joints = sources.code_digest("studies.frame.ensemble.closing:close_block")
+    return scripts | products | {"joints": joints}
 
 
 @pytest.fixture(scope="module")
@@ -181,8 +181,7 @@ def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(co
     moved = {rule for rule in RULES if after[rule] != unedited[rule]}
     needed = set(EDITS[file].split()) & set(RULES)
     assert needed <= moved
-    assert "make_surfaces" not in moved
-    assert ("close_surfaces" in moved) == ("solvers" in file)
+    assert ("joints" in moved) == ("solvers" in file)
     if not needed:
         assert moved == set()
     if "plotting" in file:
@@ -216,7 +215,7 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
 
 
 def test_simulations_import_no_pictures():
-    for script in ("make_surfaces", "close_surfaces", "aggregate"):
+    for script in ("close_ensemble", "close_experiment"):
         files = sources.closure({SCRIPTS / f"{script}.py"})
         for file in files:
             lines = file.read_text(encoding="utf-8").splitlines()

@@ -31,7 +31,7 @@ CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}
 
 
 def plan(*changes: dict) -> Plan:
-    return Plan(checked_study(*changes), "code")
+    return Plan(checked_study(*changes))
 
 
 def settings(*changes: dict) -> dict[str, dict]:

@@ -17,9 +17,7 @@ from jointclosure.engine.points import (
     close_points,
     estimated_time,
     gridded,
-    packed,
     samples_of,
-    unpacked,
 )
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.simulation import close_walls
@@ -77,21 +75,6 @@ def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points
     assert len(rows) == 4
     assert (rows.status >= 128).all()
     assert rows.max_closure.isna().all()
-
-
-@pytest.mark.parametrize("name", SECTIONS)
-def test_points_are_the_same_after_they_were_plain_data(name):
-    """Jobs of every experiment as it is shipped, through JSON as a workflow has it."""
-    keys = read_plain(ROOT / f"studies/{name}/{name}.yaml")
-    configured = checked_study(keys)
-    assert list(experiments_in(configured.keys)) == [name]
-    jobs = experiment_named(name).design(configured).jobs
-    for job in list(jobs)[:: max(1, len(jobs) // 12)]:
-        points = jobs[job]
-        plain = json.loads(json.dumps(packed(points)))
-        for one, other in zip(points, unpacked(plain), strict=True):
-            assert repr(one._replace(options={})) == repr(other._replace(options={}))
-            assert dict(one.options) == dict(other.options)
 
 
 def test_a_table_is_the_same_after_it_was_a_dataset(joints):

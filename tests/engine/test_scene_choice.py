@@ -1,5 +1,7 @@
 """Effects chosen by a pilot: what matters stays, what does not goes, and the error is known."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,9 +18,8 @@ from jointclosure.engine.choice import (
     choose_for_case,
     choose_for_rock,
 )
-from jointclosure.engine.joints import close_surfaces, closed_before, rows_by_seed
+from jointclosure.engine.joints import close_case, rows_by_seed
 from jointclosure.engine.pilot import CONFIDENCE, Closed, Pilot, _limits, closing
-from jointclosure.engine.walls import surfaces_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
@@ -31,7 +32,7 @@ from studies.effects.validation import (
 )
 from studies.frame.config.files import read_plain
 from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import closure_settings, surface_settings
+from studies.frame.ensemble.slices import block_settings
 from tests.studied import ROOT, study_of
 
 SPACING = 0.25e-3
@@ -217,22 +218,22 @@ def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_stren
     )
     cases = {case.label: case for case in cases_of(study)}
     settings = {
-        label: closure_settings(study, case, surface_settings(study, case, range(4)))
+        label: block_settings(study, cases, label, range(4))
         for label, case in cases.items()
     }
     assert len(settings) > 5
-    choice = choose_for_rock(settings)
-    assert choice.effects == jc.Effects()
-    (examined,) = choice.cases
+    pilot = choose_for_rock(settings)
+    choice, examined = json.loads(pilot.attrs["chosen"]), pilot.attrs["case"]
+    assert jc.Effects(**choice["effects"]) == jc.Effects()
     ratios = {
         label: one.case.max_normal_stress / one.case.intact.compressive_strength
         for label, one in settings.items()
     }
     assert ratios[examined] == max(ratios.values())
     lenient = {label: one._replace(effects_chosen_to=0.99) for label, one in settings.items()}
-    choice = choose_for_rock(lenient)
-    assert choice.effects != jc.Effects()
-    assert choice.error == choice.cases[examined].error
+    choice = json.loads(choose_for_rock(lenient).attrs["chosen"])
+    assert jc.Effects(**choice["effects"]) != jc.Effects()
+    assert choice["error"] == choice["cases"][examined]["error"]
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 0.9])
@@ -242,18 +243,18 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(monkeypatch
         {"grid": {"cells_x": 16, "cells_y": 16}, "effects": {"auto": tolerance}},
     )
     case = cases_of(study)[0]
-    settings = closure_settings(study, case, surface_settings(study, case, range(4)))
-    choice = choose_for_case(settings)
-    assert (choice.effects == jc.Effects()) is (tolerance < 0.5)
-    used = settings.with_effects(choice.effects)
-    pairs = xr.concat(surfaces_of(used.surfaces), "realization")
-    plain = xr.concat(close_surfaces(pairs, used), "realization")
-    before = closed_before(surfaces_of(used.surfaces), choice.closed, used)
+    settings = block_settings(study, {case.label: case}, case.label, range(4))
+    before = choose_for_rock({case.label: settings})
+    choice = json.loads(before.attrs["chosen"])
+    effects = jc.Effects(**choice["effects"])
+    assert (effects == jc.Effects()) is (tolerance < 0.5)
+    used = settings.with_effects(effects)
+    plain = close_case(used)
     closed = []
     close = engine.close_joint
     monkeypatch.setattr(engine, "close_joint", lambda *given: closed.append(1) or close(*given))
-    taken = xr.concat(close_surfaces(pairs, used, known=rows_by_seed(before)), "realization")
-    assert len(closed) == 4 - len(choice.closed)
+    taken = close_case(used, known=rows_by_seed(before))
+    assert len(closed) == 4 - before.sizes["realization"]
     assert len(closed) < 4
     assert taken.drop_vars("timing_simulation").identical(plain.drop_vars("timing_simulation"))
 

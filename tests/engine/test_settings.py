@@ -1,4 +1,4 @@
-"""Files of other settings are noticed; a split of the work changes nothing."""
+"""A change of what a result depends on is noticed; a split of the work changes nothing."""
 
 import itertools
 from pathlib import Path
@@ -8,18 +8,13 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from studies.frame.ensemble.repetition import repeated
 
 from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.choice import choose_for_case
-from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.settings import (
-    ClosureSettings,
-    OtherSettingsError,
-    as_text,
-    check_settings,
-)
-from jointclosure.engine.walls import surfaces_of
+from jointclosure.engine.cache import digest
+from jointclosure.engine.joints import close_case
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.walls import walls_of
 from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.frame.config.typed import Configuration
@@ -49,7 +44,7 @@ def configuration():
 
 def settings_of(configuration: Configuration, label: str, block: range) -> ClosureSettings:
     cases = {case.label: case for case in cases_of(configuration)}
-    return block_settings(configuration, cases, label, block, "surfaces", "solver")
+    return block_settings(configuration, cases, label, block)
 
 
 @given(st.integers(2, 500), st.integers(1, 600) | st.none())
@@ -58,18 +53,6 @@ def test_blocks_have_every_realisation_once(realizations, per_job):
     blocks = blocks_of(study)
     assert list(itertools.chain(*blocks)) == list(range(realizations))
     assert all(len(block) <= (per_job or realizations) for block in blocks)
-
-
-def test_the_same_settings_pass_and_a_change_is_named(configuration):
-    settings = settings_of(configuration, "slate-jrc-low", range(4))
-    attributes = {"settings": as_text(settings)}
-    check_settings("case.nc", attributes, settings_of(configuration, "slate-jrc-low", range(4)))
-    other = study_of(SMALL, {"choices": {"largest_radius_mm": 20}})
-    printed = r"case.nc: .*choices.largest_radius is None.* 0.02"
-    with pytest.raises(OtherSettingsError, match=printed):
-        check_settings("case.nc", attributes, settings_of(other, "slate-jrc-low", range(4)))
-    with pytest.raises(OtherSettingsError, match="it does not state them"):
-        check_settings("case.nc", {}, settings)
 
 
 CHANGES = {
@@ -91,26 +74,10 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_all_that_a_result_depends_on_is_in_its_settings(configuration, change):
-    attributes = {"settings": as_text(settings_of(configuration, "slate-jrc-low", range(4)))}
+    settings = settings_of(configuration, "slate-jrc-low", range(4))
+    assert digest(settings) == digest(settings_of(study_of(SMALL), "slate-jrc-low", range(4)))
     label, block, edit = CHANGES[change]
-    with pytest.raises(OtherSettingsError):
-        check_settings("case.nc", attributes, settings_of(study_of(SMALL, edit), label, block))
-
-
-def test_other_code_is_named(configuration):
-    cases = {case.label: case for case in cases_of(configuration)}
-    made = [
-        block_settings(configuration, cases, "slate-base", range(2), *codes)
-        for codes in (("a", "b"), ("a", "c"), ("d", "b"))
-    ]
-    for other in made[1:]:
-        with pytest.raises(OtherSettingsError, match=r"code is 'b'|surfaces.code is 'a'"):
-            check_settings("case.nc", {"settings": as_text(made[0])}, other)
-
-
-def closed_block(settings: ClosureSettings) -> list[xr.Dataset]:
-    surfaces = xr.concat(list(surfaces_of(settings.surfaces)), "realization", coords="minimal")
-    return list(close_surfaces(surfaces, settings))
+    assert digest(settings) != digest(settings_of(study_of(SMALL, edit), label, block))
 
 
 def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
@@ -118,15 +85,14 @@ def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
     cases = cases_of(configuration)
     blocks = blocks_of(configuration.study)
     made = {
-        (number, block.start): closed_block(settings_of(configuration, case.label, block))
+        (number, block.start): close_case(settings_of(configuration, case.label, block))
         for number, case in enumerate(cases)
         for block in blocks
     }
-    frame = join_cases(cases, [made[0, 0][0].isel(realization=slice(0, 1))] * len(cases))
+    frame = join_cases(cases, [made[0, 0].isel(realization=slice(0, 1))] * len(cases))
     regions = (
         ({"case": number, "realization": slice(first, first + part.sizes["realization"])}, part)
-        for (number, first), parts in made.items()
-        for part in parts
+        for (number, first), part in made.items()
     )
     write_netcdf_regions(frame, regions, "realization", {"case": 1, "realization": 4}, path)
     return read_netcdf(path)
@@ -141,17 +107,15 @@ def test_a_split_over_jobs_changes_no_bit(configuration, tmp_path):
         split = whole_study(parts, tmp_path / "split.nc")
         assert differences(whole, split) == []
     cases = cases_of(configuration)
-    at_once = [
-        xr.concat(closed_block(settings_of(configuration, c.label, range(7))), "realization")
-        for c in cases
-    ]
+    at_once = [close_case(settings_of(configuration, c.label, range(7))) for c in cases]
     assert differences(whole, join_cases(cases, at_once)) == []
 
 
 def test_any_realisation_can_be_repeated_alone(configuration):
     settings = settings_of(configuration, "slate-jrc-low", range(3, 7))
-    (block,) = closed_block(settings)
-    again = repeated(settings, 5)
+    block = close_case(settings)
+    one = settings.surfaces._replace(first_realization=5, realizations=1)
+    again = close_case(settings._replace(surfaces=one))
     assert differences(block.sel(realization=[5]), again) == []
 
 
@@ -160,14 +124,12 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
     configuration = study_of(SMALL, {"effects": {"substrate": False, "interaction": False}})
     cases = {case.label: case for case in cases_of(configuration)}
     settings = settings_of(configuration, "slate-base", range(4))
-    pairs = list(surfaces_of(settings.surfaces))
-    for wall in ("upper", "lower"):
-        pairs[2][wall][:] = 0.0
+    pairs = list(walls_of(settings.surfaces))
+    for wall in pairs[2]:
+        wall[:] = 0.0
     lines = []
-    surfaces = xr.concat(pairs, "realization", coords="minimal")
-    (closed,) = close_surfaces(
-        surfaces, settings, report=lines.append, repeated_by="python -m studies repeat r slate-base"
-    )
+    again = "python -m studies repeat r slate-base"
+    closed = close_case(settings, pairs, report=lines.append, again=again)
     assert closed.status.values.tolist() == [0, 0, 64, 0]
     for name, values in closed.isel(realization=2).data_vars.items():
         counted = name == "timing_simulation" or values.dtype.kind == "i"

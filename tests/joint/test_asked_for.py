@@ -11,9 +11,9 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.exports import geos_aperture_table
 from jointclosure.engine.aggregation import CURVES, join_cases
-from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.joints import close_case
 from jointclosure.engine.quantities import OF_FLOW
-from jointclosure.engine.walls import surfaces_of
+from jointclosure.engine.walls import walls_of
 from jointclosure.joint.curves import curve_table, cycle_table
 from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.joint import engineering_figure
@@ -41,8 +41,7 @@ def tiny_study(flow: bool) -> xr.Dataset:
     closed = []
     for label in first:
         settings = block_settings(configuration, cases, label, range(3))
-        surfaces = xr.concat(list(surfaces_of(settings.surfaces)), "realization")
-        closed.append(xr.concat(list(close_surfaces(surfaces, settings)), "realization"))
+        closed.append(close_case(settings))
     study = join_cases([cases[label] for label in first], closed)
     return study.assign_coords(scene=("case", ["all"] * 2))
 
@@ -71,8 +70,7 @@ def test_a_study_reads_its_apertures_off_the_joints_history(studies):
     settings = block_settings(
         study_of(TINY), {c.label: c for c in cases_of(study_of(TINY))}, "slate-base", range(3)
     )
-    surfaces = next(iter(surfaces_of(settings.surfaces)))
-    walls = (surfaces[name].values[0] for name in ("upper", "lower"))
+    walls = next(iter(walls_of(settings.surfaces)))
     closed = jc.simulate(*walls, **settings.conditions()._asdict() | {"flow": True})
     here = (closed.cycle == 1).values & (closed.branch == "loading").values
     stress, level = closed.normal_stress.values[here], 1e6

@@ -11,8 +11,7 @@ import yaml
 
 from jointclosure.cli import main as cli
 from jointclosure.engine.aggregation import join_cases
-from jointclosure.engine.joints import close_surfaces
-from jointclosure.engine.walls import surfaces_of
+from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.config.configuration import merged, written_out
 from studies.frame.ensemble.cases import cases_of
@@ -62,8 +61,7 @@ def smoke_study(project):
     study = study_of(small)
     case = cases_of(study)[0]
     settings = block_settings(study, {case.label: case}, case.label, range(2))
-    pairs = xr.concat(surfaces_of(settings.surfaces), "realization")
-    closed = xr.concat(close_surfaces(pairs, settings), "realization")
+    closed = close_case(settings)
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
     write_netcdf(join_cases([case], [closed]), folder / "study.nc")

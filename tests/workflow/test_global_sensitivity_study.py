@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from studies.frame.jobs.logbook import failed_log
+from jointclosure.storage.logs import failed_log
 
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 

@@ -7,10 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from jointclosure.compilation.kernels import cache_folder
 from jointclosure.engine.workers import end_with_parent
-from jointclosure.joint.warmup import compile_kernels
-from jointclosure.parameters import Choices, scene_of
 from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
 from studies.frame.jobs.seals import check_inputs, write_seal
 
@@ -48,6 +45,10 @@ def job(snakemake) -> Iterator[Logbook]:
 
 def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None:
     """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them."""
+    from jointclosure.compilation.kernels import cache_folder
+    from jointclosure.joint.warmup import compile_kernels
+    from jointclosure.parameters import Choices, scene_of
+
     report(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
