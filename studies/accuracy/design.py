@@ -19,7 +19,7 @@ from studies.frame.config.files import ConfigurationError
 from studies.frame.config.presets import numerics_in_full
 from studies.frame.config.typed import Configuration
 from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import closure_settings, surface_settings
+from studies.frame.ensemble.slices import block_settings, surface_settings
 
 _OF_RUN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
@@ -136,11 +136,15 @@ def _changed_numerics(keys: dict, base: dict) -> dict | None:
 def _run(configuration: Configuration, rock: str, design: dict) -> Run:
     """Return the run of a configuration of one rock."""
     parameter = design["parameter"]
-    cases = [case for case in cases_of(configuration) if case.parameter in (BASE, parameter)]
+    labelled = {case.label: case for case in cases_of(configuration)}
+    cases = [case for case in labelled.values() if case.parameter in (BASE, parameter)]
     cases = sorted(cases, key=lambda case: case.property(parameter))
     block = range(configuration.study.realizations)
     surfaces = surface_settings(configuration, cases[0], block)
-    settings = (closure_settings(configuration, case, surfaces) for case in cases)
+    settings = [
+        block_settings(configuration, labelled, case.label, block)._replace(surfaces=surfaces)
+        for case in cases
+    ]
     return Run(
         # no quantity counts from seating, and an elastic curve needs no point there
         tuple(level._replace(seating_stress=0.0) for level in settings),

@@ -1,5 +1,4 @@
 import inspect
-import json
 import os
 import shutil
 import subprocess
@@ -8,15 +7,12 @@ import sys
 import pytest
 
 from jointclosure.compilation.sources import PACKAGE
-from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import seeds_of
-from jointclosure.inputs.plain import from_plain, to_plain
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters import Effects
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.config.configuration import resolved, written_out
 from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.config.typed import Configuration
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.slices import block_settings
 from tests.studied import DEFAULT, ROOT, checked_study, study_of

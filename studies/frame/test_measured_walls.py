@@ -6,18 +6,20 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine.settings import Grid
 from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.walls import check_files
 from studies.frame.ensemble.cases import cases_of, wall_name
 from studies.frame.ensemble.measured_walls import (
-    cut_surfaces,
+    cut_walls,
     cutter_of,
     described,
     prepared_walls,
     room,
 )
+from studies.frame.ensemble.slices import surface_settings
 from tests.joints import SPACING
 from tests.studied import study_of
 
@@ -140,19 +142,18 @@ def test_two_clouds_are_gridded_where_both_have_points():
     assert flat.std() < 0.05 * float(walls.lower.std())
 
 
-def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
-    cutter = cutter_of(prepared({"lower": scan}), (20, 24), 5, "wall")
-    assert room(cutter) == {"windows": 21 * 27, "windows_side_by_side": 4}
-    pairs = list(cut_surfaces(cutter, [11, 12, 13]))
-    later = list(cut_surfaces(cutter, [12, 13], first=1))
+def test_walls_of_a_later_block_are_those_of_the_whole(scan):
+    walls, study = prepared({"lower": scan}), study_of(with_walls())
+    assert room(cutter_of(walls, (20, 24), 5, "wall"))["windows_side_by_side"] == 4
+    surfaces = surface_settings(
+        study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
+        cases_of(study)[0], range(3),
+    )._replace(grid=Grid(24, 20, SPACING))  # fmt: skip
+    pairs = list(cut_walls(walls, surfaces))
+    later = cut_walls(walls, surfaces._replace(first_realization=1, realizations=2))
     for pair, again in zip(pairs[1:], later, strict=True):
-        assert pair.identical(again)
-    assert [int(pair.realization[0]) for pair in pairs] == [0, 1, 2]
-    for number, pair in enumerate(pairs):
-        joint = cutter.joint(number, 0)
-        np.testing.assert_array_equal(pair.upper.values[0], joint.upper)
-        origin = (int(pair.lower_origin_y[0]), int(pair.lower_origin_x[0]))
-        assert origin == joint.lower_origin
+        np.testing.assert_array_equal(pair, again)
+    assert not np.array_equal(pairs[0], pairs[1])
 
 
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():

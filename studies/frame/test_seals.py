@@ -41,6 +41,7 @@ def run(folder, rule, inputs, outputs, work, sealed_by=(), **params):
         ),
         output=Named({"files": outputs, "seal": str(folder / f"seals/{rule}.json")}),
         params=params,
+        rule=rule,
         log=Log([str(folder / f"logs/{rule}.log")]),
     )
     with job(wrapped):

@@ -1,7 +1,5 @@
 """The engine of experiments: points closed and read, and points as plain data."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -21,9 +19,8 @@ from jointclosure.engine.points import (
 )
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.simulation import close_walls
-from studies.frame.config.files import read_plain
-from studies.frame.experiments import SECTIONS, experiment_named, experiments_in
-from tests.studied import ROOT, checked_study
+from studies.frame.experiments import experiment_named
+from tests.studied import checked_study
 
 TINY = {
     "study": {"name": "points", "rocks": ["slate", "dolerite"], "realizations": 2},

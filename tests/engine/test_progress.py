@@ -1,12 +1,10 @@
 """Progress: shown on a terminal, silent elsewhere."""
 
-import io
-
 import pytest
 from rich.console import Console
 
 from jointclosure.engine import progress
-from jointclosure.engine.progress import Countdown, WorkflowProgress
+from jointclosure.engine.progress import Countdown
 
 
 @pytest.fixture

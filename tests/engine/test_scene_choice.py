@@ -15,7 +15,6 @@ from jointclosure.engine.choice import (
     _screened,
     choose_among,
     choose_effects,
-    choose_for_case,
     choose_for_rock,
 )
 from jointclosure.engine.joints import close_case, rows_by_seed
@@ -218,8 +217,7 @@ def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_stren
     )
     cases = {case.label: case for case in cases_of(study)}
     settings = {
-        label: block_settings(study, cases, label, range(4))
-        for label, case in cases.items()
+        label: block_settings(study, cases, label, range(4)) for label, case in cases.items()
     }
     assert len(settings) > 5
     pilot = choose_for_rock(settings)

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointclosure.engine.aggregation import join_cases
-from jointclosure.engine.choice import choose_for_case
 from jointclosure.engine.cache import digest
+from jointclosure.engine.choice import choose_for_case
 from jointclosure.engine.joints import close_case
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import walls_of

@@ -6,7 +6,6 @@ import shlex
 from pathlib import Path
 
 import pytest
-import xarray as xr
 import yaml
 
 from jointclosure.cli import main as cli

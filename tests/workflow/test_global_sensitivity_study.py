@@ -5,8 +5,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from jointclosure.storage.logs import failed_log
 
+from jointclosure.storage.logs import failed_log
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow

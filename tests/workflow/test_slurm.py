@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from jointclosure.storage.logs import failed_log
 
+from jointclosure.storage.logs import failed_log
 from tests.workflow.test_global_sensitivity_study import fails_once
 from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
 

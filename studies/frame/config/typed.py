@@ -1,7 +1,6 @@
 """The configuration of a study as the library has it: typed, complete, and in SI.
 
-`studies.frame.config.configuration.configured` makes it from files, once. What a job
-needs of it goes through a rule's parameters by `jointclosure.inputs.plain`.
+`studies.frame.config.configuration.configured` makes it from files, once.
 """
 
 from typing import NamedTuple

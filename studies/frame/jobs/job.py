@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from jointclosure.engine.workers import end_with_parent
 from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
@@ -52,7 +53,9 @@ def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None
     report(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
-    for scene, peaks, solver, breakage in kernels:
+    names: Any
+    for names in kernels:
+        scene, peaks, solver, breakage = names
         compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)
 
 
