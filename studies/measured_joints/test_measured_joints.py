@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine.measured_joints import measured
-from jointclosure.engine.points import close_points, packed, unpacked
+from jointclosure.engine.points import close_points
 from studies.frame.config.files import ConfigurationError
 from studies.measured_joints import EXPERIMENT
 from studies.measured_joints.observables import BASE, OBSERVABLES, fitted_length, observables_of
@@ -38,7 +38,7 @@ def design():
 
 @pytest.fixture(scope="module")
 def joints(design):
-    points = [point for job in design.jobs.values() for point in unpacked(packed(job))]
+    points = [point for job in design.jobs.values() for point in job]
     return close_points(points, EXPERIMENT.quantities)
 
 
