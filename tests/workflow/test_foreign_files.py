@@ -115,7 +115,7 @@ def test_what_is_not_of_this_configuration_is_made_again(studies, copied, attack
 def test_a_job_that_is_called_alone_does_not_read_a_foreign_dataset(copied):
     mine, other = copied / "results/tiny", copied / "results/other"
     shutil.copy(other / "study.nc", mine / "study.nc")
-    shutil.copy(other / "seals/aggregate.json", mine / "seals")
+    shutil.copy(other / "seals/close_study.json", mine / "seals")
     (mine / "tables/max_closure.csv").unlink()
     answer = snakemake(copied, "--", "results/tiny/tables/max_closure.csv")
     assert answer.returncode == 0, answer.stdout + answer.stderr

@@ -1,6 +1,5 @@
 """The memory that puts a study together does not grow with its realisations."""
 
-import importlib.util
 import resource
 import subprocess
 import sys
@@ -9,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.engine.settings import as_text
+from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.config.configuration import resolved
 from studies.frame.config.typed import Configuration
 from studies.frame.ensemble.cases import blocks_of, cases_of
-from tests.engine.test_settings import ELASTIC, closed_block, settings_of
+from studies.frame.ensemble.closing import Ensemble
+from tests.engine.test_settings import ELASTIC, settings_of
 from tests.studied import DEFAULT, checked_study
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +46,8 @@ def keys_of_study(realizations: int) -> dict:
 def case_files(configuration: Configuration, folder: Path) -> list[Path]:
     """Files of every block: one joint's numbers, and in two variables the realisation's own."""
     (case,) = cases_of(configuration)
-    (one,) = closed_block(settings_of(configuration, case.label, range(1)))
+    one = close_case(settings_of(configuration, case.label, range(1)))
+    (folder / "cases").mkdir()
     paths = []
     for block in blocks_of(configuration.study):
         many = one.isel(realization=np.zeros(len(block), dtype=int))
@@ -54,24 +55,16 @@ def case_files(configuration: Configuration, folder: Path) -> list[Path]:
         random = np.random.default_rng(block.start).random(many.closure.shape)
         many = many.assign(closure=(many.closure.dims, random, many.closure.attrs))
         many["breakage_steps"] = ("realization", np.array(block), one.breakage_steps.attrs)
-        text = as_text(settings_of(configuration, case.label, block))
-        paths.append(folder / f"{block.start}.nc")
-        write_netcdf(many.assign_attrs(settings=text, scene="elastic"), paths[-1])
+        paths.append(folder / f"cases/{case.label}.{block.start}.nc")
+        write_netcdf(many.assign_attrs(scene="elastic"), paths[-1])
     return paths
 
 
-def aggregate(realizations: int, folder: Path) -> int:
-    """Put the study together as its rule does; the peak memory [kB] of this process."""
-    spec = importlib.util.spec_from_file_location(
-        "aggregate", ROOT / "workflow/scripts/aggregate.py"
-    )
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    keys = keys_of_study(realizations)
-    configuration = resolved(keys)
-    paths = [str(folder / f"{block.start}.nc") for block in blocks_of(configuration.study)]
-    codes = ("surfaces", "solver")
-    script.main(paths, [], [], keys, "cases", codes, f"{folder}/study.nc", lambda line: None)
+def joined(realizations: int, folder: Path) -> int:
+    """Put the study together as its job does; the peak memory [kB] of this process."""
+    ensemble = Ensemble(resolved(keys_of_study(realizations)))
+    output = folder / "study.nc"
+    ensemble.join(ensemble.entries(folder), folder, {}, output, lambda line: None)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
@@ -79,8 +72,8 @@ def memory(realizations: int, folder: Path) -> int:
     folder.mkdir()
     case_files(resolved(keys_of_study(realizations)), folder)
     command = (
-        "import sys, pathlib; from tests.workflow.test_many_realizations import aggregate; "
-        "print(aggregate(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"
+        "import sys, pathlib; from tests.workflow.test_many_realizations import joined; "
+        "print(joined(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"
     )
     answer = subprocess.run(
         [sys.executable, "-c", command, str(realizations), str(folder)],
@@ -100,6 +93,6 @@ def test_ten_times_the_realisations_take_no_more_memory(tmp_path):
     assert 1024 * (many - few) < 0.2 * study.nbytes, f"{few} and {many} kB"
     steps = study.breakage_steps.values
     np.testing.assert_array_equal(steps, np.arange(25_000)[np.newaxis])
-    last = read_netcdf(tmp_path / "many/22500.nc")
+    last = read_netcdf(tmp_path / "many/cases/slate-base.22500.nc")
     there = study.closure.isel(case=0, realization=slice(22_500, None))
     np.testing.assert_array_equal(there.values, last.closure.values)

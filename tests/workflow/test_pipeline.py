@@ -12,7 +12,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from jointclosure.engine.cache import is_kept
 from jointclosure.storage.netcdf import read_netcdf
+from studies.frame.config.files import read_plain
+from studies.frame.experiments import cached
+from tests.studied import checked_study
 
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "tests/workflow/tiny.yaml"
@@ -165,8 +169,7 @@ def test_a_second_run_on_one_core_or_two_gives_the_same_bits(study, tmp_path, co
     if cores == 1:  # tables and figures of the study itself come before the closures of its pool
         rules = finished_rules(folder)
         complete = max(rules.index("write_tables"), rules.index("draw_figures"))
-        assert rules[:complete].count("close_surfaces") == 10
-        assert rules.count("close_surfaces") == 30
+        assert rules.index("close_study") < complete < rules.index("close_pool")
     found = jointclosure_cli("compare", "--exact", study / "results/tiny", folder / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
     assert found.stdout == "identical except for provenance and timing\n"
@@ -217,15 +220,23 @@ def test_the_report_is_a_page_with_every_figure(study):
     assert "<code>study.realizations</code>" in page
 
 
+def files_kept(folder: Path, config: str) -> tuple[set[str], set[str]]:
+    """Files of the cache that a configuration keeps, and those that it makes, by name."""
+    configured = checked_study(read_plain(folder / config))
+    entries = cached(configured, "cases").items()
+    kept = {name for name, entry in entries if is_kept(entry, folder / "results/tiny")}
+    names = {name: name.partition("/")[2] for name, _ in entries}
+    return {names[n] for n in kept}, {names[n] for n in names if n not in kept}
+
+
 def test_editing_one_case_reruns_that_case_alone(study):
     text = TINY.read_text().replace("      jrc: [5, 8, 9]", "      jrc: [5, 8, 9.5]")
     (study / "edited.yaml").write_text(text)
     jobs = planned(study, config="edited.yaml")
-    # of the study, and of its pool in two blocks
-    assert jobs["close_surfaces"] == 3
-    assert jobs["make_surfaces"] == 3
-    assert "compile_kernels" not in jobs
-    assert jobs["aggregate"] == jobs["aggregate_pool"] == 1
+    assert jobs["close_study"] == jobs["close_pool"] == 1
+    kept, missing = files_kept(study, "edited.yaml")
+    assert missing == {"slate-jrc-level_3.0"}
+    assert len(kept) == 9
 
 
 def test_editing_one_rock_leaves_the_others_alone(study):
@@ -234,9 +245,9 @@ def test_editing_one_rock_leaves_the_others_alone(study):
         "  slate:\n", "  dolerite: {max_normal_stress_MPa: 1, levels: {jrc: [6, 10]}}\n  slate:\n"
     )
     (study / "two.yaml").write_text(two)
-    jobs = planned(study, config="two.yaml")
-    # dolerite's nine cases are new, in one block and two of the pool; slate's are left alone
-    assert jobs["close_surfaces"] == 27
+    kept, missing = files_kept(study, "two.yaml")
+    assert {name.split("-")[0] for name in missing} == {"dolerite"}
+    assert len(kept) == 10
 
 
 def test_an_edit_of_the_statistics_reruns_what_reads_them_and_nothing_else(study):
@@ -245,27 +256,6 @@ def test_an_edit_of_the_statistics_reruns_what_reads_them_and_nothing_else(study
     jobs = planned(study, config="edited.yaml")
     intervals = {"find_indifference_intervals", "write_tables", "draw_figures"}
     assert set(jobs) == intervals | {"state_configuration"}
-
-
-def test_a_comment_in_a_module_reruns_nothing_and_an_edit_what_imports_it(tmp_path):
-    package = tmp_path / "package/jointclosure"
-    shutil.copytree(ROOT / "src/jointclosure", package)
-    folder, own = checkout(tmp_path), {"PYTHONPATH": str(package.parent)}
-    walls = "results/tiny/cases/slate-base.0.surfaces.nc"
-    answer = snakemake(folder, "--", walls, environment=own)
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-
-    def jobs_after(module: str, before: str, after: str) -> dict[str, int]:
-        file = package / module
-        text = file.read_text(encoding="utf-8")
-        file.write_text(before + text + after, encoding="utf-8")
-        jobs = planned(folder, "--", walls, environment=own)
-        file.write_text(text, encoding="utf-8")
-        return jobs
-
-    assert jobs_after("surface/synthesis.py", "# a comment\n", '"""A text."""\n') == {}
-    assert jobs_after("surface/synthesis.py", "", "ADDED = 1\n") == {"make_surfaces": 1}
-    assert jobs_after("solvers/newton.py", "", "ADDED = 1\n") == {}  # makes no walls
 
 
 def test_a_bad_configuration_is_refused_before_any_job(study):

@@ -19,7 +19,7 @@ MEMORY = (
     "a process was killed, as systems do that run out of memory. "
     "What is finished stays; start again with fewer jobs at once (CORES=1)"
 )
-KILLED = f"exit status {128 + signal.SIGKILL}"
+KILLED = (f"exit status {128 + signal.SIGKILL}", "died with <Signals.SIGKILL")
 
 
 def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -> int:
@@ -41,7 +41,9 @@ def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -
         return 128 + request.signal
     if process.returncode:
         lines = log.read_bytes()[start:].decode(errors="replace").splitlines()
-        if process.returncode == -signal.SIGKILL or any(KILLED in line for line in lines):
+        if process.returncode == -signal.SIGKILL or any(
+            end in line for end in KILLED for line in lines
+        ):
             print(MEMORY, file=sys.stderr)
         failed = [line for line in shown if " failed: " in line]
         print("\n".join(failed or (f"    {line[:300]}" for line in lines[-40:])), file=sys.stderr)

@@ -90,7 +90,7 @@ def make_missing(
         entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
     done = Countdown(title, sum(entry.joints for entry in missing), report)
     failed = []
-    tasks = [(entry, folder) for entry in missing]
+    tasks = [(entry, entry.key, folder) for entry in missing]
     for place, answer in shared(_make, tasks, workers, apart=True):
         if isinstance(answer, Failed):
             failed.append(_described(missing[place], answer.error))
@@ -101,7 +101,7 @@ def make_missing(
         raise RuntimeError(f"{len(failed)} of {len(entries)} could not be made: {failed[0]}")
 
 
-def _make(entry: Entry, folder: Path) -> None:
+def _make(entry: Entry, key: str, folder: Path) -> None:
     """Make the file of an entry, in a worker."""
     log, benchmark = (
         folder / kind / f"{entry.name}{suffix}"
@@ -111,7 +111,7 @@ def _make(entry: Entry, folder: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     with logging_to(log) as logbook, measured(benchmark):
         made = entry.make(*entry.settings, **entry.options, report=logbook)
-        write_netcdf(made.assign_attrs(key=entry.key), entry.file(folder))
+        write_netcdf(made.assign_attrs(key=key), entry.file(folder))
 
 
 def _described(entry: Entry, error: Exception) -> str:
