@@ -2,7 +2,7 @@
 
 A setting is a variant of the model (scene) of one rock with one changed knob: a step, a tolerance,
 a solver, a surface rule. Its configuration is merged from the keys of the study, the scene and the
-knob, see ``accuracy`` in `studies.frame.config.keys`. A run closes the surfaces at all levels of
+knob, see ``accuracy`` in `studies.accuracy.section`. A run closes the surfaces at all levels of
 one rock property, which gives its indifference interval.
 """
 
@@ -14,10 +14,15 @@ from typing import NamedTuple
 from jointclosure.engine.settings import BASE, ClosureSettings, Grid, Surface
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Rock
-from studies.frame.config.configuration import configured, merged, problem_lines, refuse
+from studies.frame.config.configuration import (
+    Configuration,
+    configured,
+    merged,
+    problem_lines,
+    refuse,
+)
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.presets import numerics_in_full
-from studies.frame.config.typed import Configuration
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.slices import block_settings, surface_settings
 

@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 
 from jointclosure.engine.points import close_points, one_joint
-from studies.accuracy import EXPERIMENT
 from studies.accuracy.cost import (
     Resampling,
     _sampling,
@@ -16,6 +15,7 @@ from studies.accuracy.cost import (
     source_table,
 )
 from studies.accuracy.design import Setting, design_of
+from studies.accuracy.study import EXPERIMENT
 from studies.frame.config.files import read_plain
 from tests.studied import ROOT, checked_study
 

@@ -13,8 +13,8 @@ from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
 from studies.commands import COMMANDS
+from studies.frame.config.configuration import model
 from studies.frame.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
-from studies.frame.config.keys.configuration import ConfigurationKeys
 from studies.frame.config.schema import json_schema
 from studies.frame.jobs.seals import check_folder
 
@@ -80,7 +80,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         checks=_needed(folder / "tables/checks.csv", sealed),
         paper=read_csv(PAPER_TABLE_3),
         default=read_plain(DEFAULT),
-        schema=json_schema(ConfigurationKeys),
+        schema=json_schema(model()),
         pictures=_pictures(folder, sealed, configuration),
         benchmarks=read_benchmarks(folder / "benchmarks"),
         measured=_table(folder / "tables/measured_fit.csv", sealed),

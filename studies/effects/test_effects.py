@@ -6,7 +6,7 @@ import pytest
 
 from jointclosure.engine.points import close_points, gridded
 from jointclosure.parameters import Effects, scene_name
-from studies.effects import CONTRIBUTIONS, EXPERIMENT, FULL, SCENES, effect_table
+from studies.effects.study import CONTRIBUTIONS, EXPERIMENT, FULL, SCENES, effect_table
 from tests.studied import checked_study
 
 TINY = {

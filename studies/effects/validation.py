@@ -26,7 +26,8 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name, well_posed_scenes
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.synthesis import wall_pair
-from studies.frame.config.typed import Configuration, Validation
+from studies.effects.section import Ablation, Validation
+from studies.frame.config.configuration import Configuration
 
 SHARED_BY = (JOINTS, 180, 540)
 """Joints that share a selection: of a case of the paper's study, and of all cases of a rock."""
@@ -71,11 +72,7 @@ class ValidationSettings(NamedTuple):
 
 def validation_settings(configuration: Configuration) -> ValidationSettings:
     """Return the settings of the random conditions of a study."""
-    study, ablation = configuration.study, configuration.ablation
-    if ablation is None:
-        raise InputError(
-            "ablation = null: must be given for a study of effects (studies/effects/effects.yaml)"
-        )
+    study, ablation = configuration.study, configuration.section(Ablation)
     if ablation.validation is None:
         raise InputError("ablation.validation = null: must be given for random conditions")
     return ValidationSettings(

@@ -1,7 +1,7 @@
 """Experiments: points at which joints are closed, and the tables and figures made of them.
 
-An experiment is a package of `studies` with a constant ``EXPERIMENT``. The engine
-(`jointclosure.engine.points`) closes its points. A new one is named in `SECTIONS`.
+An experiment is a folder of `studies` with its section of the configuration (``section.py``) and a
+constant ``EXPERIMENT`` (``study.py``). The engine (`jointclosure.engine.points`) closes its points.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -16,9 +16,7 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.points import Jobs, Samples, entries_of, samples_of
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
-from studies.frame.config.configuration import Configured, resolved
-from studies.frame.config.keys.configuration import SECTIONS
-from studies.frame.config.typed import Configuration
+from studies.frame.config.configuration import Configuration, Configured, resolved, sections
 from studies.frame.ensemble.closing import Ensemble
 from studies.frame.ensemble.slices import block_settings
 
@@ -100,13 +98,17 @@ class Experiment(NamedTuple):
 
 
 def experiment_named(name: str) -> Experiment:
-    """Return the experiment with a name of `SECTIONS`."""
-    return import_module(f"studies.{name}").EXPERIMENT
+    """Return the experiment of a folder."""
+    return import_module(f"studies.{name}.study").EXPERIMENT
 
 
 def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
     """Return the experiments whose section a configuration has, by name."""
-    return {name: experiment_named(name) for name, key in SECTIONS.items() if keys.get(key)}
+    return {
+        name: experiment_named(name)
+        for name, section in sections().items()
+        if keys.get(section.name)
+    }
 
 
 def checked_design(name: str, configured: Configured) -> Design:
@@ -133,7 +135,7 @@ def cached(configured: Configured, kind: str, folder: Path | None = None) -> dic
 
     The cases depend on the effects that pilots chose, which are read if the folder is given.
     """
-    if kind in SECTIONS:
+    if kind in sections():
         experiment = experiment_named(kind)
         entries = entries_of(kind, experiment.design(configured).jobs, experiment.quantities)
     elif kind == "effects_of":

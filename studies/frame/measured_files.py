@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from studies.frame.config.typed import Configuration, MeasuredFile
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.rocks import MeasuredFile
 
 
 class CurveSettings(NamedTuple):
@@ -44,10 +45,11 @@ def measured_curves(
     """
     curves = {}
     for name, curve_of_rock in settings.items():
-        file, *units = curve_of_rock.measured
+        about = curve_of_rock.measured
+        file = about.file
         if not Path(file).is_file():
             raise InputError(f"rocks.{name}.measured.file = {file!r}: file not found")
-        curves[name] = parsed_curve(read(file), file, *units)
+        curves[name] = parsed_curve(read(file), file, about.stress_unit, about.closure_unit)
         _check_curve(curves[name], name, curve_of_rock)
     return curves
 

@@ -98,7 +98,7 @@ assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2
 assert list(PROPERTIES)[-1] == "grain_size" and PROPERTIES["grain_size"].title == "Grain size"
 assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
 assert UNITS["grain_size"] == "mm"
-assert "grain_size_mm" in RockKeys.model_fields
+assert "grain_size" in RockKeys.model_fields
 assert "grain_size_mm" in rock_table(study.rocks)
 for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, "not usual")):
     try:

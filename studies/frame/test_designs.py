@@ -5,12 +5,12 @@ import pytest
 
 from jointclosure.engine.points import close_points
 from jointclosure.engine.quantities import QUANTITIES
+from studies.frame.config.configuration import sections
 from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.config.keys.configuration import SECTIONS
 from studies.frame.experiments import checked_design, experiment_named, experiments_in
 from tests.studied import DEFAULT, ROOT, checked_study
 
-TINY = {name: read_plain(ROOT / f"tests/workflow/tiny_{name}.yaml") for name in SECTIONS}
+TINY = {name: read_plain(ROOT / f"tests/workflow/tiny_{name}.yaml") for name in sections()}
 
 
 def of_inputs(**inputs):
@@ -50,14 +50,14 @@ def test_a_design_that_cannot_be_closed_is_refused_by_its_key(name, change, reas
     assert reason in str(error.value)
 
 
-@pytest.mark.parametrize("name", SECTIONS)
+@pytest.mark.parametrize("name", sections())
 def test_a_study_without_the_section_does_not_run_the_experiment_nor_bear_its_name(name):
     assert name not in experiments_in(DEFAULT)
     with pytest.raises(ConfigurationError, match=f"study.name = '{name}'"):
         checked_study({"study": {"name": name}})
 
 
-@pytest.mark.parametrize("name", SECTIONS)
+@pytest.mark.parametrize("name", sections())
 def test_a_point_closed_alone_has_the_bits_that_it_has_in_its_job(name):
     experiment = experiment_named(name)
     assert set(experiment.quantities) <= set(QUANTITIES)

@@ -10,7 +10,7 @@ from jointclosure.engine.settings import Grid
 from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.config.files import ConfigurationError
-from studies.frame.config.walls import check_files
+from studies.frame.config.rocks import check_files
 from studies.frame.ensemble.cases import cases_of, wall_name
 from studies.frame.ensemble.measured_walls import (
     cut_walls,
@@ -86,13 +86,13 @@ def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(jc.InputError, match=r"rocks.slate.walls.lower = 'scan.npz': not found in"):
-        check_files(study_of(with_walls()))
+        check_files(study_of(with_walls()).rocks)
     (tmp_path / "scan.npz").write_bytes(b"")
-    check_files(study_of(with_walls()))
+    check_files(study_of(with_walls()).rocks)
     (tmp_path / "folder").mkdir()
     with pytest.raises(jc.InputError, match=r"walls.upper = 'folder': not found in"):
-        check_files(study_of(with_walls(upper="folder")))
-    check_files(study_of())
+        check_files(study_of(with_walls(upper="folder")).rocks)
+    check_files(study_of().rocks)
 
 
 def test_windows_follow_the_draws_of_the_study():

@@ -13,22 +13,19 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.config.configuration import (
+    Configuration,
     Configured,
     checked_with,
-    complete,
     overlaid,
     problem_lines,
     refuse,
-    with_keys,
+    resolved,
 )
-from studies.frame.config.keys.global_sensitivity import GlobalSensitivityKeys
 from studies.frame.ensemble.cases import base_case
 from studies.frame.ensemble.slices import block_settings
+from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity
+from studies.global_sensitivity.section import Input as Varied
 
-ROCK = "ROCK"
-"""Placeholder in the key of an input for the rock that is closed."""
-VARIED = ("rocks", "surface", "effects", "choices", "numerics")
-"""Sections of a configuration whose keys can vary; others would change the set of surfaces."""
 SURFACES = 2
 """Number of surface pairs of a row, the same for all its points."""
 
@@ -51,8 +48,7 @@ class Input(NamedTuple):
     @property
     def property(self) -> str | None:
         """Return the property of a rock that the key is, if any."""
-        keys = {f"rocks.{ROCK}.{key_of(name)}": name for name in PROPERTIES}
-        return keys.get(".".join(self.key))
+        return PROPERTY_OF.get(".".join(self.key))
 
 
 class Sampling(NamedTuple):
@@ -95,19 +91,27 @@ class Sampling(NamedTuple):
 _points = lru_cache(maxsize=None)(sampled_rows)
 
 
-def sampling_of(keys: dict) -> Sampling:
+def sampling_of(configuration: Configuration) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
-    section = GlobalSensitivityKeys.model_validate(keys["global_sensitivity"]).model_dump()
-    sampling = Sampling(
-        inputs=tuple(_inputs(section["inputs"])),
-        rows=section["rows"],
-        rows_per_job=section["rows_per_job"],
-        rocks=tuple(keys["study"]["rocks"]),
-        seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
-        dependent=[(*pair["inputs"], pair["correlation"]) for pair in section["dependent"]],
+    study, section = configuration.study, configuration.section(GlobalSensitivity)
+    return Sampling(
+        inputs=tuple(_input(name, one) for name, one in section.inputs.items()),
+        rows=section.rows,
+        rows_per_job=section.rows_per_job,
+        rocks=study.rocks,
+        seed=seed_of(study.root_seed, "global sensitivity"),
+        dependent=[
+            (one, other, pair.correlation)
+            for pair in section.dependent
+            for one, other in [pair.inputs]
+        ],
     )
-    refuse(_problems(sampling, section))
-    return sampling
+
+
+def _input(name: str, one: Varied) -> Input:
+    low, high = one.between if isinstance(one.between, tuple) else (None, None)
+    path = tuple(one.path.split("."))
+    return Input(name, one.title, path, low, high, one.logarithmic, list(one.values or []))
 
 
 def check_sampling(configured: Configured) -> None:
@@ -116,7 +120,7 @@ def check_sampling(configured: Configured) -> None:
     Single inputs are checked first, with all others as in the study, so that an error is due to
     that input; then with all others in the middle.
     """
-    sampling, keys = sampling_of(configured.keys), configured.keys
+    sampling, keys = sampling_of(configured.typed), configured.keys
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))
 
@@ -168,12 +172,13 @@ def settings_of_rock(
     Fields of the configuration are replaced without a check.
     """
     alone = _alone(rock)
-    keys = complete(configured.keys)
-    plain = overlaid(keys, alone)
-    base = with_keys(configured.typed, keys, alone)
+    keys = configured.keys
+    plain = overlaid(keys, alone) | {
+        "rocks": {rock: overlaid(keys["rocks"][rock], alone["rocks"][rock])}
+    }
 
     def settings(row: int, point: np.ndarray) -> ClosureSettings:
-        typed = with_keys(base, plain, keys_at(sampling, keys, rock, point))
+        typed = resolved(overlaid(plain, keys_at(sampling, keys, rock, point)))
         case = base_case(rock, typed.rocks[rock])
         block = range(SURFACES * row, SURFACES * (row + 1))
         return block_settings(typed, {case.label: case}, case.label, block)
@@ -200,43 +205,6 @@ def settings_of_choices(
 def is_positive(one: Input, keys: Mapping, rock: str) -> bool:
     """Return whether an input varies continuously over positive numbers, and has elasticities."""
     return not one.values and range_of(one, keys, rock)[0] > 0.0
-
-
-def _inputs(section: dict) -> Iterator[Input]:
-    """Generate the inputs of the section."""
-    for name, one in section.items():
-        between = one["between"]
-        low, high = (None, None) if between in (None, "levels") else between
-        values = one["values"] or []
-        key = tuple(one["key"].split("."))
-        yield Input(name, one["title"], key, low, high, one["logarithmic"], values)
-
-
-def _problems(sampling: Sampling, section: dict) -> Iterator[str]:
-    """Generate contradictions of inputs and rows."""
-    where = "global_sensitivity"
-    for one in sampling.inputs:
-        entry = section["inputs"][one.name]
-        if (entry["between"] is None) == (not entry["values"]):
-            yield f"{where}.inputs.{one.name}: must have either between or values"
-        if len(entry["values"] or [0, 1]) < 2:
-            yield f"{where}.inputs.{one.name}.values = {entry['values']}: must be two or more"
-        if one.key[0] not in VARIED:
-            allowed = ", ".join(VARIED)
-            yield f"{where}.inputs.{one.name}.key = {entry['key']}: must begin with {allowed}"
-        if one.logarithmic and one.low is not None and not one.low > 0.0:
-            yield f"{where}.inputs.{one.name}.between = {entry['between']}: must be positive"
-        if one.low is not None and one.high is not None and not one.low < one.high:
-            yield f"{where}.inputs.{one.name}.between = {entry['between']}: must ascend"
-        if entry["between"] == "levels" and one.property is None:
-            yield f"{where}.inputs.{one.name}.between = levels: {entry['key']} has none"
-    names = [one.name for one in sampling.inputs]
-    for *pair, _ in sampling.dependent:
-        for name in pair:
-            if name not in names:
-                yield f"{where}.dependent = {name!r}: must be one of {', '.join(names)}"
-    if sampling.rows % 2 or sampling.rows & (sampling.rows - 1):
-        yield f"{where}.rows = {sampling.rows}: must be a power of 2"
 
 
 def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:

@@ -8,8 +8,8 @@ import jointclosure as jc
 from jointclosure.engine.measured_joints import measured
 from jointclosure.engine.points import close_points
 from studies.frame.config.files import ConfigurationError
-from studies.measured_joints import EXPERIMENT
 from studies.measured_joints.observables import BASE, OBSERVABLES, fitted_length, observables_of
+from studies.measured_joints.study import EXPERIMENT
 from tests.joints import SPACING
 from tests.studied import checked_study
 

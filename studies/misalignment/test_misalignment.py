@@ -9,7 +9,7 @@ from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair
-from studies.misalignment import EXPERIMENT
+from studies.misalignment.study import EXPERIMENT
 from tests.studied import checked_study
 
 TINY = {

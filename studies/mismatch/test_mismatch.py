@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.engine.points import close_points, gridded
-from studies.mismatch import EXPERIMENT, independence_table
+from studies.mismatch.study import EXPERIMENT, independence_table
 from tests.studied import checked_study
 
 TINY = {

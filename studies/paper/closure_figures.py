@@ -29,7 +29,7 @@ from jointclosure.plotting.style import (
 )
 from jointclosure.plotting.walls import map_extent
 from jointclosure.statistics.standard_errors import percent
-from studies.frame.config.typed import StudyRock
+from studies.frame.config.rocks import StudyRock
 from studies.paper.layout import roughness_title
 
 _COLOURS = sns.color_palette("colorblind", 8)

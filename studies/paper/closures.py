@@ -30,7 +30,7 @@ from jointclosure.statistics.standard_errors import (
     rounded,
     variation_of,
 )
-from studies.frame.config.typed import Statistics
+from studies.frame.config.sections import Statistics
 from studies.frame.ensemble.covariates import Covariates
 from studies.paper.claims import NET, TARGET
 from studies.paper.responses import Response, adjustment, responses

@@ -20,7 +20,8 @@ from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.provenance import configuration_text
 from jointclosure.storage.text import read_csv, read_text
 from studies.frame.config.files import METHODS
-from studies.frame.config.typed import Statistics, StudyRock
+from studies.frame.config.rocks import StudyRock
+from studies.frame.config.sections import Statistics
 from studies.frame.config.wanted import Wanted, preset_errors
 from studies.frame.ensemble.checks import check_results as check
 from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates

@@ -18,7 +18,7 @@ from jointclosure.plotting.style import (
     styled,
     ticks_at,
 )
-from studies.frame.config.typed import StudyRock
+from studies.frame.config.rocks import StudyRock
 from studies.paper.layout import UNPAIRED_TEST, test_name
 
 _LEGEND_WIDTH = 4.2

@@ -5,14 +5,14 @@ import pandas as pd
 import pytest
 
 from jointclosure.cli.page import sheet
-from studies.frame.config.keys.configuration import ConfigurationKeys
+from studies.frame.config.configuration import model
 from studies.frame.config.schema import json_schema
 from studies.paper.report import content as summary
 from studies.paper.report.content import departures, setting_rows
 
 
 def test_settings_that_differ_from_the_papers_are_found(configuration, default):
-    schema = json_schema(ConfigurationKeys)
+    schema = json_schema(model())
     assert departures(setting_rows(default, default, schema)) == []
     rows = setting_rows(configuration, default, schema)
     found = departures(rows)

@@ -12,7 +12,8 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.stiffness import closures_at, landing_stress
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.config.files import read_plain
-from studies.size import (
+from studies.size.scaling import GEOMETRY, collapse_table, stacked
+from studies.size.study import (
     EXPERIMENT,
     READ,
     barton_bandis_table,
@@ -21,7 +22,6 @@ from studies.size import (
     size_table,
     sizes_of,
 )
-from studies.size.scaling import GEOMETRY, collapse_table, stacked
 from tests.studied import ROOT, checked_study, study_of
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")

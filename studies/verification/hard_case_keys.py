@@ -9,9 +9,9 @@ from pydantic import ConfigDict, Field, StringConstraints
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.walls.synthesis import wall_pair
-from studies.frame.config.keys import model, numerics
-from studies.frame.config.keys.entries import entry
-from studies.frame.config.keys.rocks import intact_keys
+from studies.frame.config import sections
+from studies.frame.config.rocks import intact_keys
+from studies.frame.config.section import entry
 
 
 def _flat(shape, height):
@@ -133,16 +133,16 @@ class RockKeys(intact_keys(Keys)):
 def _unbounded(model: type[pydantic.BaseModel], *left_out: str) -> type[pydantic.BaseModel]:
     """Keys of a section of a configuration, without bounds and without some of them."""
     keys: dict[str, Any] = {
-        name: (field.annotation, entry("As in the keys of a configuration."))
+        field.alias or name: (field.annotation, entry("As in the keys of a configuration."))
         for name, field in model.model_fields.items()
         if name not in left_out
     }
     return pydantic.create_model(model.__name__, __base__=Keys, __doc__=model.__doc__, **keys)
 
 
-EffectKeys = _unbounded(model.EffectKeys, "auto")
-ChoiceKeys = _unbounded(model.ChoiceKeys, "concave")
-NumericsKeys = _unbounded(numerics.NumericsKeys, "preset", "accuracy", "breakage", "target")
+EffectKeys = _unbounded(sections.StudyEffects, "auto")
+ChoiceKeys = _unbounded(sections.ChoiceKeys, "concave")
+NumericsKeys = _unbounded(sections.NumericsKeys, "preset", "accuracy", "breakage", "target")
 
 
 class SameAsKeys(Keys):

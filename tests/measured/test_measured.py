@@ -6,7 +6,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve, best_fits, fit_table, parsed_curve
-from studies.frame.config.typed import MeasuredFile
+from studies.frame.config.rocks import MeasuredFile
 from studies.frame.measured_files import CurveSettings, curve_settings, measured_curves
 from tests.studied import study_of
 
@@ -84,7 +84,7 @@ def test_what_is_wrong_is_said_with_file_line_and_value(text, printed):
 def settings(tmp_path, text):
     path = tmp_path / "lab.csv"
     path.write_text(text)
-    return {"one": CurveSettings(MeasuredFile(str(path), None, None), 2e6, 2, 0.5e6)}
+    return {"one": CurveSettings(MeasuredFile(file=str(path)), 2e6, 2, 0.5e6)}
 
 
 def read(path):
@@ -96,7 +96,7 @@ def test_only_rocks_with_a_file_have_a_curve(tmp_path):
     assert list(measured_curves(settings(tmp_path, GOOD), read)) == ["one"]
     rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
     (stated,) = curve_settings(study_of({"rocks": rocks})).values()
-    assert stated == CurveSettings(MeasuredFile("lab.csv", "MPa", None), 30e6, 2, 0.5e6)
+    assert stated == CurveSettings(MeasuredFile(file="lab.csv", stress_unit="MPa"), 30e6, 2, 0.5e6)
 
 
 @pytest.mark.parametrize(

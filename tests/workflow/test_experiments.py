@@ -8,8 +8,8 @@ import pytest
 from jointclosure.engine.points import as_table, joints_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
+from studies.frame.config.configuration import sections
 from studies.frame.config.files import read_plain
-from studies.frame.config.keys.configuration import SECTIONS
 from studies.frame.experiments import experiments_in
 from tests.studied import checked_study
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
@@ -17,7 +17,7 @@ from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module", params=SECTIONS)
+@pytest.fixture(scope="module", params=sections())
 def experiment(request, tmp_path_factory):
     """Name, design and folder of an experiment that was run."""
     name, config = request.param, f"tiny_{request.param}.yaml"

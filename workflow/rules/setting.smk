@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studies.frame.config import configuration
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.config.walls import check_files, wall_files
+from studies.frame.config.rocks import check_files, wall_files
 from studies.frame.ensemble import slices
 from jointclosure.compilation.sources import ROOTS, code_digest
 from jointclosure.walls.scans import files_of
@@ -20,7 +20,7 @@ for file in workflow.configfiles:
 CONFIGURED = configuration.configured(config, read_csv)
 CONFIGURATION, NUMERICS_REMARK = CONFIGURED.typed, CONFIGURED.remark
 config.update(CONFIGURED.keys)
-check_files(CONFIGURATION)
+check_files(CONFIGURATION.rocks)
 
 STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"

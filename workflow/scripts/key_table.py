@@ -6,9 +6,9 @@ from pathlib import Path
 import yaml
 
 from jointclosure.parameters.units import in_unit, name_and_unit
+from studies.frame.config.configuration import model
 from studies.frame.config.contradictions import USUAL
 from studies.frame.config.files import DEFAULT, read_plain
-from studies.frame.config.keys.configuration import ConfigurationKeys
 from studies.frame.config.schema import json_schema
 
 ROOT = Path(__file__).parents[2]
@@ -20,7 +20,7 @@ A study is a small file with what differs from `default.yaml`, the paper's study
 
 `smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of inquiries are in the folders of `studies/`.
 
-`python workflow/scripts/key_table.py` writes this list from `studies/frame/config/keys/`; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this list from the sections in `studies`; `<rock>` and `<name>` stand for any name.
 
 """
 
@@ -28,13 +28,13 @@ A study is a small file with what differs from `default.yaml`, the paper's study
 def main() -> str:
     """Return the text of the page."""
     return HEADER + "".join(
-        f"{row}\n" for row in rows(json_schema(ConfigurationKeys), read_plain(DEFAULT), "")
+        f"{row}\n" for row in rows(json_schema(model()), read_plain(DEFAULT), "")
     )
 
 
 def schema() -> str:
     """Return the text of the JSON schema, without required keys: a file overrides defaults."""
-    return json.dumps(_without_required(json_schema(ConfigurationKeys)), indent=1) + "\n"
+    return json.dumps(_without_required(json_schema(model())), indent=1) + "\n"
 
 
 def _without_required(part: object) -> object:

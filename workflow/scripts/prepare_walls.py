@@ -3,7 +3,7 @@
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.scans import read_scan
-from studies.frame.config.walls import wall_files
+from studies.frame.config.rocks import wall_files
 from studies.frame.ensemble.measured_walls import cutter_of, prepared_walls, room
 from studies.frame.jobs.job import job
 

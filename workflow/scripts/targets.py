@@ -19,10 +19,10 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
-from studies.frame.config.configuration import Configured, configured, merged_study
+from studies.frame.config.configuration import Configured, configured, merged_study, sections
 from studies.frame.config.files import read_plain
 from studies.frame.config.wanted import Wanted, wanted_of
-from studies.frame.experiments import SECTIONS, checked_design
+from studies.frame.experiments import checked_design
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.measured_files import curve_settings, measured_curves
 from studies.paper.layout import closure_lines
@@ -61,10 +61,10 @@ TARGETS |= {
     name.replace("_", "-"): Target(
         (f"estimate_{name}", name),
         os.path.relpath(ROOTS["studies"] / f"{name}/{name}.yaml"),
-        section=section,
+        section=section.name,
         check=partial(checked_design, name),
     )
-    for name, section in SECTIONS.items()
+    for name, section in sections().items()
 }
 TARGETS["effects"] = TARGETS["effects"]._replace(
     goals=("estimate_effects", "effects", "effects_auto")

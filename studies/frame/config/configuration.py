@@ -1,42 +1,34 @@
-"""The configuration of a study: merged, checked and turned into SI, once and in one place."""
+"""The configuration of a study: merged, checked and in SI, once and in one place."""
 
 import copy
+import difflib
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple, Self, TypeVar
 
 import pandas as pd
+from pydantic import ValidationError, create_model, model_validator
 
-from jointclosure.engine.settings import Grid, Surface, Walls
+from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
-from jointclosure.parameters import (
-    AUTO_TOLERANCE,
-    PROPERTIES,
-    Choices,
-    Effects,
-    Numerics,
-    key_of,
-    rock_of,
-)
-from jointclosure.parameters.units import to_si
+from jointclosure.parameters import AUTO_TOLERANCE, Choices, Effects, Numerics
 from studies.frame.config.contradictions import contradictions
 from studies.frame.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
-from studies.frame.config.keys.configuration import ConfigurationKeys
 from studies.frame.config.presets import anything_breaks, chosen_numerics, numerics_in_full
-from studies.frame.config.schema import problems
-from studies.frame.config.typed import (
-    Ablation,
-    Configuration,
-    MeasuredFile,
-    MismatchDesign,
+from studies.frame.config.rocks import StudyRock
+from studies.frame.config.schema import explained
+from studies.frame.config.section import Made, Name, Section, StudySection, entry
+from studies.frame.config.sections import (
+    ChoiceKeys,
+    GridKeys,
+    NumericsKeys,
     Output,
-    SizeDesign,
-    SizeSpectrum,
     Statistics,
     Study,
-    StudyRock,
-    Validation,
+    StudyEffects,
+    SurfaceKeys,
 )
 from studies.frame.config.wanted import (
     check_left_out,
@@ -48,9 +40,104 @@ from studies.frame.config.wanted import (
     with_granted,
 )
 
+_Section = TypeVar("_Section", bound=StudySection)
+
+
+class Configuration(Section):
+    """Configuration of a study."""
+
+    study: Study
+    rocks: dict[Name, StudyRock] = entry(
+        "Rocks by name; a study's own file may add some.", min_length=1
+    )
+    grid: Annotated[Grid, Made(GridKeys)]
+    surface: Annotated[Surface, Made(SurfaceKeys)]
+    seating_stress: float = entry(
+        "Stress from which seated closures count [MPa]; it changes what is read, never what "
+        "happens.",
+        alias="seating_stress_MPa",
+        ge=0,
+    )
+    effects: StudyEffects
+    flow: bool = entry(
+        "Whether hydraulic apertures are found too, by Reynolds' equation at every step "
+        "(docs/export.md#flow); it changes nothing else.",
+        False,
+    )
+    choices: Annotated[Choices, Made(ChoiceKeys)]
+    numerics: Annotated[Numerics, Made(NumericsKeys)]
+    statistics: Statistics
+    output: Output
+
+    @model_validator(mode="after")
+    def _resolved(self) -> Self:
+        """Take the rocks of the study in its order, and what other sections leave open."""
+        if unknown := list(_unknown(self.study.rocks, self.rocks)):
+            raise ValueError("\n".join(unknown))
+        usual = self.effects.acting
+        rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
+        output, numerics = self.output, self.numerics
+        if output.largest_stress is None:
+            largest = max(rock.max_normal_stress for rock in rocks.values())
+            output = output._replace(largest_stress=largest)
+        if numerics.idle_interaction is None:
+            numerics = numerics._replace(idle_interaction=self.effects.auto or 0.0)
+        return self._replace(rocks=rocks, output=output, numerics=numerics)
+
+    @property
+    def effects_chosen_to(self) -> float | None:
+        """Tolerance by which a pilot chooses effects; None where they are as configured."""
+        return self.effects.auto
+
+    @property
+    def independent_walls(self) -> bool:
+        """Whether no part of the walls mates, as far as the section ``surface`` says."""
+        surface = self.surface
+        given = (surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells)
+        return given == (None, 0.0, 0)
+
+    @property
+    def study_sections(self) -> dict[str, StudySection]:
+        """Sections of experiments that are given, by name."""
+        given = {section.name: getattr(self, section.name, None) for section in sections().values()}
+        return {name: section for name, section in given.items() if section is not None}
+
+    def section(self, kind: type[_Section]) -> _Section:
+        """Return the section of an experiment; raise `InputError` if it is left out."""
+        section = getattr(self, kind.name)
+        if section is None:
+            raise InputError(f"{kind.name} = null: must be given for this study")
+        return section
+
+
+def _unknown(names: Iterable[str], rocks: Iterable[str]) -> Iterator[str]:
+    for name in names:
+        if name not in rocks:
+            close = difflib.get_close_matches(name, rocks, n=1)
+            meant = f"; did you mean {close[0]}?" if close else ""
+            yield f"study.rocks = {name!r}: must be one of rocks ({', '.join(rocks)}){meant}"
+
+
+@functools.cache
+def sections() -> dict[str, type[StudySection]]:
+    """Return the sections of experiments by the folder of the experiment."""
+    folders = sorted(path.parent.name for path in Path(__file__).parents[2].glob("*/section.py"))
+    return {name: import_module(f"studies.{name}.section").SECTION for name in folders}
+
+
+@functools.cache
+def model() -> type[Configuration]:
+    """Return the model of a whole configuration, with the sections of all experiments."""
+    return create_model(
+        "Configuration",
+        __base__=Configuration,
+        __doc__=Configuration.__doc__,
+        **{section.name: (section | None, None) for section in sections().values()},  # type: ignore
+    )
+
 
 class Configured(NamedTuple):
-    """A configuration as keys of a file, complete; as the library has it; and what was chosen.
+    """A configuration as keys of a file; in SI; and what was chosen.
 
     ``remark`` is a sentence on numerics that a preset or accuracy stands for, or empty; ``granted``
     the preset that a result's accuracy chose, or None.
@@ -65,10 +152,10 @@ class Configured(NamedTuple):
 def overlaid(keys: dict, changes: dict) -> dict:
     """Nested keys with others over them; what does not change is not copied."""
     return keys | {
-        key: overlaid(keys[key], value)
-        if isinstance(value, dict) and isinstance(keys.get(key), dict)
+        name: overlaid(keys[name], value)
+        if isinstance(value, dict) and isinstance(keys.get(name), dict)
         else value
-        for key, value in changes.items()
+        for name, value in changes.items()
     }
 
 
@@ -78,13 +165,7 @@ def merged(*settings: dict) -> dict:
 
 
 def merged_study(*paths: Path) -> dict:
-    """The default configuration and files over it, not yet checked.
-
-    Raises
-    ------
-    ConfigurationError
-        As `studies.frame.config.files.read_plain`.
-    """
+    """The default configuration and files over it, not yet checked."""
     return merged(*(written_out(read_plain(path)) for path in (DEFAULT, *paths)))
 
 
@@ -113,32 +194,26 @@ def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:
         an unknown key the one that was probably meant.
     """
     keys = written_out(keys)
-    refuse(problems(ConfigurationKeys, keys))
+    resolved(keys)
     try:
         keys, sentence, granted = _chosen(keys, read_plain(DEFAULT), read)
     except InputError as error:
         raise ConfigurationError(str(error)) from None
-    refuse(problems(ConfigurationKeys, keys))
-    whole = complete(keys)
-    refuse(contradictions(whole, _typed))
-    return Configured(keys, _typed(whole), sentence, granted)
+    configuration = resolved(keys)
+    refuse(contradictions(configuration, keys))
+    return Configured(keys, configuration, sentence, granted)
+
+
+def resolved(keys: dict) -> Configuration:
+    """The configuration of keys without contradictions, as those in the file of a study."""
+    try:
+        return model().model_validate(keys)
+    except ValidationError as error:
+        raise refusal(explained(model(), keys, error)) from None
 
 
 def checked_with(keys: dict, *changes: dict) -> Configuration:
-    """Check a configuration with other keys; a preset or accuracy is written out before.
-
-    Parameters
-    ----------
-    keys : dict
-        Of `Configured`.
-    *changes : dict
-        Nested keys.
-
-    Raises
-    ------
-    ConfigurationError
-        As `configured`, and for a preset or an accuracy among the changes.
-    """
+    """Check keys of `Configured` with changes; a preset or accuracy is written out before."""
     plain = keys | {"numerics": numerics_in_full(keys)}
     return configured(merged(plain, *changes), _no_table).typed
 
@@ -176,151 +251,18 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
     return whole, describe_grant(wanted, granted), granted.preset
 
 
-def resolved(keys: dict) -> Configuration:
-    """The configuration of keys that were checked before, as those in the file of a study."""
-    return _typed(complete(keys))
-
-
-def with_keys(configuration: Configuration, keys: dict, changes: dict) -> Configuration:
-    """Replace some keys of a configuration that was checked; the new values are not checked.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    keys : dict
-        Its `complete` keys.
-    changes : dict
-        Nested keys. Only the fields that depend on their sections are made anew.
-    """
-    whole = written_out(overlaid(keys, changes))
-    fields = {field for section in changes for field in _FIELDS_OF.get(section, (section,))}
-    return configuration._replace(**{field: _FIELDS[field](whole) for field in fields})
-
-
 def refuse(problems: Iterable[str]) -> None:
     """Raise `ConfigurationError` where there are problems, one line each."""
     if lines := list(dict.fromkeys(problems)):
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in lines))
+        raise refusal(lines)
+
+
+def refusal(problems: Iterable[str]) -> ConfigurationError:
+    """Return the error that lists problems, one line each."""
+    return ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
 
 
 def problem_lines(error: InputError) -> list[str]:
     """The lines of an error of `refuse`, or of another one."""
     lines = str(error).removeprefix("configuration:").split("\n")
     return [line.strip() for line in lines if line.strip()]
-
-
-def complete(keys: dict) -> dict:
-    """Checked keys with those that were left out."""
-    return ConfigurationKeys.model_validate(keys).model_dump(warnings=False)
-
-
-def _typed(keys: dict) -> Configuration:
-    """Complete keys, in SI."""
-    return Configuration(**{field: of_keys(keys) for field, of_keys in _FIELDS.items()})
-
-
-def _study(keys: dict) -> Study:
-    return Study(**keys["study"] | {"rocks": tuple(keys["study"]["rocks"])})
-
-
-def _rocks(keys: dict) -> dict[str, StudyRock]:
-    return {name: _rock(keys["rocks"][name], keys["effects"]) for name in keys["study"]["rocks"]}
-
-
-def _numerics(keys: dict) -> Numerics:
-    numerics = numerics_in_full({"numerics": to_si(keys["numerics"])})
-    if numerics["idle_interaction"] is None:
-        numerics["idle_interaction"] = keys["effects"]["auto"] or 0.0
-    return Numerics._make(numerics[name] for name in Numerics._fields)  # checked by its user
-
-
-def _output(keys: dict) -> Output:
-    output = to_si(keys["output"])
-    if output["largest_stress"] is None:
-        rocks = (to_si(keys["rocks"][name]) for name in keys["study"]["rocks"])
-        output["largest_stress"] = max(rock["max_normal_stress"] for rock in rocks)
-    return Output(**output)
-
-
-def _rock(keys: dict, effects: dict) -> StudyRock:
-    si, levels = to_si(keys), keys["levels"]
-    own = {name: on for name, on in keys["effects"].items() if on is not None}
-    given = effects | own
-    si["jrc"] = float("nan") if keys["jrc"] is None else keys["jrc"]
-    varied = {
-        name: tuple(sorted([*to_si(levels)[name], si[name]]))
-        for name in PROPERTIES
-        if levels[key_of(name)] is not None
-    }
-    walls, measured = si["walls"], si["measured"]
-    return StudyRock(
-        title=keys["title"],
-        intact=rock_of(si),
-        jrc=si["jrc"],
-        max_normal_stress=si["max_normal_stress"],
-        max_normal_stress_is_assumed=keys["max_normal_stress_is_assumed"],
-        effects=Effects(**{name: given[name] for name in Effects._fields}),
-        levels=varied,
-        walls=Walls(**walls | {"inverted": tuple(walls["inverted"])}) if walls else None,
-        measured=MeasuredFile(**measured) if measured else None,
-    )
-
-
-def _ablation(keys: dict) -> Ablation | None:
-    if keys["ablation"] is None:
-        return None
-    si = to_si(keys["ablation"])
-    validation = si["validation"]
-    if validation:
-        validation = Validation(**{name: _tuple(part) for name, part in validation.items()})
-    return Ablation(tuple(si["jrc"]), tuple(si["stress"]), validation)
-
-
-def _mismatch(keys: dict) -> MismatchDesign | None:
-    if keys["mismatch"] is None:
-        return None
-    si = to_si(keys["mismatch"])
-    return MismatchDesign(
-        tuple(sorted(si["wavelength"])), tuple(sorted(si["shift_in_cells"])), si["tolerance"]
-    )
-
-
-def _size(keys: dict) -> SizeDesign | None:
-    if keys["size"] is None:
-        return None
-    si = to_si(keys["size"])
-    spectra = {name: SizeSpectrum(**each) for name, each in si["spectra"].items()}
-    patches, spacings = (tuple(sorted(si[name])) for name in ("patch", "spacing"))
-    return SizeDesign(patches, spacings, si["most_cells"], spectra)
-
-
-def _tuple(value):
-    return tuple(value) if isinstance(value, list) else value
-
-
-_FIELDS: dict[str, Callable[[dict], Any]] = {
-    "study": _study,
-    "rocks": _rocks,
-    "grid": lambda keys: Grid(**to_si(keys["grid"])),
-    "surface": lambda keys: Surface(**to_si(keys["surface"])),
-    "seating_stress": lambda keys: to_si({"seating_stress_MPa": keys["seating_stress_MPa"]})[
-        "seating_stress"
-    ],
-    "effects_chosen_to": lambda keys: keys["effects"]["auto"],
-    "choices": lambda keys: Choices(**to_si(keys["choices"])),
-    "numerics": _numerics,
-    "statistics": lambda keys: Statistics(**to_si(keys["statistics"])),
-    "output": _output,
-    "ablation": _ablation,
-    "flow": lambda keys: keys["flow"],
-    "mismatch": _mismatch,
-    "size": _size,
-}
-"""Each field of a configuration, from complete keys."""
-_FIELDS_OF = {
-    "study": ("study", "rocks", "output"),
-    "rocks": ("rocks", "output"),
-    "effects": ("rocks", "effects_chosen_to", "numerics"),
-    "seating_stress_MPa": ("seating_stress",),
-}
-"""Fields that depend on a section of the keys; of any other section the one of its name."""

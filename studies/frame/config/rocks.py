@@ -1,16 +1,296 @@
-"""Rocks of the package that are in no study, as keys of a configuration."""
+"""Rocks of a configuration: properties, levels, scanned walls, a measured curve."""
 
-from jointclosure.joint.rocks import ROCKS
-from jointclosure.parameters import OF_ROCK, key_of
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, Field, create_model
+
+from jointclosure.engine.settings import SIDES, Walls
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import LARGEST_SEATING
+from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
+from jointclosure.walls.measured import FLAT
+from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
+from jointclosure.walls.roughness import relation_of
+from jointclosure.walls.scans import files_of
+from studies.frame.config.section import Jrc, Made, OrNull, Section, Several, Text, entry
+from studies.frame.ensemble.windows import PARTNERS
+
+if TYPE_CHECKING:
+    from studies.frame.config.configuration import Configuration
+
+Levels: Any = create_model(  # type: ignore[call-overload]
+    "Levels",
+    __base__=Section,
+    __doc__="For each parameter to be varied, its values besides the rock's own, ascending.",
+    **{
+        name: (
+            Several[Annotated[float, Field(**about.bounds)]] | None,
+            entry(
+                "At least two values, strictly ascending; with the rock's own they make three "
+                "levels or more; null for none.",
+                None,
+                alias=key_of(name),
+                min_length=2,
+            ),
+        )
+        for name, about in PROPERTIES.items()
+    },
+)
+EffectKeys: Any = create_model(  # type: ignore[call-overload]
+    "EffectKeys",
+    __base__=Section,
+    __doc__="Effects of this rock's cases, over those of the study.",
+    **{name: (bool | None, entry("As in effects.", None)) for name in Effects._fields},
+)
 
 
-def other_rocks() -> dict[str, dict]:
-    """Return the keys of the rocks of the package, by name, without a roughness."""
-    return {
-        name: {"title": rock.title}
-        | {key_of(of): in_unit(getattr(rock.intact, of), OF_ROCK[of].unit) for of in OF_ROCK}
-        | {"max_normal_stress_MPa": in_unit(rock.max_normal_stress, "MPa")}
-        | {"max_normal_stress_is_assumed": True, "levels": {}}
-        for name, rock in ROCKS.items()
-    }
+def intact_keys(base: type[BaseModel]) -> Any:
+    """Return a model with the properties of an intact rock besides those of ``base``."""
+    fields: dict[str, Any] = {}
+    for name, about in OF_ROCK.items():
+        unit = "" if about.unit == "1" else f" [{about.unit}]"
+        default = Rock._field_defaults.get(name, ...)
+        usual = "." if default is ... else f"; {in_unit(default, about.unit):g} unless given."
+        described = f"{about.title} {about.symbol} of the intact rock{unit}{usual}"
+        fields[name] = (float, entry(described, default, alias=key_of(name), **about.bounds))
+    return create_model("IntactKeys", __base__=base, **fields)
+
+
+_WALL = (
+    "A file, relative to where the study is run (or absolute), or three with commas (x.txt,y.txt,"
+    "z.txt); or, where the other wall is a file: rotated (that wall, turned by 180 degrees), "
+    "mirrored, synthetic (a wall of its slope and Hurst exponent, independent of it), or flat."
+)
+
+
+class WallKeys(Section):
+    """Scanned walls instead of a JRC, docs/two_scans.md."""
+
+    upper: Text = entry(_WALL)
+    lower: Text = entry(_WALL)
+    units: Literal["m", "mm", "um", "nm"] | None = entry(
+        "Of heights and distances, where the file does not say them.", None
+    )
+    spacing: float | None = entry(
+        "Of a grid, where its file does not say it [mm].", None, alias="spacing_mm", gt=0
+    )
+    variable: str | None = entry(
+        "Name of the array in an npz or netCDF file, or of a channel; needed where there are "
+        "several.",
+        None,
+    )
+    missing: Literal["refuse", "avoid", "nearest", "linear"] = entry(
+        "What is done about cells without a height: refuse (an error, the default); avoid (joints "
+        "are cut where none is missing); nearest, linear (filled).",
+        "refuse",
+    )
+    largest_filled_share: float = entry(
+        "Share of the cells that may be filled, or taken out of contact (bring_together); 0.05 "
+        "unless given.",
+        0.05,
+        ge=0,
+        le=1,
+    )
+    inverted: Several[Literal["upper", "lower"]] = entry(
+        "Walls (upper, lower) whose heights in the file point into the rock, as those of an upper "
+        "wall in the lower one's frame; none unless given.",
+        (),
+        unique=True,
+    )
+    bring_together: bool = entry(
+        "Whether two files are brought together first: orientation checked, spikes cut, the common "
+        "plane removed, the overlap found; false unless given: they are taken cell by cell.",
+        False,
+    )
+    orientation: Literal[tuple(ORIENTATIONS)] | None = entry(  # type: ignore[valid-type]
+        "Of the upper file, where walls are brought together; null: the one that fits, if it is "
+        "clear.",
+        None,
+    )
+    shift: Literal[SHIFTS] | None = entry(  # type: ignore[valid-type]
+        "Where walls are brought together: scanned (left where they were) or mated (the upper one "
+        "moved to where they fit best); null: scanned in a common frame, else mated.",
+        None,
+    )
+    spikes: Literal["keep", "cut"] = entry(
+        "Points that stand out from all but one of their neighbours, where walls are brought "
+        "together: cut unless given.",
+        "cut",
+    )
+
+
+class MeasuredFile(Section):
+    """A measured curve of this rock's joint, drawn in closure_since_seating with its best fit."""
+
+    file: Text = entry(
+        "CSV file with columns stress, closure (units in their names, as stress_MPa,closure_mm) "
+        "and cycle; a path from the project's folder."
+    )
+    stress_unit: Literal["Pa", "kPa", "MPa", "GPa"] | None = entry(
+        "Unit of the stresses, where the column's name has none.", None
+    )
+    closure_unit: Literal["m", "mm", "um"] | None = entry(
+        "Unit of the closures, where the column's name has none.", None
+    )
+
+
+class _Titled(Section):
+    title: Text = entry("Name in tables and figures.")
+
+
+class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
+    """A rock; a study's own file may add some."""
+
+    jrc: Annotated[Jrc, OrNull(), AfterValidator(lambda jrc: math.nan if jrc is None else jrc)] = (
+        entry("Joint roughness coefficient; left out (or null) where `walls` are given.", math.nan)
+    )
+    max_normal_stress: float = entry(
+        "Maximum nominal normal stress of every cycle [MPa].", alias="max_normal_stress_MPa", gt=0
+    )
+    max_normal_stress_is_assumed: bool = entry(
+        "Whether that stress is an assumption, to be flagged where it is shown; false unless "
+        "given.",
+        False,
+    )
+    # None for those of the study, until the whole configuration is read
+    effects: Annotated[Effects, Made(EffectKeys)] = Field(
+        Effects._make([None] * len(Effects._fields))
+    )
+    other_levels: Levels = Field(Levels(), alias="levels")
+    walls: Annotated[Walls, Made(WallKeys)] | None = None
+    measured: MeasuredFile | None = None
+
+    @property
+    def intact(self) -> Rock:
+        """Properties of the intact rock."""
+        return Rock._make(getattr(self, name) for name in OF_ROCK)
+
+    @property
+    def levels(self) -> dict[str, tuple[float, ...]]:
+        """Values of each varied parameter in ascending order, that of the rock among them."""
+        return {
+            name: tuple(sorted([*others, getattr(self, name)]))
+            for name in PROPERTIES
+            if (others := getattr(self.other_levels, name)) is not None
+        }
+
+    def with_effects(self, usual: Effects) -> "StudyRock":
+        """Return the rock with all of its effects, those of the study where it has none."""
+        pairs = zip(usual, self.effects, strict=True)
+        return self._replace(effects=Effects._make(a if b is None else b for a, b in pairs))
+
+    def problems(self, name: str, configuration: "Configuration") -> Iterator[str]:
+        """Generate contradictions of a rock with itself and with the study, one line each."""
+        stress, seating = self.max_normal_stress, configuration.seating_stress
+        where = f"rocks.{name}.max_normal_stress_MPa = {in_unit(stress, 'MPa'):g}"
+        if seating > LARGEST_SEATING * stress:
+            yield (
+                f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: must be at most "
+                f"{LARGEST_SEATING:g} of {where}"
+            )
+        if configuration.output.largest_stress < stress:
+            end = in_unit(configuration.output.largest_stress, "MPa")
+            yield f"output.largest_stress_MPa = {end:g}: must be at least {where}"
+        stiffness = min(self.levels.get("youngs_modulus", (self.intact.youngs_modulus,)))
+        if stress >= stiffness:
+            yield f"{where}: must be below Young's modulus, {in_unit(stiffness, 'MPa'):g} MPa"
+        yield from self._wall_problems(f"rocks.{name}", configuration)
+        for parameter in self.levels:
+            yield from self._level_problems(f"rocks.{name}.levels.{key_of(parameter)}", parameter)
+        relation = relation_of(configuration.surface.jrc_relation)
+        for jrc in (self.jrc, *(self.other_levels.jrc or ())):
+            if not relation.smallest_jrc <= jrc <= relation.largest_jrc and not math.isnan(jrc):
+                yield (
+                    f"rocks.{name}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds "
+                    f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+                )
+
+    def _level_problems(self, where: str, parameter: str) -> Iterator[str]:
+        levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
+        unit = PROPERTIES[parameter].unit
+        shown = f"{where} = [{_listed(levels, unit)}]"
+        if math.isnan(base):
+            return
+        if any(not later > earlier for earlier, later in itertools.pairwise(levels)):
+            yield f"{shown}: must be strictly ascending"
+        if base in levels:
+            yield (
+                f"{shown}: must not contain the value of the rock, {in_unit(base, unit):g}, which "
+                "is always a level"
+            )
+
+    def _wall_problems(self, where: str, configuration: "Configuration") -> Iterator[str]:
+        """Generate problems of the roughness, one line each."""
+        walls, levels = self.walls, self.other_levels.jrc
+        if not walls:
+            if math.isnan(self.jrc):
+                yield f"{where}: must have jrc, or walls (scanned)"
+            return
+        if not math.isnan(self.jrc):
+            yield (
+                f"{where}.jrc = {self.jrc:g}: must be left out with walls, whose roughness is "
+                "measured, or null if another file sets it"
+            )
+        if levels is not None:
+            yield (
+                f"{where}.levels.jrc = [{_listed(levels, '1')}]: must be left out for scanned "
+                "walls, which have no JRC, or null if another file sets it"
+            )
+        files = wall_files(walls)
+        if not files:
+            words = f"upper = {walls.upper!r}, lower = {walls.lower!r}"
+            yield f"{where}.walls: {words}: at least one must be a file"
+        for side in walls.inverted:
+            if side not in files:
+                yield f"{where}.walls.inverted = {list(walls.inverted)!r}: {side} is not a file"
+        yield from _registration_problems(walls, f"{where}.walls")
+        if configuration.effects.auto is not None:
+            yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
+        for section in configuration.study_sections:
+            yield f"{section}: not with {where}.walls; it draws walls of given JRC"
+
+
+def _listed(levels: tuple[float, ...], unit: str) -> str:
+    return ", ".join(f"{in_unit(level, unit):g}" for level in levels)
+
+
+def _registration_problems(walls: Walls, where: str) -> Iterator[str]:
+    """Generate problems of the registration of two scans, one line each."""
+    if not walls.bring_together:
+        for name in ("orientation", "shift"):
+            if getattr(walls, name) is not None:
+                yield f"{where}.{name} = {getattr(walls, name)}: only with bring_together: true"
+        return
+    if len(wall_files(walls)) < 2 and FLAT not in (walls.upper, walls.lower):
+        yield f"{where}.bring_together = true: needs two files, upper and lower"
+    if walls.inverted:
+        yield (
+            f"{where}.inverted = {list(walls.inverted)!r}: not with bring_together, which "
+            "determines the direction of the upper file; use orientation instead"
+        )
+    if walls.missing != "refuse":
+        yield (
+            f"{where}.missing = {walls.missing}: not with bring_together, which uses the "
+            "largest rectangle without holes, after filling up to largest_filled_share"
+        )
+
+
+def wall_files(walls: Walls) -> dict[str, str]:
+    """Return the scans of walls by "upper" and "lower": a file, or three with commas."""
+    return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
+
+
+def check_files(rocks: dict[str, StudyRock]) -> None:
+    """Raise `InputError` if a file of scanned walls does not exist."""
+    for name, rock in rocks.items():
+        for side, file in (wall_files(rock.walls) if rock.walls else {}).items():
+            if not all(part.is_file() for part in files_of(file)):
+                raise InputError(
+                    f"rocks.{name}.walls.{side} = {file!r}: not found in {Path.cwd()}; must be "
+                    f"a path (from there, or absolute) or one of {', '.join(PARTNERS)}"
+                )

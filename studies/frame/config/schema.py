@@ -1,10 +1,9 @@
 """JSON schema of the keys of a file, and problems of a file, one line each."""
 
 import difflib
+import functools
 import math
 import re
-import types
-import typing
 from collections.abc import Iterator
 
 import pydantic
@@ -21,11 +20,13 @@ _TYPES = {
     "string_type": "string",
     "bool_type": "boolean",
     "list_type": "array",
+    "tuple_type": "array",
     "dict_type": "object",
     "model_type": "object",
 }
 
 
+@functools.cache
 def json_schema(keys: type[pydantic.BaseModel]) -> dict:
     """Return the JSON schema of a model of keys, without references."""
     whole = keys.model_json_schema()
@@ -38,18 +39,29 @@ def problems(keys: type[pydantic.BaseModel], settings: dict) -> list[str]:
     try:
         keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        by_key: dict[tuple, list] = {}
-        for problem in error.errors(include_url=False):
-            path, kind = _path(problem["loc"], settings), _kind(problem["type"])
-            if kind == "missing":  # one line for all missing keys of a section
-                path = path[:-1]
-            by_key.setdefault((path, kind), []).append(problem)
-        return [
-            line
-            for (path, kind), errors in by_key.items()
-            for line in _explained(keys, settings, path, kind, errors)
-        ]
+        return explained(keys, settings, error)
     return []
+
+
+def explained(
+    keys: type[pydantic.BaseModel], settings: dict, error: pydantic.ValidationError
+) -> list[str]:
+    """List the problems of settings that a model of keys refused, one line for each key."""
+    by_key: dict[tuple, list] = {}
+    found = error.errors(include_url=False)
+    lists = {problem["loc"][:-1] for problem in found}
+    for problem in found:
+        if problem["type"] == "too_short" and problem["loc"] in lists:
+            continue  # wrong values are not counted
+        path, kind = _path(problem["loc"], settings), _kind(problem["type"])
+        if kind == "missing":  # one line for all missing keys of a section
+            path = path[:-1]
+        by_key.setdefault((path, kind), []).append(problem)
+    return [
+        line
+        for (path, kind), errors in by_key.items()
+        for line in _explained(keys, settings, path, kind, errors)
+    ]
 
 
 def _written_out(schema: dict, parts: dict) -> dict:
@@ -121,6 +133,8 @@ def _explained(keys, settings, path: tuple, kind: str, errors: list[dict]) -> It
         close = difflib.get_close_matches(str(path[-1]), known, n=1)
         meant = f"; did you mean {close[0]}?" if close else ""
         yield f"{where} = {short(value)}: unknown key{meant} (allowed: {', '.join(known)})"
+    elif kind == "value_error" and not path:
+        yield from str(first["ctx"]["error"]).splitlines()
     else:
         yield f"{where or 'the configuration'} = {short(value)}: {_allowed(first, path, errors)}"
 
@@ -161,6 +175,8 @@ def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
         return f"must have at most {about['max_length']} values"
     if kind == "string_pattern_mismatch":
         return f"must match {about['pattern']} (lower-case letters, digits and underscores)"
+    if kind == "value_error":  # of a library's check: name = value: what is allowed
+        return str(about["error"]).rpartition(": ")[2]
     return error["msg"]
 
 
@@ -176,30 +192,13 @@ def _number_hint(value: object, allowed: str) -> str:
     return ""
 
 
-def _known(keys, path: tuple) -> list[str]:
+def _known(keys: type[pydantic.BaseModel], path: tuple) -> list[str]:
     """Return the keys that a model has at a path."""
-    kind = keys
+    schema = json_schema(keys)
     for part in path:
-        kind = _models(kind)
-        if hasattr(kind, "model_fields"):
-            kind = kind.model_fields[part].annotation
-        elif typing.get_origin(kind) in (dict, list):
-            kind = typing.get_args(kind)[-1]
-    kind = _models(kind)
-    return list(kind.model_fields)
-
-
-def _models(kind):
-    """Return the model, or mapping or list, among the types of a key."""
-    while typing.get_origin(kind) in (typing.Annotated, typing.Union, types.UnionType):
-        parts = typing.get_args(kind)
-        inner = [parts[0]] if typing.get_origin(kind) is typing.Annotated else parts
-        models = [
-            kind for kind in inner
-            if hasattr(kind, "model_fields") or typing.get_origin(kind) is not None
-        ]  # fmt: skip
-        kind = models[0]
-    return kind
+        within = "items" if isinstance(part, int) else "additionalProperties"
+        schema = schema.get("properties", {}).get(part) or schema[within]
+    return list(schema["properties"])
 
 
 def short(value: object) -> str:

@@ -6,7 +6,9 @@ are fields of `Case`, and coordinates of every dataset.
 
 from jointclosure.engine.settings import BASE, Case
 from jointclosure.parameters import PROPERTIES
-from studies.frame.config.typed import Configuration, Study, StudyRock
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.rocks import StudyRock
+from studies.frame.config.sections import Study
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:

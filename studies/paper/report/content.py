@@ -20,8 +20,7 @@ from jointclosure.statistics.verdicts import (
     t_interval,
     verdict,
 )
-from studies.frame.config.configuration import resolved
-from studies.frame.config.typed import Configuration
+from studies.frame.config.configuration import Configuration, resolved
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report import tables
 

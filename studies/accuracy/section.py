@@ -1,21 +1,23 @@
-"""Keys of the experiment on accuracy and its cost."""
+"""Section of the study of accuracy and its cost."""
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, StringConstraints, Tag
 
 from jointclosure.parameters import Rock
-from studies.frame.config.keys.entries import Keys, Name, Positive, SectionKey, entry
+from studies.frame.config.section import Name, Positive, Section, Several, StudySection, entry
+
+SectionKey = Annotated[str, StringConstraints(pattern=r"^[a-z]+[.][A-Za-z_]+$")]
 
 
-class PointKeys(Keys):
+class Point(Section):
     """A knob and its value."""
 
     knob: str = entry("Its name.")
     value: float | str = entry("Its value.")
 
 
-class SceneKeys(Keys):
+class Scene(Section):
     """A variant of the model in an accuracy study: sections that are merged over the study's."""
 
     study: dict[str, Any] = entry("Merged over study.", {})
@@ -25,16 +27,16 @@ class SceneKeys(Keys):
     grid: dict[str, Any] = entry("Merged over grid.", {})
     surface: dict[str, Any] = entry("Merged over surface.", {})
     rocks: dict[str, Any] = entry("Merged over rocks.", {})
-    finest: PointKeys = entry(
+    finest: Point = entry(
         "Knob and value of the reference of all settings of the variant; knob `base` for "
         "none turned."
     )
-    cross: PointKeys | None = entry(
+    cross: Point | None = entry(
         "The finest setting of another integrator, a check of the reference.", None
     )
 
 
-class NamedValueKeys(Keys):
+class NamedValue(Section):
     """A value of a knob that stands for settings."""
 
     value: str = entry("Its name.")
@@ -42,67 +44,72 @@ class NamedValueKeys(Keys):
 
 
 KnobValue = Annotated[
-    Annotated[NamedValueKeys, Tag("named")] | Annotated[float | str, Tag("plain")],
+    Annotated[NamedValue, Tag("named")] | Annotated[float | str, Tag("plain")],
     Discriminator(lambda value: "named" if isinstance(value, dict) else "plain"),
 ]
 
 
-class KnobKeys(Keys):
+class Knob(Section):
     """A knob: ``key`` is set to each value, or ``scale`` multiplied, or a value brings its own."""
 
-    scenes: list[str] = entry("Variants of the model in which it is turned.", min_length=1)
+    scenes: Several[str] = entry("Variants of the model in which it is turned.", min_length=1)
     other_joints: bool = entry(
         "Whether it changes the joints themselves: a difference there is no numerical error.",
         False,
     )
     set: dict[str, Any] = entry("Settings that hold at all values.", {})
-    key: SectionKey | None = entry("What is set, as section.key.", None)
-    scale: list[SectionKey] | None = entry(
+    path: SectionKey | None = entry("What is set, as section.key.", None, alias="key")
+    scale: Several[SectionKey] | None = entry(
         "What is multiplied, as section.key.", None, min_length=1
     )
-    values: list[KnobValue] = entry(
+    values: Several[KnobValue] = entry(
         "Numbers or words; or, without key and scale, a name (`value`) and settings (`set`) each.",
         min_length=1,
     )
 
 
-class TotalErrorKeys(Keys):
+class TotalError(Section):
     """The diagram of total error (`snakemake total_error`): every way to a result, with the
     scatter and the worth of control variates of the default study (studies/accuracy/results)."""
 
     scene: str = entry("Variant of the model whose errors and times count.")
-    methods: dict[Name, PointKeys] = entry(
+    methods: dict[Name, Point] = entry(
         "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
     )
-    interval_cycles: list[int] | None = entry(
+    interval_cycles: Several[int] | None = entry(
         "Cycles of whose intervals it is; null: all of which errors are known.", None
     )
-    budgets_min: list[Positive] = entry(
+    budgets_min: Several[Positive] = entry(
         "Core-minutes for which the best split is tabulated.", min_length=1
     )
 
 
-class AccuracyKeys(Keys):
+class Accuracy(StudySection):
     """Design of a study of what accuracy costs (accuracy.yaml): variants of the model, and
     the knobs that are turned in each."""
 
-    parameter: Literal[Rock._fields] = entry(
+    name = "accuracy"
+    separate = True
+    parameter: Literal[Rock._fields] = entry(  # type: ignore[valid-type]
         "Rock property at whose levels every run closes the surfaces, and whose indifference "
         "interval is followed."
     )
     resamples: int = entry("Resamples of the surfaces for confidence intervals.", ge=10, le=100_000)
     confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
-    presets: dict[Name, PointKeys] = entry(
+    presets: dict[Name, Point] = entry(
         "Words for settings of the numerics (numerics.preset), each a knob and its value."
     )
-    scenes: dict[Name, SceneKeys] = entry(
+    scenes: dict[Name, Scene] = entry(
         "Variants of the model by name: sections of a configuration that are merged over the "
         "study's, and `finest`, the knob and value of the reference.",
         min_length=1,
     )
-    knobs: dict[Name, KnobKeys] = entry(
+    knobs: dict[Name, Knob] = entry(
         "Knobs by name: either `key` (section.key) is set to each value, or each key of `scale` is "
         "multiplied by it, or each value brings the settings that it stands for.",
         min_length=1,
     )
-    total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)
+    total: TotalError | None = None
+
+
+SECTION = Accuracy

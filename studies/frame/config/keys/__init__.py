@@ -1,1 +1,0 @@
-"""Keys of a configuration's file, a module a section: types, bounds, units and descriptions."""

@@ -1,0 +1,279 @@
+"""Sections of the configuration of every study, but for its rocks."""
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Tag
+
+from jointclosure.parameters import SOLVER_NAMES, Effects
+from jointclosure.walls.roughness import RELATIONS
+from jointclosure.walls.synthesis import RULES
+from studies.frame.config.section import Name, OrNull, Section, Several, Share, entry
+
+
+class Study(Section):
+    """Rocks, cases and numbers of realisations of a study."""
+
+    name: Name = entry("Name of the study; results are written to results/<name>/.")
+    rocks: Several[str] = entry(
+        "Rocks of the study, from `rocks`, in the order of the tables.", min_length=1, unique=True
+    )
+    realizations: int = entry("Random surface pairs per case.", ge=2, le=1_000_000)
+    realizations_per_job: int | None = entry(
+        "Realisations of a case that one job does; null for all. It changes no result.", None, ge=1
+    )
+    cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
+    root_seed: int = entry("Seed from which every random number follows.", ge=0)
+    draws: Literal["common", "independent"] = entry(
+        "independent: each case has its own surfaces, and Table 3 has the unpaired t test (the "
+        "paper's); common: a realisation has the same noise in all cases of a rock, and the test "
+        "is paired."
+    )
+    pool: int | None = entry(
+        "Random surface pairs of every rock on which all of its cases are closed besides, for what "
+        "is true of the model and what repetitions of the study would publish (pool.nc); null: "
+        "none, the study's own serve.",
+        ge=2,
+        le=1_000_000,
+    )
+    surfaces_of: Name | None = entry(
+        "Study whose random surfaces are drawn, so that two studies can be compared surface by "
+        "surface; null: its own."
+    )
+    unusual_values: Literal["refuse", "allow"] = entry(
+        "Whether numbers are refused that are not usual of rock, which often are a slip of units.",
+        "refuse",
+    )
+
+
+class GridKeys(Section):
+    """The regular grid of both walls."""
+
+    cells_x: int = entry("Cells along x.", ge=3, le=4096)
+    cells_y: int = entry("Cells along y.", ge=3, le=4096)
+    spacing: float = entry("Grid spacing h [mm].", alias="spacing_mm", gt=0)
+
+
+class SurfaceKeys(Section):
+    """How walls are made from a JRC."""
+
+    hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
+    jrc_relation: Literal[tuple(RELATIONS)] = entry(  # type: ignore[valid-type]
+        "Published relation of JRC and Z2, with its sampling interval."
+    )
+    normalise: Literal["wall", "expectation"] = entry(
+        "wall: every wall has exactly the Z2 of its JRC; expectation: on average."
+    )
+    correlation: float = entry(
+        "Correlation of the lower wall with the negative of the upper: 0 independent, 1 mated.",
+        ge=0,
+        le=1,
+    )
+    shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
+    mismatch_wavelength: float | None = entry(
+        "Waves longer than this mate, shorter ones are independent [mm]; 0: mates; null: as "
+        "correlation says. Where it is given correlation must be 0.",
+        alias="mismatch_wavelength_mm",
+        ge=0,
+    )
+    rule: Literal[RULES] = entry(  # type: ignore[valid-type]
+        "self_affine: profiles have the Hurst exponent; walk: independent slopes along x and y, "
+        "projected on the nearest heights, where hurst only carries Z2 to the spacing."
+    )
+    roll_off: float | None = entry(
+        "Wavelength beyond which the power spectrum is flat [mm], at least two spacings; null for "
+        "none.",
+        alias="roll_off_mm",
+        gt=0,
+    )
+
+
+class StudyEffects(Section):
+    """Effects that act; interaction needs substrate, gouge needs breakage."""
+
+    substrate: bool = entry("Substrates deform, Eqs. (6) and (7).")
+    interaction: bool = entry("Contacts displace each other, Eqs. (17) and (18).")
+    breakage: bool = entry("Overloaded asperities break.")
+    gouge: bool = entry("Broken material fills the valleys around.")
+    soft_peaks: bool = entry("Peaks have a lower modulus than the rock.")
+    auto: float | None = entry(
+        "Relative change of a mean maximum closure below which an effect that is true is left out, "
+        "decided for each rock by a pilot; null: none is. `effects: auto` is short for all effects "
+        "and 0.02.",
+        gt=0,
+        lt=1,
+    )
+
+    @property
+    def acting(self) -> Effects:
+        """Effects that act in rocks without separate ones."""
+        return Effects._make(getattr(self, name) for name in Effects._fields)
+
+
+class ChoiceKeys(Section):
+    """Decisions that the paper leaves open."""
+
+    base_radius_in_cells: float = entry(
+        "Base radius r of an asperity over the grid spacing.", gt=0, le=1
+    )
+    peak_modulus_ratio: float = entry("Young's modulus of a peak over the rock's.", gt=0, le=1)
+    concave: Literal["magnitude", "flat"] = entry(
+        "How valleys and saddles count. magnitude: by the size of their curvature; flat: such a "
+        "cell of a wall is level, and only the other wall's asperity gives the pair a curvature."
+    )
+    peaks: Literal["pristine", "current"] = entry(
+        "Whether peaks are those of the walls before loading, or of the walls as they are."
+    )
+    largest_radius: float | None = entry(
+        "Upper bound of each wall's Gaussian radius [mm]; null for none, the paper's.",
+        alias="largest_radius_mm",
+        gt=0,
+    )
+    tie_tolerance: float = entry(
+        "Difference in height that counts as lower, over the walls' rms height.", gt=0, lt=0.001
+    )
+
+
+class WantedKeys(Section):
+    """The accuracy of a result: chooses preset, number of surfaces and control variates, and
+    `make study` adds surfaces until it is reached (docs/accuracy.md)."""
+
+    of: Literal["mean", "interval"] = entry(
+        "mean: every case's mean maximum closure; interval: every indifference interval."
+    )
+    within: Share = entry(
+        "Total error that is wanted, relative: bias and half the 95 % confidence interval."
+    )
+    most: int = entry("Surfaces a case beyond which none are added.", 200, ge=10, le=1_000_000)
+    surfaces: int | None = entry(
+        "Surfaces a case; null: as many as are predicted. `make study` sets it.", None, ge=10
+    )
+
+
+Accuracy = Annotated[
+    Annotated[WantedKeys, Tag("wanted")] | Annotated[Share, Tag("number")],
+    Discriminator(lambda value: "wanted" if isinstance(value, dict) else "number"),
+]
+
+
+class NumericsKeys(Section):
+    """Solver, steps and tolerances."""
+
+    preset: str | None = entry(
+        "A word for the other keys, as measured by the study of accuracy: quick, paper, accurate "
+        "or converged.",
+        None,
+    )
+    accuracy: Accuracy | None = entry(
+        "What mean maximum closures may be off by, relative: takes the cheapest numerics that were "
+        "found to reach it (needs choices.largest_radius_mm where anything breaks). Or the "
+        "accuracy of a result, {of: mean, within: 0.05}.",
+        None,
+    )
+    solver: Literal[SOLVER_NAMES] = entry(  # type: ignore[valid-type]
+        "fast, or reference: the paper's own loop, for small grids."
+    )
+    breakage: Literal["fixed_step", "resolved"] = entry(
+        "fixed_step: contacts break by the breakage steps (the paper's); resolved: by what brings "
+        "them back to their strength, in steps controlled by an error estimate (fast solver)."
+    )
+    tolerance: float = entry(
+        "What mean closures may be off by, relative, where breakage is resolved.", gt=0, le=0.1
+    )
+    displacement_step: float = entry(
+        "Displacement step of the first loading [um].", gt=0, alias="displacement_step_um"
+    )
+    breakage_step: float = entry(
+        "Breakage step of the first loading [um]; smaller than the displacement step.",
+        gt=0,
+        alias="breakage_step_um",
+    )
+    later_displacement_step: float = entry(
+        "Displacement step of every branch after the first loading [um].",
+        gt=0,
+        alias="later_displacement_step_um",
+    )
+    later_breakage_step: float = entry(
+        "Breakage step of every branch after the first loading [um].",
+        gt=0,
+        alias="later_breakage_step_um",
+    )
+    target: Literal["equilibrate", "interpolate"] = entry(
+        "equilibrate: repeat the last step, smaller, until the stress is met; interpolate: the "
+        "paper's."
+    )
+    stress_tolerance: float = entry(
+        "Relative distance to the maximum stress that counts as met.", gt=0, lt=1
+    )
+    force_tolerance: float = entry(
+        "Relative residual of equilibrium that the fast solver reaches.", gt=0, lt=1
+    )
+    sweep_tolerance: float = entry(
+        "Largest relative change of a force between two sweeps at which the reference stops.",
+        gt=0,
+        lt=1,
+    )
+    curve_points: int = entry(
+        "Stresses of a closure curve, evenly spaced up to the maximum, where nothing breaks (fast "
+        "solver).",
+        ge=1,
+        le=100_000,
+    )
+    most_steps: float = entry(
+        "Displacement steps of a simulation, beyond which it is refused, or ends as "
+        "too_many_steps.",
+        ge=1,
+    )
+    most_breakage_steps: float = entry(
+        "Breakage steps of a simulation for each of its cells, beyond which it is refused, or "
+        "ends as breakage_not_at_rest.",
+        ge=1,
+    )
+    replay: bool = entry(
+        "Whether a cycle like the one before, whose unloading broke nothing, is that unloading's "
+        "curve, up and down; false: it is closed again."
+    )
+    idle_interaction: float | None = entry(
+        "The interaction is left out of the first loading while it would displace no contact by "
+        "more than this share of the closure; 0: never; null: effects.auto, where that is given.",
+        ge=0,
+        lt=1,
+    )
+
+
+class Statistics(Section):
+    """Settings of the indifference intervals."""
+
+    significance: float = entry("Significance level of the two-sided t test.", gt=0, lt=1)
+    bootstrap_resamples: int = entry(
+        "Resamples of the surfaces for each confidence interval.", ge=10, le=100_000
+    )
+    bootstrap_confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
+    repetitions: int = entry(
+        "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
+    )
+    control_variates: int | None = entry(
+        "Surfaces that are made, and not closed, to tell the means of depths of the summed "
+        "heights, by which means and intervals are adjusted (docs/accuracy.md); null: none are.",
+        None,
+        ge=100,
+        le=1_000_000,
+    )
+
+
+class Output(Section):
+    """Settings of stored curves."""
+
+    wall_strength_ratio: float = entry(
+        "Compressive strength of the rock over that of the joint's walls (JCS), for the "
+        "Barton-Bandis law in the figures of closure.",
+        ge=1,
+    )
+    stress_points: int = entry(
+        "Points of the common stress axis of closure curves.", ge=2, le=10_000
+    )
+    largest_stress: Annotated[float, OrNull()] = entry(
+        "End of the common stress axis [MPa], at least every rock's maximum stress; null for the "
+        "largest of these.",
+        gt=0,
+        alias="largest_stress_MPa",
+    )

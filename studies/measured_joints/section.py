@@ -1,0 +1,61 @@
+"""Section of the comparison with measured joints."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field
+
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.section import Ascending, Positive, Several, StudySection, entry
+
+
+class MeasuredJoints(StudySection):
+    """Design of the comparison with measured joints (measured_joints.yaml)."""
+
+    name = "measured_joints"
+    mismatch_wavelength: Ascending[Positive] = entry(
+        "Mismatch wavelengths [mm] among which that of a measured joint is fitted.",
+        alias="mismatch_wavelength_mm",
+        min_length=2,
+        unique=True,
+    )
+    compressive_strength: Several[Positive] = entry(
+        "Compressive strengths that are tried besides that of the rock.",
+        alias="compressive_strength_MPa",
+    )
+    peak_modulus_ratio: Several[Annotated[float, Field(gt=0, le=1)]] = entry(
+        "Peak modulus ratios that are tried besides choices.peak_modulus_ratio."
+    )
+    largest_radius: Several[Positive] = entry(
+        "Largest radii [mm] of asperities that are tried besides choices.largest_radius_mm.",
+        alias="largest_radius_mm",
+    )
+    hardness_over_strength: Several[Positive] = entry(
+        "Hardnesses over the compressive strength that are tried as a limit of the pressure, "
+        "without gouge."
+    )
+    reseating_shift_in_cells: Several[Annotated[int, Field(ge=0)]] = entry(
+        "Shifts of the upper wall along x between the first and the later loading, in cells."
+    )
+
+    def problems(self, configuration: Configuration) -> Iterator[str]:
+        """Generate the reasons why the joints cannot be closed."""
+        study, cells = configuration.study, configuration.grid.cells_x
+        if len(study.rocks) != 1:
+            yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
+        if not configuration.independent_walls:
+            yield (
+                "measured_joints: the study sets surface.mismatch_wavelength_mm; it, correlation "
+                "and shift_in_cells must be null, 0 and 0"
+            )
+        if study.cycles < 2:
+            yield f"study.cycles = {study.cycles}: must be at least 2 (measured_joints)"
+        largest = max(self.reseating_shift_in_cells, default=0)
+        if largest > cells - 8:
+            yield (
+                f"measured_joints.reseating_shift_in_cells = {largest}: must leave at least 8 of "
+                f"grid.cells_x = {cells}"
+            )
+
+
+SECTION = MeasuredJoints

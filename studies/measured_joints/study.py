@@ -1,0 +1,183 @@
+"""Experiment on three measured granodiorite joints: the model beside their later loading.
+
+Joints with independent walls, and with walls that mate beyond a wavelength, are closed with the
+choices that the model leaves open. The wavelength of each measured joint is fitted to the closure
+of its first loading. All else is then judged: stiffness and closure of the later loading, the
+share of it that stays, and the area of contact. The strength of the rock was not published either.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jointclosure.engine.points import Point
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.mechanics.strength import strength_factor
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    keys_of,
+    legend_below,
+    styled,
+    subplots,
+    ticks_at,
+)
+from studies.frame.config.configuration import Configured
+from studies.frame.ensemble.cases import base_case
+from studies.frame.ensemble.wavelengths import labelled_wavelengths
+from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.measured_joints.observables import (
+    BASE,
+    HEADINGS,
+    judged_joints,
+    observables_of,
+    prediction_table,
+)
+from studies.measured_joints.section import MeasuredJoints
+
+FILM_CELL = 0.5e-3
+"""Spacing of the measured maps of contact stress [m]."""
+_LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
+_OFFSETS = (-0.27, -0.09, 0.09, 0.27)
+"""Places of independent walls and of the three fitted joints about that of their variant."""
+
+
+def measured_joints_design(configured: Configured) -> Design:
+    """Make a job for each mismatch wavelength: all choices of the model."""
+    configuration = configured.typed
+    section = configuration.section(MeasuredJoints)
+    ((rock, of_rock),) = configuration.rocks.items()
+    case = base_case(rock, of_rock)
+    jobs = {}
+    for label, wavelength in labelled_wavelengths(section.mismatch_wavelength).items():
+        settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
+        length = np.inf if wavelength is None else wavelength
+        jobs[label] = [
+            point._replace(coordinates=point.coordinates | {"variant": name, "wavelength": length})
+            for name, point in _variants(settings, section).items()
+        ]
+    film_cells = (FILM_CELL / configuration.grid.spacing) ** 2
+    parameters = {"film_cells": film_cells, "root_seed": configuration.study.root_seed}
+    tables = ("measured_joints", "measured_joints_predictions")
+    return Design(jobs, tables, ("measured_joints",), parameters)
+
+
+def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, Point]:
+    """Make the points of all choices for walls of one wavelength, by name of the choice."""
+    rocks = {BASE: settings}
+    for value in section.compressive_strength:
+        intact = settings.case.intact._replace(compressive_strength=value)
+        case = settings.case._replace(intact=intact)
+        rocks[f"strength {1e-6 * value:g} MPa"] = settings._replace(case=case)
+    points = dict(rocks)
+    for value in section.peak_modulus_ratio:
+        choices = settings.choices._replace(peak_modulus_ratio=value)
+        points[f"peak modulus ratio {value:g}"] = settings._replace(choices=choices)
+    for value in section.largest_radius:
+        choices = settings.choices._replace(largest_radius=value)
+        points[f"radii up to {1e3 * value:g} mm"] = settings._replace(choices=choices)
+    for value in section.hardness_over_strength:
+        points[f"pressure up to {value:g} times the strength"] = _hardness(settings, value)
+    variants = {name: Point({"loaded_as": name}, changed) for name, changed in points.items()}
+    for rock, of_rock in rocks.items():
+        for shift in section.reseating_shift_in_cells:
+            name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
+            name = name if rock == BASE else f"{rock}, {name}"
+            once = of_rock._replace(cycles=1)
+            variants[name] = Point({"loaded_as": rock}, once, "reseated", {"shift": shift})
+    return variants
+
+
+def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
+    """Return settings that limit the mean pressure of a contact to a multiple of the strength.
+
+    Resolved breakage takes off just what brings a contact back to its limit. Without gouge this is
+    the plastic displacement of a contact whose pressure is limited. The limit of the peak pressure,
+    3/2 of the mean pressure under a sphere, is sigma_c / c(nu) (`strength_factor`).
+    """
+    case = settings.case
+    intact = case.intact
+    strength = 1.5 * ratio * strength_factor(intact.poisson_ratio) * intact.compressive_strength
+    limited = case._replace(
+        intact=intact._replace(compressive_strength=float(strength)),
+        effects=case.effects._replace(gouge=False),
+    )
+    numerics = settings.numerics._replace(breakage="resolved")
+    return settings._replace(case=limited, numerics=numerics)
+
+
+def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+    """Return all tables by name."""
+    observables = observables_of(joints, parameters["film_cells"])
+    return {
+        "measured_joints": judged_joints(observables, parameters["root_seed"]),
+        "measured_joints_predictions": prediction_table(observables),
+    }
+
+
+@styled
+def measured_joints_figure(table: pd.DataFrame) -> Figure:
+    """Draw each observable of all variants beside the measured values.
+
+    Bars are 95 % intervals of a single simulated joint. Bands, and lines of the same colours, are
+    the measured joints; a grey band is a range over them.
+    """
+    variants = list(dict.fromkeys(table.variant))
+    height = 1.0 + 0.32 * len(variants)
+    figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
+    for axes, (name, title) in zip(panels.flat, HEADINGS.items(), strict=True):
+        _panel(axes, table[table.observable == name], variants)
+        axes.set_xlabel(title)
+        if name in _LOGARITHMIC:
+            axes.set_xscale("log")
+            decimal_ticks(axes.xaxis)
+        else:
+            axes.set_xlim(left=0.0)
+    for axes in panels[:, 0]:
+        ticks_at(axes.yaxis, range(len(variants)), variants)
+        axes.set_ylim(len(variants) - 0.5, -0.5)
+    legend_below(figure, keys_of(panels.flat), columns=4)
+    return figure
+
+
+def _panel(axes: Axes, table: pd.DataFrame, variants: list[str]) -> None:
+    """Draw one observable over the variants."""
+    joints = list(dict.fromkeys(table.joint))
+    ranges = table.groupby("joint", sort=False)[["measured_low", "measured_high"]].first()
+    if ranges.drop_duplicates().shape[0] == 1:
+        axes.axvspan(*ranges.iloc[0], color="0.88", lw=0.0, label="measured, range of the joints")
+    else:
+        for i, (low, high) in enumerate(ranges.to_numpy()):
+            band = f"measured, joint {joints[i]}"
+            axes.axvspan(low, high, color=f"C{i}", alpha=0.25, lw=0.8, label=band)
+    for i, joint in enumerate(joints):
+        mated = table[(table.walls == "mated") & (table.joint == joint)]
+        _bars(axes, mated, variants, _OFFSETS[i + 1], f"C{i}", f"mated, fitted to joint {joint}")
+    free = table[(table.walls == "independent") & (table.joint == joints[0])]
+    _bars(axes, free, variants, _OFFSETS[0], "0.55", "independent walls")
+
+
+def _bars(
+    axes: Axes, table: pd.DataFrame, variants: list[str], offset: float, colour: str, label: str
+) -> None:
+    """Draw means with the intervals of a single joint."""
+    places = [variants.index(name) + offset for name in table.variant]
+    bars = np.maximum(0.0, [table.value - table.low, table.high - table.value])
+    axes.errorbar(table.value, places, xerr=bars, fmt="o", ms=3, lw=1.0, color=colour, label=label)
+
+
+EXPERIMENT = Experiment(
+    title="the model beside measured joints",
+    quantities=(
+        "max_closure_seated_net",
+        "residual_closure_seated_net",
+        "stiffness_net",
+        "contact_at_max",
+    ),
+    design=measured_joints_design,
+    tabulate=measured_joints_tables,
+    draw=lambda name, tables, parameters: measured_joints_figure(tables[name]),
+)

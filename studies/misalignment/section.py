@@ -1,0 +1,52 @@
+"""Section of the study of tilted and rotated walls."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field
+
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.section import Ascending, Positive, StudySection, entry
+
+
+class Misalignment(StudySection):
+    """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
+
+    name = "misalignment"
+    tilt_degrees: Ascending[Annotated[float, Field(ge=0, le=5)]] = entry(
+        "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",
+        min_length=1,
+        unique=True,
+    )
+    rotation_degrees: Ascending[Annotated[float, Field(ge=0, lt=360)]] = entry(
+        "Rotations of one wall about the normal [degrees]; 0 must be among them.",
+        min_length=1,
+        unique=True,
+    )
+    mismatch_wavelength: Ascending[Positive] = entry(
+        "Mismatch wavelengths [mm] of walls that are closed besides independent ones.",
+        alias="mismatch_wavelength_mm",
+        unique=True,
+    )
+
+    def problems(self, configuration: Configuration) -> Iterator[str]:
+        """Generate the reasons why walls cannot be tilted and rotated."""
+        grid, surface = configuration.grid, configuration.surface
+        if grid.cells_x != grid.cells_y:
+            yield (
+                f"grid.cells_x = {grid.cells_x}: must be cells_y ({grid.cells_y}) where walls "
+                "are rotated (misalignment)"
+            )
+        if not configuration.independent_walls:
+            yield (
+                "misalignment: the study sets surface.mismatch_wavelength_mm; it, correlation and "
+                "shift_in_cells must be null, 0 and 0"
+            )
+        if surface.normalise != "wall":
+            yield f"surface.normalise = {surface.normalise!r}: must be 'wall' (misalignment)"
+        for name in ("tilt_degrees", "rotation_degrees"):
+            if 0.0 not in getattr(self, name):
+                yield f"misalignment.{name}: must have 0 among them"
+
+
+SECTION = Misalignment

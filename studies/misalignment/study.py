@@ -1,0 +1,90 @@
+"""Experiment on walls that are tilted, or rotated about the normal of the joint.
+
+Independent walls, and walls whose longer waves mate, are closed at every tilt and at every
+rotation, on the same surfaces.
+"""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import titles_of_cycles
+from studies.frame.config.configuration import Configured
+from studies.frame.ensemble.cases import base_case
+from studies.frame.ensemble.wavelengths import labelled_wavelengths
+from studies.frame.experiments import Design, Experiment, settings_of
+from studies.frame.panels import Column, Row, panels
+from studies.frame.summary import summary
+from studies.misalignment.section import Misalignment
+
+READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
+"""Quantities of the column ``response``."""
+SHOWN = (
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("residual_closure_seated_net", 1),
+    ("stiffness_net", 1),
+    ("stiffness_net", 2),
+)
+"""Response and cycle of each row of the figure."""
+
+
+def misalignment_design(configured: Configured) -> Design:
+    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
+    configuration = configured.typed
+    section = configuration.section(Misalignment)
+    angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
+    angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
+    wavelengths = labelled_wavelengths(section.mismatch_wavelength)
+    jobs = {}
+    for rock, of_rock in configuration.rocks.items():
+        case = base_case(rock, of_rock)
+        for label, wavelength in wavelengths.items():
+            settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
+            walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
+            jobs[f"{rock}.{label}"] = [
+                Point(walls | angle, settings, "misaligned", angle) for angle in angles
+            ]
+    return Design(jobs, ("misalignment",), ("misalignment",), {})
+
+
+def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
+    """Compute means over surfaces, and their changes from aligned walls.
+
+    As from `studies.frame.summary.summary`, over ``wavelength`` (infinite: independent
+    walls), ``tilt`` and ``rotation``. The residual closure is that of the first cycle.
+    """
+    by = ("rock", "wavelength", "tilt", "rotation")
+    table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
+    return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
+
+
+def misalignment_figure(table: pd.DataFrame) -> Figure:
+    """Draw changes from aligned walls over tilt and rotation, with 95 % intervals."""
+    rows = [
+        Row(f"change of {title} (%)", part, "change_percent", "change_error")
+        for (response, cycle), title in titles_of_cycles(*SHOWN).items()
+        for part in [table[(table.response == response) & (table.cycle == cycle)]]
+    ]
+    columns = [
+        Column("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
+        Column("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
+    ]
+    lengths = {length: f"waves beyond {length:g} mm mate" for length in table.wavelength_mm}
+    names = {
+        "wavelength_mm": lengths | {np.inf: "independent"},
+        "rock": {rock: rock.capitalize() for rock in table.rock},
+    }
+    return panels(
+        rows, columns, names, styles="wavelength_mm", bars=1.96, reference=0.0, sharey=False
+    )
+
+
+EXPERIMENT = Experiment(
+    title="effects of a tilt and a rotation of the walls",
+    quantities=READ,
+    design=misalignment_design,
+    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
+    draw=lambda name, tables, parameters: misalignment_figure(tables[name]),
+)

@@ -1,0 +1,43 @@
+"""Section of the study of mated, natural and non-mated walls."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field
+
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.section import Ascending, StudySection, entry
+
+
+class Mismatch(StudySection):
+    """Design of a study of mated, natural and non-mated walls (mismatch.yaml)."""
+
+    name = "mismatch"
+    wavelength: Ascending[Annotated[float, Field(ge=0)]] = entry(
+        "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",
+        alias="wavelength_mm",
+        min_length=1,
+        unique=True,
+    )
+    shift_in_cells: Ascending[Annotated[int, Field(ge=0, le=4096)]] = entry(
+        "Shifts of the walls along x, in cells; 0 must be among them.", min_length=1, unique=True
+    )
+    tolerance: float = entry(
+        "Shifted walls behave as independent ones where the mean closure since seating of the "
+        "first cycle is less below theirs than this share.",
+        gt=0,
+        lt=1,
+    )
+
+    def problems(self, configuration: Configuration) -> Iterator[str]:
+        """Generate a missing reference, and walls that the study sets itself."""
+        if 0 not in self.shift_in_cells:
+            yield f"mismatch.shift_in_cells = {list(self.shift_in_cells)}: must contain 0"
+        if not configuration.independent_walls:
+            yield (
+                "mismatch: the study sets surface.mismatch_wavelength_mm, correlation and "
+                "shift_in_cells, which must be null, 0 and 0"
+            )
+
+
+SECTION = Mismatch

@@ -1,0 +1,88 @@
+"""Section of the study of the scale effect."""
+
+import math
+from collections.abc import Iterator
+
+from jointclosure.inputs import InputError
+from jointclosure.walls.synthesis import spectrum_of
+from studies.frame.config.configuration import Configuration
+from studies.frame.config.section import Ascending, Name, Positive, Section, StudySection, entry
+
+
+class SizeSpectrum(Section):
+    """Spectrum of the walls of a study of the scale effect; as in `surface`."""
+
+    hurst: float = entry("Hurst exponent H.", gt=0, le=1)
+    roll_off: float | None = entry(
+        "Wavelength beyond which the power spectrum is flat [mm]; null for none.",
+        alias="roll_off_mm",
+        gt=0,
+    )
+
+
+class Size(StudySection):
+    """Design of a study of the scale effect (size.yaml): patches cut out of larger walls,
+    and sampled at several spacings."""
+
+    name = "size"
+    patch: Ascending[Positive] = entry(
+        "Side lengths of the square patches [mm], each a whole number of times in the largest; "
+        "that of the grid must be among them.",
+        alias="patch_mm",
+        min_length=2,
+        unique=True,
+    )
+    spacing: Ascending[Positive] = entry(
+        "Spacings [mm], whole multiples of the finest; that of the grid must be among them.",
+        alias="spacing_mm",
+        min_length=1,
+        unique=True,
+    )
+    most_cells: int = entry(
+        "Cells along a side beyond which a patch is closed at the spacing of the grid only.",
+        ge=3,
+        le=4096,
+    )
+    spectra: dict[Name, SizeSpectrum] = entry(
+        "Spectra of the walls by name, all made of the same noise.", min_length=1
+    )
+
+    def problems(self, configuration: Configuration) -> Iterator[str]:
+        """Generate sizes that do not fit into one another, and walls that cannot be closed."""
+        grid, surface = configuration.grid, configuration.surface
+        finest, largest = self.spacing[0], self.patch[-1]
+        for spacing in self.spacing:
+            if not _whole(spacing / finest):
+                yield f"size.spacing_mm = {1e3 * spacing:g}: must be a multiple of {1e3 * finest:g}"
+        for patch in self.patch:
+            if not _whole(largest / patch):
+                yield f"size.patch_mm = {1e3 * patch:g}: must be a whole part of {1e3 * largest:g}"
+            for spacing in self.spacing:
+                if not _whole(patch / spacing):
+                    yield (
+                        f"size.patch_mm = {1e3 * patch:g}: must be a multiple of the spacing "
+                        f"{1e3 * spacing:g}"
+                    )
+        base = (grid.cells_x * grid.spacing, grid.cells_y * grid.spacing)
+        if base[0] != base[1] or not _among(base[0], self.patch):
+            yield f"size.patch_mm: must have the side of the grid, {1e3 * base[0]:g} (a square)"
+        if not _among(grid.spacing, self.spacing):
+            yield f"size.spacing_mm: must have grid.spacing_mm = {1e3 * grid.spacing:g}"
+        for name, spectrum in self.spectra.items():
+            try:
+                spectrum_of(spectrum.hurst, surface.rule, spectrum.roll_off, finest)
+            except InputError as error:
+                yield f"size.spectra.{name}: {error}"
+        if not configuration.independent_walls:
+            yield "size: its walls are independent: surface.correlation and the like must be off"
+
+
+def _whole(ratio: float) -> bool:
+    return math.isfinite(ratio) and abs(ratio - round(ratio)) < 1e-9 * ratio
+
+
+def _among(value: float, values: tuple[float, ...]) -> bool:
+    return any(abs(value - other) < 1e-9 * value for other in values)
+
+
+SECTION = Size

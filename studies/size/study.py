@@ -1,0 +1,279 @@
+"""Experiment on the scale effect: nested patches of the same walls, at many sizes and spacings.
+
+Joints of a size scatter about a typical one by a factor, so means are those of logarithms. The mean
+over the patches of one size of a wall counts once, as these are not drawn independently.
+"""
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+from matplotlib.figure import Figure
+
+from jointclosure.engine.points import Point, gridded
+from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
+from jointclosure.engine.settings import Grid
+from jointclosure.joint.empirical import barton_bandis, scaled_to
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.statistics.standard_errors import Estimate, mean_of
+from studies.frame.config.configuration import Configured
+from studies.frame.ensemble.cases import base_case
+from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.frame.panels import Column, Row, panels
+from studies.size.scaling import GEOMETRY, collapse_table, logs_of
+from studies.size.section import Size
+
+READ = (
+    "max_closure",
+    "max_closure_net",
+    "max_closure_seated_net",
+    "residual_closure_seated_net",
+    "stiffness_net",
+    "kni_net",
+    "vm_net",
+)
+"""Quantities of each cycle. Only first loadings land (`landing_stress`)."""
+SHOWN = (
+    ("max_closure_seated_net", 1),
+    ("max_closure_net", 1),
+    ("residual_closure_seated_net", 1),
+    ("max_closure_seated_net", 2),
+    ("stiffness_net", 2),
+)
+"""Quantity and cycle of each row of the figure."""
+TABLES = ("size", "size_exponents", "size_collapse", "size_barton_bandis")
+
+
+def size_design(configured: Configured) -> Design:
+    """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
+    configuration = configured.typed
+    design, base = configuration.section(Size), configuration.grid
+    finest, longest = design.spacing[0], design.patch[-1]
+    walls = {"whole": [round(longest / finest), finest], "base": base.spacing}
+    jobs: dict[str, list[Point]] = {}
+    for (rock, of_rock), (name, spectrum) in itertools.product(
+        configuration.rocks.items(), design.spectra.items()
+    ):
+        points = jobs[f"{rock}.{name}"] = []
+        for patch, spacing in sizes_of(design, base.spacing):
+            cells = round(patch / spacing)
+            sized = configuration._replace(grid=Grid(cells, cells, spacing))
+            settings = settings_of(sized, base_case(rock, of_rock), **dict(spectrum))
+            at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
+            for position in range(round(longest / patch)):
+                place = {"position": position}
+                points.append(Point(at | place, settings, "nested", walls | place))
+    roll_offs = {name: spectrum.roll_off for name, spectrum in design.spectra.items()}
+    parameters = {
+        "base": [base.cells_x * base.spacing, base.spacing],
+        "spectra": roll_offs,
+        "titles": {
+            name: f"H {design.spectra[name].hurst:g}, "
+            + (f"roll-off {1e3 * roll_off:g} mm" if roll_off else "no roll-off")
+            for name, roll_off in roll_offs.items()
+        },
+        "rocks": {
+            name: [rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress]
+            for name, rock in configuration.rocks.items()
+        },
+        "strength_ratio": configuration.output.wall_strength_ratio,
+    }
+    return Design(jobs, TABLES, ("size",), parameters)
+
+
+def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:
+    """Generate the patches and spacings [m] with few cells, or at the spacing of the base."""
+    for patch, spacing in itertools.product(design.patch, design.spacing):
+        if round(patch / spacing) <= design.most_cells or spacing == base:
+            yield patch, spacing
+
+
+def runs_of(joints: pd.DataFrame, spectra: list[str]) -> dict[str, xr.Dataset]:
+    """Arrange joints by rock over (spectrum, patch, spacing, position, realization, cycle).
+
+    `GEOMETRY` and the status do not depend on the cycle; NaN where nothing was closed.
+    """
+    over = ("spectrum", "patch", "spacing", "position", "realization")
+    runs = {}
+    for rock, part in joints.groupby("rock", sort=False):
+        run = gridded(part, over, (*READ, *GEOMETRY)).sel(spectrum=spectra)
+        runs[str(rock)] = run.assign(
+            {name: run[name].isel(cycle=0, drop=True) for name in GEOMETRY}
+        )
+    return runs
+
+
+def _spectra(runs: Mapping[str, xr.Dataset]) -> Iterator[tuple[dict, xr.Dataset]]:
+    """Generate the joints of each rock and spectrum."""
+    for rock, run in runs.items():
+        for spectrum in run.spectrum.values.tolist():
+            yield {"rock": rock, "spectrum": spectrum}, run.sel(spectrum=spectrum)
+
+
+def _at(logs: xr.DataArray, size: tuple[float, float]) -> np.ndarray:
+    return logs.sel(patch=size[0], spacing=size[1], method="nearest").values
+
+
+def _ratio(logs: np.ndarray, base: np.ndarray) -> Estimate:
+    """Compute the geometric mean of ratios, from logarithms (n,) of the same walls."""
+    known = (logs - base)[np.isfinite(logs - base)]
+    if known.size < 2:
+        return Estimate(np.nan, np.nan)
+    mean, error = mean_of(known)
+    return Estimate(float(np.exp(mean)), float(np.exp(mean)) * error)
+
+
+def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
+    """Compute geometric means at each size, and their ratios to those of the base (side, spacing).
+
+    By ``rock``, ``spectrum``, ``patch_mm``, ``spacing_mm`` and ``cycle``: numbers of ``joints`` and
+    ``failed`` ones, and of each quantity the mean, its ``..._ratio`` and the ``..._error`` of that.
+    """
+    rows = []
+    for about, run in _spectra(runs):
+        values = (run[name].values.tolist() for name in ("patch", "spacing", "cycle"))
+        for patch, spacing, cycle in itertools.product(*values):
+            status = run.status.sel(patch=patch, spacing=spacing)
+            row = about | {"patch_mm": 1e3 * patch, "spacing_mm": 1e3 * spacing}
+            row |= {"joints": int(np.isfinite(status).sum())}
+            row |= {"failed": int((status >= FAILURE).sum()), "cycle": cycle}
+            if not row["joints"]:
+                continue
+            for name in (*READ, *GEOMETRY):
+                column, scale = COLUMNS[name]
+                logs = logs_of(run, name, cycle)
+                here = _at(logs, (patch, spacing))
+                known, ratio = here[np.isfinite(here)], _ratio(here, _at(logs, base))
+                row[column] = scale * float(np.exp(known.mean())) if known.size else np.nan
+                row |= {f"{column}_ratio": ratio.value, f"{column}_error": ratio.standard_error}
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
+    """Fit powers of patch length and of spacing, and test whether quantities are powers of these.
+
+    By ``reading`` (the quantity), ``cycle`` (0 for the pristine walls) and ``of`` (patch length at
+    the base's spacing, or spacing of the base's patch): ``exponent`` and ``error``; ``change``, the
+    exponent of the larger half of the range less that of the smaller, its ``change_error``, and
+    ``p`` that there is none (t test over realisations).
+    """
+    rows = []
+    for about, run in _spectra(runs):
+        cycles = run.cycle.values.tolist()
+        for reading, cycle in [*itertools.product(READ, cycles), *((name, 0) for name in GEOMETRY)]:
+            logs = logs_of(run, reading, cycle)
+            for of, line in (
+                ("patch", logs.sel(spacing=base[1], method="nearest")),
+                ("spacing", logs.sel(patch=base[0], method="nearest")),
+            ):
+                power = _power(np.log(line[of].values), line.transpose(of, ...).values)
+                rows.append(about | {"reading": reading, "cycle": cycle, "of": of} | power)
+    return pd.DataFrame(rows)
+
+
+def _power(size: np.ndarray, logs: np.ndarray) -> dict[str, float]:
+    """Fit a power of sizes (k,) to logarithms (k, realization), first for single realisations."""
+    known = logs[:, np.isfinite(logs).all(axis=0)]
+    power = dict.fromkeys(("exponent", "error", "change", "change_error", "p"), np.nan)
+    if len(size) < 2 or known.shape[1] < 2:
+        return power
+    power["exponent"], power["error"] = mean_of(np.polyfit(size, known, 1)[0])
+    local = np.diff(known, axis=0) / np.diff(size)[:, None]
+    if len(local) < 2:
+        return power
+    changes = local[-1] - local[0]
+    power["change"], power["change_error"] = mean_of(changes)
+    return power | {"p": float(scipy.stats.ttest_1samp(changes, 0.0).pvalue)}
+
+
+def barton_bandis_table(
+    runs: Mapping[str, xr.Dataset],
+    base: tuple[float, float],
+    rocks: Mapping[str, tuple[float, float, float]],
+    strength_ratio: float,
+) -> pd.DataFrame:
+    """Compare changes from the smallest patch to larger ones with those of Barton and Bandis.
+
+    ``rocks`` has JRC, sigma_c [Pa] and maximum stress [Pa], which the smallest patch is taken to
+    have, ``strength_ratio`` is its sigma_c/JCS. By ``reading``, ``cycle``, ``from_mm`` and
+    ``to_mm``: the model's ``ratio`` with its ``error``, and ``barton_bandis``.
+    """
+    rows = []
+    for rock, run in runs.items():
+        smallest, *larger = run.patch.values.tolist()
+        for cycle, spectrum in itertools.product(run.cycle.values, run.spectrum.values.tolist()):
+            known, *laws = (
+                law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle)
+                for patch in (smallest, *larger)
+            )
+            for reading in known:
+                logs = logs_of(run.sel(spectrum=spectrum), reading, cycle)
+                for patch, law in zip(larger, laws, strict=True):
+                    ratio = _ratio(*(_at(logs, (length, base[1])) for length in (patch, smallest)))
+                    row = {"rock": rock, "spectrum": spectrum, "reading": reading, "cycle": cycle}
+                    row |= {"from_mm": 1e3 * smallest, "to_mm": 1e3 * patch}
+                    row |= {"ratio": ratio.value, "error": ratio.standard_error}
+                    rows.append(row | {"barton_bandis": law[reading] / known[reading]})
+    return pd.DataFrame(rows)
+
+
+def law_of_size(
+    times: float, rock: tuple[float, float, float], strength_ratio: float, cycle: int
+) -> dict[str, float]:
+    """Apply the law of Barton and Bandis to a joint of so many ``times`` the length of a known one.
+
+    Returns stiffnesses [Pa/m] and closures [m] by the names of the model's quantities. The law's
+    closures are those of the joint without the rock, and count from seating.
+    """
+    jrc, strength, stress = rock
+    jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
+    law = barton_bandis(jrc, strength, strength / wall_strength, cycle)
+    half, whole = law.closure(np.array([0.5, 1.0]) * stress)
+    return {
+        "kni_net": law.initial_stiffness,
+        "vm_net": law.largest_closure,
+        "stiffness_net": 0.5 * stress / float(whole - half),
+        "max_closure_seated_net": float(whole),
+    }
+
+
+def size_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+    """Return all tables by name."""
+    roll_offs, (side, spacing) = parameters["spectra"], parameters["base"]
+    runs, base = runs_of(joints, list(roll_offs)), (side, spacing)
+    laws = barton_bandis_table(runs, base, parameters["rocks"], parameters["strength_ratio"])
+    exponents, collapse = exponent_table(runs, base), collapse_table(runs, roll_offs)
+    return dict(zip(TABLES, (size_table(runs, base), exponents, collapse, laws), strict=True))
+
+
+def size_figure(table: pd.DataFrame, parameters: Mapping[str, Any]) -> Figure:
+    """Draw ratios of the first rock to the joints of the base; a power law is a straight line."""
+    table = table[table.rock == table.rock.iloc[0]]
+    rows = [
+        Row(f"ratio of {title}", part, f"{column}_ratio", f"{column}_error", {"yscale": "log"})
+        for (name, cycle), title in titles_of_cycles(*SHOWN).items()
+        for column, part in [(COLUMNS[name][0], table[table.cycle == cycle])]
+    ]
+    side, spacing = (
+        table[name].iloc[(table[name] - 1e3 * base).abs().argmin()]
+        for name, base in zip(("patch_mm", "spacing_mm"), parameters["base"], strict=True)
+    )
+    columns = [
+        Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
+        Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
+    ]
+    return panels(rows, columns, {"spectrum": parameters["titles"]}, reference=1.0)
+
+
+EXPERIMENT = Experiment(
+    title="effects of patch length and grid spacing",
+    quantities=(*READ, *GEOMETRY),
+    design=size_design,
+    tabulate=size_tables,
+    draw=lambda name, tables, parameters: size_figure(tables[name], parameters),
+)
