@@ -11,7 +11,7 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
-from studies.frame.config.configuration import configured, merged
+from studies.frame.config.configuration import configured, merged, resolved
 from studies.frame.config.files import ConfigurationError, read_plain
 from studies.frame.ensemble.cases import base_case
 from studies.frame.ensemble.slices import block_settings
@@ -48,7 +48,7 @@ def keys():
 
 @pytest.fixture(scope="module")
 def design(keys):
-    return sampling_of(keys)
+    return sampling_of(resolved(keys))
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
         read_plain(ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"),
         section(**changes),
     )
-    sampling = sampling_of(full.keys)
+    sampling = sampling_of(full.typed)
     for rock in sampling.rocks:
         settings = settings_of_rock(sampling, full, rock)
         for row, point in enumerate(sampling.points()[:3, 0]):
@@ -256,7 +256,7 @@ def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
         name: each for name, each in keys["global_sensitivity"]["inputs"].items() if name in left
     }
     keys["global_sensitivity"]["dependent"] = []
-    design = sampling_of(keys)
+    design = sampling_of(resolved(keys))
     random = np.random.default_rng(1)
     shape = (16, len(left) + 2, 2, 2)
     closed = {

@@ -28,7 +28,7 @@ from studies.frame.ensemble.covariates import Covariates, as_dataset, from_datas
 from studies.frame.ensemble.covariates import measure_covariates as measure
 from studies.frame.ensemble.flow_table import flow_table
 from studies.frame.measured_files import CurveSettings, measured_curves
-from studies.frame.products.frame import PRODUCTS, product
+from studies.frame.products import PRODUCTS, product
 from studies.paper import judged_claims as published
 from studies.paper.closures import (
     correlation_table,

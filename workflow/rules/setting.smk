@@ -12,7 +12,7 @@ from jointclosure.walls.scans import files_of
 from jointclosure.storage.text import read_csv, read_text
 from studies.frame import measured_files as measured
 from studies.paper.products import PRODUCTS
-from studies.frame.products.needs import BESIDE, Plan
+from studies.frame.plan import BESIDE, Plan
 
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:

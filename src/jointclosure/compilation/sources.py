@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import sys
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeGuard
@@ -157,7 +158,7 @@ def _imports(file: Path) -> frozenset[Path]:
 def _imported(tree: ast.AST) -> frozenset[Path]:
     """Return the files of the package that are imported in a part of the syntax of a file."""
     imported: set[Path] = set()
-    for node in ast.walk(tree):
+    for node in _executed(tree):
         if isinstance(node, ast.Import):
             imported |= {f for alias in node.names for f in _module(alias.name)}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -165,6 +166,16 @@ def _imported(tree: ast.AST) -> frozenset[Path]:
                 inner = _module(f"{node.module}.{alias.name}")
                 imported |= inner or _module(node.module)
     return frozenset(imported - {_path(name) for name in UNCOUNTED})
+
+
+def _executed(tree: ast.AST) -> Iterator[ast.AST]:
+    """Generate the parts of the syntax, without imports for checkers of types alone."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"):
+            waiting += ast.iter_child_nodes(node)
 
 
 def _used(file: Path, function: str) -> list[ast.AST]:

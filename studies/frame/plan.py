@@ -1,4 +1,7 @@
-"""Files and settings that products read, by the names of their functions' parameters."""
+"""Files and settings that products read, by the names of their functions' parameters.
+
+Apart from `studies.frame.products`, so that no product depends on the code of the configuration.
+"""
 
 import os
 from collections.abc import Callable
@@ -11,7 +14,7 @@ from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.wanted import Wanted, measured_rocks, wanted_of
 from studies.frame.ensemble.cases import ensembles_of
 from studies.frame.measured_files import CurveSettings, curve_settings
-from studies.frame.products.frame import Product
+from studies.frame.products import Product
 
 
 class Plan(NamedTuple):

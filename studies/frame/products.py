@@ -1,7 +1,7 @@
 """Products: files of a study, each with the function that makes it of what it reads.
 
 The names of a function's parameters are those of the files and settings that it reads
-(`studies.frame.products.needs`); their types state how a file is read. A product is made again if
+(`studies.frame.plan`); their types state how a file is read. A product is made again if
 one of these changes, or the code that its function uses, and not with any key of a configuration.
 """
 
@@ -29,7 +29,7 @@ class Product(NamedTuple):
     """Files of a study and the function that makes them.
 
     ``files`` gives their paths in the study's folder, and ``when`` whether a study has them, of a
-    `studies.frame.products.needs.Plan`. ``early`` products are made before the study's pool is
+    `studies.frame.plan.Plan`. ``early`` products are made before the study's pool is
     closed; those that stand ``apart`` are made only if they are asked for.
     """
 

@@ -1,1 +1,0 @@
-"""Products of a study: what they need, the function that makes them, their files."""
