@@ -29,8 +29,9 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
 from jointclosure.storage.text import read_csv
-from studies.frame.config.configuration import Configuration, configured, merged, merged_study
+from studies.frame.config.configuration import configured, merged, merged_study
 from studies.frame.config.files import ConfigurationError
+from studies.frame.config.model import Configuration
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.slices import block_settings
 

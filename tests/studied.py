@@ -4,7 +4,8 @@ from pathlib import Path
 
 from jointclosure.storage.text import read_csv
 from studies.frame.config import files
-from studies.frame.config.configuration import Configuration, Configured, configured, merged
+from studies.frame.config.configuration import Configured, configured, merged
+from studies.frame.config.model import Configuration
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = files.read_plain(files.DEFAULT)

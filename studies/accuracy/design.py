@@ -14,14 +14,9 @@ from typing import NamedTuple
 from jointclosure.engine.settings import BASE, ClosureSettings, Grid, Surface
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Rock
-from studies.frame.config.configuration import (
-    Configuration,
-    configured,
-    merged,
-    problem_lines,
-    refuse,
-)
+from studies.frame.config.configuration import configured, merged, problem_lines, refuse
 from studies.frame.config.files import ConfigurationError
+from studies.frame.config.model import Configuration
 from studies.frame.config.presets import numerics_in_full
 from studies.frame.ensemble.cases import cases_of
 from studies.frame.ensemble.slices import block_settings, surface_settings

@@ -13,8 +13,8 @@ from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
 from studies.commands import COMMANDS
-from studies.frame.config.configuration import model
 from studies.frame.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
+from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.jobs.seals import check_folder
 

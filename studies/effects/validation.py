@@ -27,7 +27,7 @@ from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.synthesis import wall_pair
 from studies.effects.section import Ablation, Validation
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 
 SHARED_BY = (JOINTS, 180, 540)
 """Joints that share a selection: of a case of the paper's study, and of all cases of a rock."""

@@ -16,7 +16,8 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.points import Jobs, Samples, entries_of, samples_of
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
-from studies.frame.config.configuration import Configuration, Configured, resolved, sections
+from studies.frame.config.configuration import Configured, resolved
+from studies.frame.config.model import Configuration, sections
 from studies.frame.ensemble.closing import Ensemble
 from studies.frame.ensemble.slices import block_settings
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.config.rocks import MeasuredFile
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from jointclosure.statistics.drawn_studies import Design
-from studies.frame.config.configuration import Configuration, Configured
+from studies.frame.config.configuration import Configured
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
+from studies.frame.config.model import Configuration
 from studies.frame.config.wanted import Wanted, measured_rocks, wanted_of
 from studies.frame.ensemble.cases import ensembles_of
 from studies.frame.measured_files import CurveSettings, curve_settings

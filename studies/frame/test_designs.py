@@ -5,8 +5,8 @@ import pytest
 
 from jointclosure.engine.points import close_points
 from jointclosure.engine.quantities import QUANTITIES
-from studies.frame.config.configuration import sections
 from studies.frame.config.files import ConfigurationError, read_plain
+from studies.frame.config.model import sections
 from studies.frame.experiments import checked_design, experiment_named, experiments_in
 from tests.studied import DEFAULT, ROOT, checked_study
 

@@ -13,7 +13,6 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.config.configuration import (
-    Configuration,
     Configured,
     checked_with,
     overlaid,
@@ -21,6 +20,7 @@ from studies.frame.config.configuration import (
     refuse,
     resolved,
 )
+from studies.frame.config.model import Configuration
 from studies.frame.ensemble.cases import base_case
 from studies.frame.ensemble.slices import block_settings
 from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import Field, StringConstraints
 
 from jointclosure.parameters import PROPERTIES, key_of
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.config.section import Name, Section, Several, StudySection, Text, entry
 
 ROCK = "ROCK"

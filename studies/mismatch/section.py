@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.config.section import Ascending, StudySection, entry
 
 

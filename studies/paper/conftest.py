@@ -15,8 +15,9 @@ from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
-from studies.frame.config.configuration import model, resolved
+from studies.frame.config.configuration import resolved
 from studies.frame.config.files import MEASURED, PAPER_TABLE_3
+from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.ensemble.checks import check_results
 from studies.paper.closures import elasticity_table, indifference_table, max_closure_table

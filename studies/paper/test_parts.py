@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.cli.page import sheet
-from studies.frame.config.configuration import model
+from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.paper.report import content as summary
 from studies.paper.report.content import departures, setting_rows

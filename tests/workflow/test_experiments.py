@@ -8,8 +8,8 @@ import pytest
 from jointclosure.engine.points import as_table, joints_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from studies.frame.config.configuration import sections
 from studies.frame.config.files import read_plain
+from studies.frame.config.model import sections
 from studies.frame.experiments import experiments_in
 from tests.studied import checked_study
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake

@@ -19,8 +19,9 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
-from studies.frame.config.configuration import Configured, configured, merged_study, sections
+from studies.frame.config.configuration import Configured, configured, merged_study
 from studies.frame.config.files import read_plain
+from studies.frame.config.model import sections
 from studies.frame.config.wanted import Wanted, wanted_of
 from studies.frame.experiments import checked_design
 from studies.frame.jobs.folder import enter_folder

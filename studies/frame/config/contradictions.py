@@ -1,16 +1,13 @@
 """Contradictions between keys, and values unusual for rock, which no single key can reveal."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
-
-if TYPE_CHECKING:
-    from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration, sections
 
 OTHER_TARGETS = ("hard_cases",)
 """Folders of results of targets that are no studies."""
@@ -18,7 +15,7 @@ USUAL = _OF_ROCK | {"stress": _OF_ROCK["max_normal_stress"]}
 """Least and largest values that are usual, and their unit, by name of a key without its unit."""
 
 
-def contradictions(configuration: "Configuration", keys: dict) -> Iterator[str]:
+def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
     """Generate contradictions between keys that are each valid, one line each."""
     yield from _study_problems(configuration)
     if configuration.study.unusual_values == "refuse":
@@ -55,9 +52,7 @@ def contradictions(configuration: "Configuration", keys: dict) -> Iterator[str]:
         yield from rock.problems(name, configuration)
 
 
-def _study_problems(configuration: "Configuration") -> Iterator[str]:
-    from studies.frame.config.configuration import sections
-
+def _study_problems(configuration: Configuration) -> Iterator[str]:
     study, surfaces = configuration.study, configuration.statistics.control_variates
     if len(set(study.rocks)) < len(study.rocks):
         yield f"study.rocks = {list(study.rocks)!r}: must not have a rock twice"

@@ -61,12 +61,8 @@ def read_plain(path: str | Path) -> dict:
     Snakemake runs Python expressions in a file that has ``__use_yte__``. Therefore a file from
     another person should first be read by this function, as `make` does.
 
-    Raises
-    ------
-    ConfigurationError
-        With a message in one line, if the file does not exist, is not UTF-8, is empty or not a
-        mapping; has a YAML tag, a key twice, a number that is not decimal, or an alias that
-        refers to itself or expands to a very large file; or is a template.
+    Anything that is no plain data is refused: YAML tags, keys given twice, numbers that are not
+    decimal, aliases that refer to themselves or expand to a very large file, and templates.
     """
     try:
         text = Path(path).read_bytes().decode("utf-8")

@@ -52,28 +52,9 @@ def chosen_numerics(
 ) -> Chosen:
     """Return the numerics selected by a configuration's preset or accuracy.
 
-    Parameters
-    ----------
-    configuration : dict
-        Configuration whose ``numerics`` has the key ``preset`` or ``accuracy``, or neither.
-    default : dict
-        ``numerics`` of the default configuration, the paper's. A key that a preset
-        sets and that differs from the default was also set by the user.
-    measured : callable
-        Returns the table of `setting_table`; called only if it is needed.
-    by : str, optional
-        Key of ``numerics`` that the user set, if another key selects the numerics here.
-
-    Returns
-    -------
-    Chosen
-        Complete numerics, including the key that selected them.
-
-    Raises
-    ------
-    InputError
-        If both keys are given, the preset does not exist, no setting reached the accuracy or
-        it has no meaning here, or the selection would override a key.
+    ``default`` are the numerics of the default configuration: a key that is selected and differs
+    from it was set besides, and is refused. ``measured`` returns the table of `setting_table`, if
+    it is needed; ``by`` is the key that was set, if another one selects the numerics here.
     """
     numerics = configuration["numerics"]
     preset, accuracy = (numerics.get(key) for key in CHOSEN_BY)

@@ -21,7 +21,7 @@ from studies.frame.config.section import Jrc, Made, OrNull, Section, Several, Te
 from studies.frame.ensemble.windows import PARTNERS
 
 if TYPE_CHECKING:
-    from studies.frame.config.configuration import Configuration
+    from studies.frame.config.model import Configuration
 
 Levels: Any = create_model(  # type: ignore[call-overload]
     "Levels",

@@ -22,7 +22,7 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.parameters.units import name_and_unit, to_si
 
 if TYPE_CHECKING:
-    from studies.frame.config.configuration import Configuration
+    from studies.frame.config.model import Configuration
 
 T = TypeVar("T")
 Several = Annotated[tuple[T, ...], Strict(False)]

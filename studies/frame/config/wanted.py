@@ -127,19 +127,7 @@ def _floor(bias: Bias) -> float:
 def grant(wanted: Wanted, methods: pd.DataFrame, presets: Iterable[str], cycles: int) -> Granted:
     """Return the cheapest preset and number of surfaces with the required expected error.
 
-    Parameters
-    ----------
-    wanted : Wanted
-    methods : DataFrame
-        Rows of the rocks of the study, as from `methods_of`.
-    presets : iterable of str
-    cycles : int
-        Cycles of the study; those with known errors are considered.
-
-    Raises
-    ------
-    InputError
-        If no preset reaches the accuracy with any number of surfaces, or with at most ``most``.
+    ``methods`` are as from `methods_of`; of the ``cycles`` those with known errors count.
     """
     known = methods[(methods.response == wanted.of) & (methods.cycle <= cycles)]
     ways = [
@@ -185,18 +173,7 @@ def _way(wanted: Wanted, rows: pd.DataFrame, preset: str, adjusted: bool) -> Gra
 
 
 def check_left_out(keys: dict, default: dict) -> None:
-    """Refuse a configuration that sets keys which its required accuracy selects.
-
-    Parameters
-    ----------
-    keys, default : dict
-        Configuration, and default configuration, whose values count as not set.
-
-    Raises
-    ------
-    InputError
-        If there is such a key; names it.
-    """
+    """Refuse keys that the required accuracy selects; the ``default`` values count as not set."""
     accuracy = keys["numerics"]["accuracy"]
     if accuracy.get("surfaces") and accuracy["surfaces"] > accuracy.get("most", MOST):
         raise InputError(

@@ -6,7 +6,7 @@ are fields of `Case`, and coordinates of every dataset.
 
 from jointclosure.engine.settings import BASE, Case
 from jointclosure.parameters import PROPERTIES
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.config.rocks import StudyRock
 from studies.frame.config.sections import Study
 

@@ -22,7 +22,7 @@ from jointclosure.storage.netcdf import (
     reading_netcdf,
     write_netcdf_regions,
 )
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
 from studies.frame.ensemble.measured_walls import cut_walls
 from studies.frame.ensemble.slices import block_settings

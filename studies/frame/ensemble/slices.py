@@ -2,7 +2,7 @@
 
 from jointclosure.engine.settings import Case, ClosureSettings, SurfaceSettings, Walls
 from jointclosure.walls.scans import file_digest
-from studies.frame.config.configuration import Configuration
+from studies.frame.config.model import Configuration
 from studies.frame.config.rocks import wall_files
 from studies.frame.ensemble.cases import wall_name
 

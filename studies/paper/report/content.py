@@ -20,7 +20,8 @@ from jointclosure.statistics.verdicts import (
     t_interval,
     verdict,
 )
-from studies.frame.config.configuration import Configuration, resolved
+from studies.frame.config.configuration import resolved
+from studies.frame.config.model import Configuration
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report import tables
 
