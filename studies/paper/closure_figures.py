@@ -1,4 +1,4 @@
-"""Figures of a study; results are computed in `jointclosure.sensitivity`."""
+"""Closures, apertures and measured curves of a study as figures."""
 
 from collections.abc import Collection, Mapping
 from types import MappingProxyType

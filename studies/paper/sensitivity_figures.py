@@ -1,4 +1,4 @@
-"""Figures of a study; results are computed in `jointclosure.sensitivity`."""
+"""Trends, indifference intervals and predictions of a study as figures."""
 
 import numpy as np
 import pandas as pd

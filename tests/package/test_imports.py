@@ -61,7 +61,7 @@ def test_a_command_loads_its_own_module_and_no_other_command():
 @pytest.mark.parametrize(
     ("script", "needed"),
     [
-        ("make_product", FILES | {"scipy.stats"}),
+        ("make_product", FILES | {"numba", "scipy.stats"}),
         ("compile_kernels", FILES),
     ],
 )

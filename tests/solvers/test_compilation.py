@@ -48,18 +48,18 @@ def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
 
 
 COMPILING_JOB = """
-import contextlib, io, logging, sys
-sys.path.insert(0, "workflow/scripts")
-import compile_kernels
+import contextlib, io, logging
+import jointclosure.joint.warmup
+from studies.frame.jobs.job import compile_all
 announce = logging.getLogger("jointclosure").warning
-compile_kernels.compiled = lambda *kernel: announce("jointclosure: compiling")
+jointclosure.joint.warmup.compile_kernels = lambda *kernel: announce("jointclosure: compiling")
 with contextlib.redirect_stderr(io.StringIO()):
-    compile_kernels.main([["a kernel"]], sys.argv[1], lambda line: None)
+    compile_all([["full", "current", "fast", "resolved"]], lambda line: None)
 """
 
 
-def test_a_job_that_compiles_announces_it_outside_of_its_log(tmp_path):
-    words = [sys.executable, "-c", COMPILING_JOB, str(tmp_path / "kernels.txt")]
+def test_a_job_that_compiles_announces_it_outside_of_its_log():
+    words = [sys.executable, "-c", COMPILING_JOB]
     ended = subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE.parents[1])
     assert (ended.returncode, ended.stderr) == (0, "jointclosure: compiling\n")
 

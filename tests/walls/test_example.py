@@ -1,4 +1,4 @@
-"""The page on scanned walls and its example, held against the project."""
+"""The example of a scanned wall, compared with the file that the project has."""
 
 import re
 from pathlib import Path
@@ -8,13 +8,13 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_samples_of_the_page_run_and_make_the_example_wall(tmp_path, monkeypatch, capsys):
+def test_the_samples_run_and_make_the_example_wall(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs/two_scans.md").read_text(encoding="utf-8")
+    text = (ROOT / "config/walls/README.md").read_text(encoding="utf-8")
     samples = [c for c in re.findall(r"```python\n(.*?)```", text, re.S) if "example_wall" in c]
     assert len(samples) == 2
     for sample in samples:
-        exec(compile(sample, "docs/two_scans.md", "exec"), {})
+        exec(compile(sample, "config/walls/README.md", "exec"), {})
     assert "Z2 along x" in capsys.readouterr().out
     made, kept = (
         np.load(folder / "example_wall.npz", allow_pickle=False)

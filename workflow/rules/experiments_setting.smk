@@ -1,6 +1,9 @@
-# Shared by the rules of experiments: the experiments of the configuration, and their jobs. No rules here.
+# Shared by the rules of joints and experiments: what is closed, and its entries of the cache. No rules here.
 # Every job reads this file anew: slow checks run in the main process only, and slow values are made on demand.
 from studies.frame.experiments import cached, experiments_in
+from jointclosure.engine.cache import digest
+from studies.frame.ensemble.cases import ensembles_of
+from studies.frame.ensemble.closing import Ensemble
 
 EXPERIMENTS = experiments_in(config)
 for experiment in EXPERIMENTS.values():
@@ -14,3 +17,21 @@ DESIGNS = {
 def table_file(table):
     """File of a table by its name; that of a text has its ending."""
     return f"{RESULTS}/tables/{table}{'' if '.' in table else '.csv'}"
+
+
+ENSEMBLES = {
+    name: Ensemble(CONFIGURATION, name) for name in ensembles_of(CONFIGURATION)
+}
+PILOTS = [entry.name for entry in ENSEMBLES["cases"].pilots().values()]
+WALLS = [f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls]
+CACHED = functools.cache(functools.partial(cached, CONFIGURED))
+
+
+def keys_of(*kinds):
+    """Digest of all that the joints of some kinds depend on."""
+    return digest(*(entry.key for kind in kinds for entry in CACHED(kind).values()))
+
+
+def closed_apart(*names):
+    """Files of the cache that are jobs of a cluster, whose nodes see no process of this machine."""
+    return [] if workflow.local_exec else [f"{RESULTS}/{name}.nc" for name in names]

@@ -1,25 +1,5 @@
 # Joints of the study and of its pool: one job closes an ensemble by processes, into a cache of files that
 # Snakemake does not know. On a cluster each of these files is a job of its own before it.
-from jointclosure.engine.cache import digest
-from studies.frame.ensemble.cases import ensembles_of
-from studies.frame.ensemble.closing import Ensemble
-
-ENSEMBLES = {
-    name: Ensemble(CONFIGURATION, name) for name in ensembles_of(CONFIGURATION)
-}
-PILOTS = [entry.name for entry in ENSEMBLES["cases"].pilots().values()]
-WALLS = [f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls]
-CACHED = functools.cache(functools.partial(cached, CONFIGURED))
-
-
-def keys_of(*kinds):
-    """Digest of all that the joints of some kinds depend on."""
-    return digest(*(entry.key for kind in kinds for entry in CACHED(kind).values()))
-
-
-def closed_apart(*names):
-    """Files of the cache that are jobs of a cluster, whose nodes see no process of this machine."""
-    return [] if workflow.local_exec else [f"{RESULTS}/{name}.nc" for name in names]
 
 
 wildcard_constraints:
