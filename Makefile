@@ -38,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage wheel lock clean size misalignment measured-joints
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -136,6 +136,9 @@ docs: $(STAMP) ## Write the pages made of templates, and build the site, without
 
 publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
 	@$(BIN)/python docs/site/publish.py "$$STUDY"
+
+mutants: $(STAMP) ## Ask whether the fast tests notice wrong lines of the library (hours)
+	$(BIN)/python -m tests.mutants
 
 coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
 	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=html:build/coverage --cov-report=term:skip-covered

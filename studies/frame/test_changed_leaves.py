@@ -1,6 +1,6 @@
 """Any leaf of the shipped configurations, changed to anything, is read or refused by our error.
 
-`JOINTCLOSURE_LEAVES=all pytest tests/config/test_changed_leaves.py` changes every leaf; usually a
+`JOINTCLOSURE_LEAVES=all pytest studies/frame/test_changed_leaves.py` changes every leaf; usually a
 few are, drawn by the name of the file.
 """
 
