@@ -14,7 +14,6 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from jointclosure.engine.aggregation import since_seating, since_start, succeeded
-from jointclosure.joint.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from jointclosure.joint.protocol import UNLOADING
 from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
@@ -30,6 +29,7 @@ from jointclosure.plotting.style import (
 from jointclosure.plotting.walls import map_extent
 from jointclosure.statistics.standard_errors import percent
 from studies.frame.config.rocks import StudyRock
+from studies.paper.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from studies.paper.layout import roughness_title
 
 _COLOURS = sns.color_palette("colorblind", 8)

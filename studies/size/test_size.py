@@ -7,11 +7,11 @@ import xarray as xr
 
 from jointclosure.engine.points import close_points
 from jointclosure.engine.walls import nested
-from jointclosure.joint.empirical import barton_bandis, scaled_to
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.stiffness import closures_at, landing_stress
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.config.files import read_plain
+from studies.paper.empirical import barton_bandis, scaled_to
 from studies.size.scaling import GEOMETRY, collapse_table, stacked
 from studies.size.study import (
     EXPERIMENT,

@@ -15,9 +15,8 @@ class BartonBandis(NamedTuple):
     def closure(self, normal_stress: float | np.ndarray) -> Any:
         """Return the closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
         stress = np.asarray(normal_stress, dtype=float)
-        return (
-            stress * self.largest_closure / (self.initial_stiffness * self.largest_closure + stress)
-        )
+        asymptote = self.initial_stiffness * self.largest_closure
+        return stress * self.largest_closure / (asymptote + stress)
 
 
 # A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]. Those of cycle 3 stand in `bartonBandis`
@@ -46,12 +45,9 @@ def scaled_to(
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
-_LEAST_JRC, _LARGEST_JRC = 5.0, 15.0
-
-
 def law_holds(jrc: float) -> bool:
     """Return whether a roughness is in the range of the law, JRC 5 to 15."""
-    return _LEAST_JRC <= jrc <= _LARGEST_JRC
+    return 5.0 <= jrc <= 15.0
 
 
 def barton_bandis(
