@@ -47,12 +47,7 @@ def size_of(units: str) -> float:
 
 
 def real_array(name: str, values: ArrayLike) -> np.ndarray:
-    """Convert values to a new float64 array.
-
-    Floats of any size and integers in any memory order are converted (or rounded) to float64.
-    Complex, object, boolean, text and masked values raise `InputError`, as do values that are not
-    finite.
-    """
+    """Convert real, finite, unmasked numbers to a new float64 array; `InputError` for others."""
     if np.ma.is_masked(values):
         raise InputError(f"{name}: has masked values; fill or crop them first")
     try:

@@ -20,10 +20,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Wrap imports of modules of an extra (of `EXTRAS`); if one is missing say how to install it.
-
-    ``what`` is the purpose of the modules, at the start of the message.
-    """
+    """Wrap imports of modules of an extra; if one is missing, say how to install it."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ImportWarning)  # of what a module itself can do without

@@ -4,10 +4,7 @@ from collections.abc import Iterable
 
 
 class Caution(str):
-    """Remark that is a warning.
-
-    It is text like any other remark. Reports repeat it below the result that it concerns.
-    """
+    """Remark that is a warning, which reports repeat below the result that it concerns."""
 
     __slots__ = ()
 

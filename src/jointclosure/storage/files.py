@@ -1,9 +1,7 @@
 """Files that are written completely or not at all, and that reveal changes.
 
-A file is written under a temporary name in its folder, flushed to the disk and then renamed. The
-temporary name contains the computer and the process that writes it. Files of killed processes are
-removed, those of running ones are not, even if two processes write the same file. A sealed file
-ends with a digest of its content, so that one changed bit is an error and never changes a number.
+A file is written under a temporary name with computer and process, flushed and renamed; files of
+killed writers are removed. A sealed file ends with a digest of its content.
 """
 
 import errno
@@ -25,8 +23,8 @@ _READ_BYTES = 1_000_000
 """Number of bytes read at a time; a memory-mapped file would count as memory of the process."""
 
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
-"""Errors that a full disk cannot cause. All others may be due to it: netCDF reports a full disk as
-a denied permission, or with a number of its library."""
+"""Errors that a full disk cannot cause; netCDF reports one as a denied permission, or by a
+number."""
 
 
 class DamagedFileError(OSError):
@@ -34,11 +32,7 @@ class DamagedFileError(OSError):
 
 
 def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
-    """Call ``write`` with a temporary path, then rename it to ``path``.
-
-    If several processes write the same path, the file of the last one to finish remains. `OSError`
-    if it could not be written, with the free space on the disk if that may be the reason.
-    """
+    """Call ``write`` with a temporary path, then rename it; `OSError` may name the free space."""
     path = Path(path)
     try:
         _remove_litter(path)
@@ -66,10 +60,7 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
 
 
 def _remove_litter(path: Path) -> None:
-    """Remove temporary files for a path whose writers were killed on this computer.
-
-    Files of other computers are kept, because their processes cannot be checked from here.
-    """
+    """Remove temporary files for a path whose writers were killed on this computer."""
     written_here = f".{path.stem}.{socket.gethostname()}-"
     for litter in path.parent.glob(f"{glob.escape(written_here)}*-{8 * '?'}{path.suffix}"):
         pid = litter.name.removeprefix(written_here).split("-")[0]

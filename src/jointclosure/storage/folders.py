@@ -16,8 +16,7 @@ RECORD = "written.json"
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
     """Write files into a folder, remove those of a command's earlier run; return names, sorted.
 
-    The folder is made if it does not exist; files that its record does not name are kept. ``write``
-    writes the files into an empty temporary folder; if it fails, those of the earlier run are kept.
+    ``write`` writes into an empty temporary folder; if it fails, the earlier files are kept.
     """
     folder.mkdir(exist_ok=True)
     earlier = written_files(folder, command)

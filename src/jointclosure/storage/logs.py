@@ -31,10 +31,7 @@ class Logbook:
 
 @contextlib.contextmanager
 def logging_to(path: str | Path) -> Iterator[Logbook]:
-    """Open a logbook in a file, which also receives standard output and errors.
-
-    After a failure it is copied to `failed_log`, as a repeated job overwrites the file.
-    """
+    """Open a logbook in a file, also for standard output; copied to `failed_log` on failure."""
     with (
         open(path, "w", encoding="utf-8", buffering=1) as stream,
         contextlib.redirect_stdout(stream),

@@ -1,8 +1,4 @@
-"""NetCDF files, written completely or not at all.
-
-A file ends with a digest of its content, which other readers ignore, see
-`jointclosure.storage.files`.
-"""
+"""NetCDF files, written completely or not at all; a digest at their end reveals changes."""
 
 import contextlib
 from collections.abc import Iterable, Iterator
@@ -69,11 +65,11 @@ def write_netcdf_regions(
     chunks: dict[str, int],
     path: str | Path,
 ) -> None:
-    """Write a dataset region by region, completely or not at all, with one in memory at a time.
+    """Write a dataset region by region, with one in memory at a time.
 
-    ``frame`` has the names, types, attributes and sizes, and one entry along ``dimension``, which
-    is unlimited in the file. The regions, which together cover the dataset, have no dimensions
-    whose position is a number. ``chunks`` are the numbers of entries that are compressed together.
+    ``frame`` has names, types, attributes and sizes, and one entry along ``dimension``, unlimited
+    in the file. Regions have no dimension whose position is a number; ``chunks`` are compressed
+    together.
     """
     atomically(path, lambda new: _write_regions(frame, regions, dimension, chunks, new))
 

@@ -14,10 +14,7 @@ from jointclosure.compilation.sources import PACKAGE, package_digest
 
 
 def origin() -> dict[str, str]:
-    """Return attributes on the provenance of a dataset: code, versions, machine.
-
-    Those with the prefix ``provenance_`` may differ between two runs of the same study.
-    """
+    """Return attributes on code, versions, machine; ``provenance_`` ones differ between runs."""
     versions = versions_of(
         "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
     )

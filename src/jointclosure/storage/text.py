@@ -9,10 +9,7 @@ from jointclosure.storage.files import atomically
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
-    """Write a table, completely or not at all.
-
-    Numbers have as many digits as needed to read them back, or ``figures`` significant digits.
-    """
+    """Write a table; numbers have all digits, or ``figures`` significant ones."""
     form = None if figures is None else f"%.{figures}g"
     atomically(path, lambda temporary: frame.to_csv(temporary, index=False, float_format=form))
 
@@ -23,10 +20,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 
 def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """Read Snakemake's measurements of jobs: all ``.tsv`` files below a folder, one row per job.
-
-    Columns are rule (file or first folder), job, s [s] and max_rss [MB], NaN for too short jobs.
-    """
+    """Read Snakemake's measurements below a folder: rule, job, s [s], max_rss [MB]."""
     rows = [
         pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
             rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem

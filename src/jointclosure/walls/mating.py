@@ -1,7 +1,6 @@
 """Fit of two walls: correlation of slopes over shifts and of heights over wavelengths, mismatch.
 
-The mismatch wavelength of two walls is that at which their correlation is 1/2, however gradual its
-decrease: longer waves are common, shorter ones independent. Brown (1995) uses one sharp length,
+The mismatch wavelength is that at which walls correlate by 1/2. Brown (1995) uses one sharp length,
 Glover et al. (1998) a correlation that decreases gradually with the wavelength.
 """
 
@@ -16,25 +15,21 @@ from jointclosure.walls.roughness import detrended
 CONFIDENCE = 0.95
 """Confidence of the interval of a mismatch wavelength."""
 _WAVES_FOR_ONE = 4.5
-"""Number of coefficients of `_windowed_waves` that contain as much information as one independent
-one: each occurs with its mirror image, and the window correlates neighbours (factor 1.5 along each
+"""Coefficients of `_windowed_waves` with the information of one: mirror images, window (1.5 an
 axis)."""
 _RESOLUTION = 0.75
-"""Resolution of the mismatch wave number, in wave numbers of the walls' length: three quarters of
-the distance of two waves. Of 24 pairs each with 48, 96 and 192 cells a side, H 0.5 and 0.8, and
-true wavelengths of 5 to 24 cells, 99 % of the intervals with it contained the true value; the worst
-share was 87 %, for a wavelength of a third of the side."""
+"""Resolution of the mismatch wave number, in wave numbers of the walls' length: with it 99 % of the
+intervals contained the true value (24 pairs of 48, 96 and 192 cells, H 0.5 and 0.8)."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
 _FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
 _TRIED = 600
 
 
 class Mating(NamedTuple):
-    """Correlation of two walls over wavelengths, from `mating`.
+    """Correlation in bands of half an octave, middles [m], longest first; modes are independent
+    waves.
 
-    ``wavelengths`` [m] are the middles of bands of half an octave, longest first. ``modes`` are the
-    numbers of independent waves of the bands; the standard error is (1 - correlation^2) /
-    sqrt(modes).
+    The standard error of a correlation is (1 - correlation^2) / sqrt(modes).
     """
 
     wavelengths: np.ndarray
@@ -43,10 +38,9 @@ class Mating(NamedTuple):
 
 
 class Mismatch(NamedTuple):
-    """Wavelength [m] at which the correlation of two walls is 1/2, with a 95 % interval.
+    """Wavelength [m] at which two walls correlate by 1/2, with its interval.
 
-    ``wavelength`` is 0 if the walls are mated at all wavelengths of the grid, and infinite if at
-    none. ``low`` is 0, or ``high`` infinite, if the walls do not bound it.
+    It is 0 if they are mated at all wavelengths of the grid, infinite if at none.
     """
 
     wavelength: float
@@ -55,12 +49,10 @@ class Mismatch(NamedTuple):
 
 
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
-    """Compute the correlation of walls by wavelength: 1 if they are mated, 0 if independent.
+    """Correlation of walls (y, x) [m], heights towards the other wall, by wavelength: 1 if mated.
 
-    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall without missing cells. The
-    correlation is -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, where U and L
-    are the Fourier transforms of the walls with a Hann window. Bands with fewer than four waves are
-    left out.
+    -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, with the Fourier transforms
+    U and L of the walls in a Hann window. Bands with fewer than four waves are left out.
     """
     one, other = _windowed_waves(upper), _windowed_waves(lower)
     wave = _wave_numbers(upper.shape, spacing)
@@ -96,16 +88,13 @@ def _wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
 
 
 def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mismatch:
-    """Estimate the mismatch wavelength of two walls (y, x), heights [m] towards the other wall.
+    """Estimate the mismatch wavelength of walls (y, x) [m] in the position of best fit.
 
-    The walls have no missing cells and are in the position of best fit, because a shift also causes
-    mismatch. If the waves of both walls have equal power and correlation c, the powers of the sum
-    and of the difference of both walls are independent, with a ratio of (1 - c) to (1 + c). The
-    ratio of their sums over a ring of n wave numbers is this ratio times a variable distributed as
-    F(2n, 2n), for any spectrum. The likelihood is profiled over the wavelength w at which c is a
-    half. At a wavelength W the model is c = (1 - 2 e) Phi(s log(W/w) + q), where q makes c a half
-    at w, and the steepness s and the floor e (noise of the scans, leakage of the window) are
-    free. The interval is widened by `_RESOLUTION`.
+    If waves of both walls have equal power and correlation c, the powers of sum and difference are
+    independent, with a ratio of (1 - c) to (1 + c); over a ring of n wave numbers it is this times
+    a variable distributed as F(2n, 2n), for any spectrum. The likelihood is profiled over the
+    wavelength w at which c is a half: c = (1 - 2 e) Phi(s log(W/w) + q) with free steepness s and
+    floor e (noise, leakage of the window). `_RESOLUTION` widens the interval.
     """
     length = min(upper.shape) * spacing
     shortest, longest = 2.0 * spacing, 0.5 * length
@@ -162,13 +151,11 @@ def _profile(
 def slope_correlation_over_shifts(
     fixed: np.ndarray, moved: np.ndarray, least_overlap: float
 ) -> np.ndarray:
-    """Compute the correlation of the slopes of two fields for every shift of one of them.
+    """Correlation of the slopes of two fields (y, x), NaN where missing, for all shifts of
+    ``moved``.
 
-    Slopes are used instead of heights, because the few longest waves of heights correlate by
-    chance. ``fixed`` and ``moved`` (y, x) are heights on grids of equal spacing, NaN where missing.
-    The result (y, x) is over shifts of ``moved`` in cells, negative ones counted from the end as in
-    a discrete Fourier transform, and NaN where less than the share ``least_overlap`` of the smaller
-    field's slopes overlaps the other field. Masked normalised cross-correlation (Padfield 2012).
+    Shifts [cells] are ordered as in a discrete Fourier transform; NaN below ``least_overlap`` of
+    the smaller field. Masked normalised cross-correlation (Padfield 2012).
     """
     pairs = zip(_slopes(fixed), _slopes(moved), strict=True)
     sums: Any = sum(np.array(_masked_moments(*pair, least_overlap)) for pair in pairs)
@@ -179,10 +166,7 @@ def slope_correlation_over_shifts(
 
 
 def best_shift(correlation: np.ndarray) -> tuple[tuple[int, int], float]:
-    """Return the shift (y, x) in cells with the largest value of an array, and this value.
-
-    The value is NaN if no shift is allowed.
-    """
+    """Return the shift (y, x) [cells] with the largest value of an array, and this value or NaN."""
     if not np.isfinite(correlation).any():
         return (0, 0), float("nan")
     place = np.unravel_index(int(np.nanargmax(correlation)), correlation.shape)

@@ -1,7 +1,4 @@
-"""Scans, and their conversion to heights on the square grid of a joint.
-
-Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
-"""
+"""Scans, and their conversion to heights on the square grid of a joint. See docs/two_scans.md."""
 
 from typing import NamedTuple
 
@@ -21,24 +18,20 @@ REACH = 2.0
 AT_PLACE = 1e-6
 """Distance, as a share of the reach, within which a node is at a scanned point."""
 NEAREST = 12
-"""Number of points around a node of the grid that are triangulated. A Delaunay triangle of all
-points whose corners are among them is one of theirs too; points in between are not needed."""
+"""Number of points around a node that are triangulated: enough for the Delaunay triangle of all."""
 MOST_CELLS_PER_POINT = 100
-"""Largest number of cells of a grid for each point; with more, nearly all cells are far from
-points."""
+"""Largest number of cells of a grid for each point; beyond, nearly all are far from points."""
 PAPER_SPACING = 0.25e-3
-"""Grid spacing of the paper's walls [m]: a cell is an asperity, and the relations of JRC are stated
-at this spacing."""
+"""Grid spacing of the paper's walls [m], at which relations of JRC are stated."""
 MISSING = ("refuse", "avoid", "nearest", "linear")
 LARGEST_FILLED_SHARE = 0.05
 """Largest share of a wall's cells that is filled unless the user allows more."""
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m] on a regular grid, NaN where missing, and spacing (dy, dx) [m].
+    """Heights (y, x) [m] on a regular grid, NaN where missing, with spacing (dy, dx) [m].
 
-    ``origin`` is the (y, x) of the first cell [m], or None if it is unknown. ``remarks`` are
-    sentences on what reading left out.
+    ``origin`` (y, x) is the first cell [m], None if unknown; ``remarks`` say what reading left out.
     """
 
     heights: np.ndarray
@@ -73,10 +66,7 @@ class Cloud(NamedTuple):
 
 
 def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
-    """Return points (n, 3) of a scan [m]: x, y and height; cells of a grid row by row.
-
-    With ``missing`` the missing cells of a grid, within the known ones, are points of height NaN.
-    """
+    """Return points (n, 3) of a scan [m] row by row; with ``missing`` also NaN between them."""
     if isinstance(scan, Cloud):
         return scan.points
     listed = np.isfinite(scan.heights)
@@ -189,10 +179,10 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Return the heights of a grid at the nodes of a coarser one, without averaging.
+    """Take the heights of a grid at the nodes of a coarser one (one is at ``anchor``), without
+    averaging.
 
-    Sampling keeps the slopes at the coarser spacing [m], of which JRC is a function; means over
-    cells do not. ``anchor`` (y, x) is the place of a node [m], in or outside of the scan.
+    Sampling keeps the slopes at the coarser spacing [m], of which JRC is a function; means do not.
     """
     origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
@@ -227,12 +217,11 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
 def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) linearly in the triangles between places (n, 2).
+    """Interpolate heights at nodes (..., 2) linearly in triangles of the `NEAREST` places (n, 2)
+    [m].
 
-    Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
-    farther than ``reach`` from every place. All in metres.
-
-    A node at a place (`AT_PLACE`) has its height, so that a regular grid is not triangulated.
+    NaN outside of all triangles and beyond ``reach`` of every place. A node at a place has its
+    height.
     """
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
@@ -249,9 +238,8 @@ def heights_between(
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
 
-    The weights of the corners are ratios of areas, so that results have the same bits on any
-    processor. The library of linear algebra has one thread here: scipy calls it for each triangle,
-    and on a machine where all processors are busy every call would wait for the other threads.
+    Weights are ratios of areas, the same bits on any processor. scipy calls the library of linear
+    algebra for each triangle, which on a busy machine would wait for its other threads: it has one.
     """
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
@@ -295,12 +283,9 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
 def filled(
     wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
 ) -> np.ndarray:
-    """Treat the missing cells (NaN) of a wall (y, x).
+    """Treat missing cells (NaN) of a wall (y, x): "refuse", "avoid" (leave), "nearest" or "linear".
 
-    ``missing`` is "refuse": raise an error; "avoid": leave them, so that joints are cut where no
-    cell is missing; "nearest": use the height of the nearest cell; or "linear": interpolate
-    linearly between the surrounding cells, and use the nearest cell outside of them. No more than
-    ``largest_share`` of all cells is filled.
+    No more than ``largest_share`` of all cells is filled.
     """
     holes = ~np.isfinite(wall)
     if missing not in MISSING:

@@ -1,9 +1,7 @@
-"""Roughness measures of a wall with uncertainty: slopes, JRC, Hurst exponent, curvature, peaks.
+"""Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks.
 
-Curvature and peaks are means over cells, computed from sums over tiles of the wall. Tiles are
-resampled (a block bootstrap), because cells are not independent and tiles nearly are. Heights,
-slopes, JRC and Hurst exponents also depend on waves as long as the wall, which tiles do not
-contain. Their scatter is that of synthetic walls of the same slope and exponent.
+Means over cells are resampled by tiles (a block bootstrap). Heights, slopes, JRC and Hurst
+exponents depend on waves as long as the wall: their scatter is that of synthetic walls alike.
 """
 
 from collections.abc import Iterator
@@ -21,8 +19,7 @@ TILES = 6
 SMALLEST_WALL = 24
 """Smallest number of cells along the shorter side: four for each tile."""
 DRAWS, LARGEST_DRAW = 100, 400
-"""Number of synthetic walls, and largest number of cells along their sides; smaller walls scatter
-more."""
+"""Number of synthetic walls, and largest number of cells along their sides."""
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
 
@@ -39,11 +36,7 @@ class Measure(NamedTuple):
 
 
 class Increments(NamedTuple):
-    """RMS differences of heights over distances, all in [m]: the root structure function.
-
-    ``x`` and ``y`` are differences of two heights along each axis. ``second_x`` and ``second_y``
-    are second differences of three heights at equal distances.
-    """
+    """RMS first and second height differences along x and y over distances [m]."""
 
     distances: np.ndarray
     x: np.ndarray
@@ -142,12 +135,10 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
 
 
 def hurst_of(heights: np.ndarray) -> float:
-    """Estimate the Hurst exponent of a wall (y, x) from second differences in both directions.
+    """Estimate the Hurst exponent of a wall (y, x) by second differences in both directions.
 
-    H is the slope of the logarithm of their rms over that of their distance, from two cells to a
-    quarter of the wall. Second differences do not depend on the plane that was removed, nor on
-    waves longer than the wall. These make H from first differences too low by 0.1 and more (Kent &
-    Wood 1997; docs/two_scans.md).
+    They depend neither on the plane that was removed nor on waves longer than the wall, which make
+    H from first differences too low by 0.1 and more (Kent & Wood 1997; docs/two_scans.md).
     """
     return _scaling(heights, 1.0)[_EXPONENTS[2]]
 
@@ -177,10 +168,7 @@ def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
 def _scatter(
     measured: dict[str, float], shape: tuple[int, ...], spacing: float, seed: int
 ) -> dict[str, np.ndarray]:
-    """Return `_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall itself first.
-
-    Heights and slopes scatter by factors, exponents by differences.
-    """
+    """Return `_scaling` of a wall, first, and its scatter over synthetic walls: (1 + DRAWS,)."""
     hurst = min(max(measured[_EXPONENTS[2]], 0.05), 1.0)
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     draws = []
@@ -212,11 +200,7 @@ def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarr
 
 
 def peak_cells(heights: np.ndarray) -> np.ndarray:
-    """Return whether a cell (y, x) is higher than its eight neighbours; never true at the edge.
-
-    This is for a scan, where heights beyond the edge and in gaps (NaN) are unknown. The joints of
-    the model end at their edge, see `jointclosure.solvers.cells.is_peak`.
-    """
+    """Return whether a cell (y, x) is above its eight neighbours; never at edges and gaps."""
     here = heights[1:-1, 1:-1]
     higher = np.ones(here.shape, bool)
     ny, nx = heights.shape

@@ -12,39 +12,27 @@ LINK = 5.0
 SMALLEST_PATCH = 0.01
 """Share of all points below which a patch apart from the largest one is stray."""
 FARTHEST_HEIGHT = 20.0
-"""Distance from the median height, over the range of the middle 98 %, beyond which a height is
-stray."""
+"""Distance from the median, in ranges of the middle 98 %, beyond which a height is stray."""
 NEIGHBOURS = 8
 SPIKE = 8.0
-"""Height of a spike beyond its second highest or lowest neighbour, over the median difference of
-neighbours. Gaussian self-affine walls reach 2 with 36,000 points."""
+"""Height of a spike, in median differences of neighbours; Gaussian self-affine walls reach 2."""
 ROUNDS = 4
-"""Largest number of rounds of spike removal: some spikes are visible only after higher ones are
-gone."""
+"""Largest number of rounds of spike removal: higher spikes hide others."""
 PLATEAU = 5.0
-"""Number of connected points of exactly equal heights beyond which a plateau is no part of a rough
-wall: this times log10(points) / (1 - m)^2, where m is the share of the differences of neighbours
-that are one step of the heights, which plateaus do not change. The largest plateau of 3,200 walls
-(JRC 2 to 20, H 0.5 to 1, 0.1 to 1 mm, smoothed or not, in steps of 1 to 30 um) had 0.65 times as
-many, that of two scans of rock in steps of 1 to 100 um 0.44 times."""
+"""Connected points of equal height beyond which a plateau is not rock: this times log10(points) /
+(1 - m)^2, with the share m of differences that are one step of the heights. The largest of 3,200
+walls (JRC 2 to 20, H 0.5 to 1, 0.1 to 1 mm, steps of 1 to 30 um) had 0.65 times as many."""
 LEVEL = 1e-3
-"""Second differences of heights, over their median, up to which a point of a grid counts as one of
-a plane: holes that were filled by a constant before the scan was levelled are planes."""
+"""Second differences, over their median, up to which a point of a grid counts as one of a plane."""
 ROUNDED = 0.05
-"""Share of such points outside of large patches from which heights are rounded too coarsely for
-planes to be recognised. 700 walls (JRC 2 to 20, H 0.5 to 0.95, 0.1 to 0.5 mm, smoothed or not,
-tilted or not, in steps of 1 to 30 um) had no patch."""
+"""Share of such points outside of large patches from which heights are rounded too coarsely; 700
+walls (JRC 2 to 20, H 0.5 to 0.95, 0.1 to 0.5 mm, steps of 1 to 30 um) then had no patch."""
 FLAT_SHARE = 0.5
 """Share of the points in plateaus from which a wall counts as flat or stepped."""
 
 
 def strays(points: np.ndarray) -> np.ndarray:
-    """Return which of the points (n, 3) are apart from the wall: bool (n,). Heights may be NaN.
-
-    A point is stray if its patch is not the largest one and contains less than `SMALLEST_PATCH` of
-    the points, where patches are linked by cells of `LINK` median distances in x and y; or if its
-    height is farther off than `FARTHEST_HEIGHT`.
-    """
+    """Return which points (n, 3) are in a small patch apart from the largest, or far in height."""
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
     stray = _apart(points[:, :2])
@@ -80,10 +68,7 @@ def _components(pairs: np.ndarray, count: int) -> np.ndarray:
 
 
 def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the different places (m, 2) in order of x and y, and the number of each place (n,).
-
-    Complex numbers are sorted in this order, and several times as fast as rows.
-    """
+    """Return the different places (m, 2) in order of x and y, and the number of each (n,)."""
     unique, numbers = np.unique(
         np.ascontiguousarray(places, dtype=float).view(complex).ravel(), return_inverse=True
     )
@@ -91,11 +76,10 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
-    """Return the height of each of the points (n, 3) that is a spike, NaN for others: (n,).
+    """Return the height [m] of points (n, 3) that are spikes, NaN for others: (n,).
 
-    A spike differs from all but one of its eight nearest neighbours by more than `SPIKE` median
-    height differences of neighbours, upwards (positive) or downwards. Spikes are removed and the
-    search is repeated, up to `ROUNDS` times. Heights must be finite.
+    A spike differs from all but one of its eight neighbours by more than `SPIKE` median
+    differences.
     """
     spike_heights = np.full(len(points), np.nan)
     left = np.arange(len(points))
@@ -141,10 +125,9 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
 
 
 def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
-    """Remove the plateaus of a scan that no rough wall has, such as holes filled by a constant.
+    """Remove the plateaus (in a grid also planes) that no rough wall has, with a remark.
 
-    In a grid, patches of a plane are plateaus too. A remark of the result counts them. A flat or
-    stepped scan (`FLAT_SHARE`) keeps its heights.
+    A flat or stepped scan (`FLAT_SHARE`) keeps its heights.
     """
     points = points_of(scan)
     size = _plateau_sizes(points[:, 2], _neighbours(scan))

@@ -10,19 +10,17 @@ from jointclosure.walls.measured import PAPER_SPACING, Cloud, Scan, node_counts,
 from jointclosure.walls.roughness import plane_through
 
 _STEEPEST, _FLATTEST = 2.0, 1e-3
-"""Rms slopes of rough walls outside of which heights and spacing probably have different units.
-Natural walls have 0.1 to 0.6."""
+"""Rms slopes beyond which heights and spacing probably have different units; natural: 0.1 to
+0.6."""
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
 _USUAL_HURST = 0.8
 """Hurst exponent with which a slope is carried to another spacing or distance."""
 _UNLIKE = 4.0
-"""Ratio of the rms slopes of both walls of a joint from which one of them has another unit. Even
-walls of JRC 2 and 20 have 3.8."""
+"""Ratio of the rms slopes of two walls from which units differ; JRC 2 and 20 have 3.8."""
 _UNLIKE_GAIN, _MATED = 1.5, 0.8
-"""Ratio of the heights of walls that correlate by so much or more from which one of them has
-another unit: 300 such clean pairs (24 to 64 cells a side, JRC 2 to 20, mated beyond 0.5 to 10 mm)
-had at most 1.14."""
+"""Ratio of the heights of walls that correlate by so much from which units differ: 300 clean pairs
+(24 to 64 cells, JRC 2 to 20, mated beyond 0.5 to 10 mm) had at most 1.14."""
 _CONFUSED = {
     2.54: "inches and cm",
     10.0: "cm and mm",
@@ -33,19 +31,15 @@ _CONFUSED = {
 _ALIKE = 0.5
 """Correlation of slopes from which two walls count as similar."""
 _SUMMITS = 10
-"""Number of summits from which a wall counts as rough. A lens or a lattice may resemble its
-partner."""
+"""Number of summits from which a wall counts as rough; a lens or a lattice has fewer."""
 _COPY = 1e-6
-"""Smallest difference from 1 of the correlation of heights of scans of two different walls. At 1e-6
-the rms difference is a thousandth of the rms height, 0.3 um of a typical wall. Even two scans of
-one wall do not repeat so well."""
+"""Smallest difference from 1 of the correlation of heights of two different walls or scans."""
 _CROSSED = 0.9
-"""Share of cells with the upper wall below the lower one from which the walls count as
-interchanged. For the published walls that were tried it is 0.998 if they are interchanged, and
-0.002 if not. It is about a half if the zero of each scan is at its mean."""
+"""Share of cells with the upper wall below the lower one from which they are interchanged: 0.998 of
+published walls that are, 0.002 of others, a half if each scan has its own zero."""
 _AT_NODE, _BETWEEN = 1e-5, 0.75
-"""Distances of a node from the nearest point, in cells, below which it has that point's height, and
-up to which it lies between points; farther nodes are in holes."""
+"""Distances from a point [cells] below which a node has its height, and beyond which it is in a
+hole."""
 _LEAST_BETWEEN = 0.05
 """Smallest share of nodes between points from which a wall counts as interpolated."""
 _PAIRS = 0.75, 1.25
@@ -66,12 +60,7 @@ def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> Non
 
 
 def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
-    """Raise `InputError` if walls are interchanged, or one is a copy of the other.
-
-    ``gap`` (y, x) is the height of the upper wall less that of the lower one as scanned, z upwards
-    [m], ``correlation`` that of the heights of both walls; ``common_frame`` says that both scans
-    have the same zero of heights.
-    """
+    """Raise `InputError` if walls are interchanged (``gap`` (y, x) [m]), or one is a copy."""
     if abs(correlation) > 1.0 - _COPY:
         raise InputError(
             f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
@@ -87,10 +76,7 @@ def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
 
 
 def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
-    """Describe walls whose slopes no rough wall has, so that their units are probably wrong.
-
-    ``walls`` are heights (y, x) [m] by name, NaN where missing, on a grid of ``spacing`` [m].
-    """
+    """Describe walls (y, x) [m] whose slopes no rough wall has: units are probably wrong."""
     return [
         f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights and "
         "spacing must both be in m"
@@ -100,11 +86,7 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
 
 
 def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str], list[str]]:
-    """Describe scanned walls whose heights probably have another unit than x and y.
-
-    Arguments are those of `slope_doubts`. Returns sentences on contradictions, where one wall has
-    heights in another unit than the other one, and on walls flatter or steeper than rock joints.
-    """
+    """Describe walls with heights in another unit: contradictions, and walls unlike rock."""
     slopes = _slopes_of_rough(walls, spacing)
     contradictions, doubts = [], []
     if len(slopes) == 2:
@@ -166,10 +148,7 @@ def _slopes_of_rough(walls: dict[str, np.ndarray], spacing: float) -> dict[str, 
 
 
 def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
-    """Describe probable errors of units or of orientation, in sentences.
-
-    ``upper`` and ``lower`` (y, x) are heights towards the other wall [m], NaN where missing.
-    """
+    """Describe probable errors of units or orientation of walls (y, x) [m], towards the other."""
     doubts = slope_doubts({"upper": upper, "lower": lower}, spacing)
     if not (_is_rough(upper) and _is_rough(lower)):
         return doubts

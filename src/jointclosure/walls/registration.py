@@ -1,7 +1,4 @@
-"""Registration of the scans of the two walls of a joint: orientation, shift, overlap, mating.
-
-`registered` is the one entry. Files are read by `jointclosure.walls.scans`. See docs/two_scans.md.
-"""
+"""Registration of the scans of the two walls of a joint (`registered`), see docs/two_scans.md."""
 
 from typing import NamedTuple
 
@@ -46,19 +43,15 @@ from jointclosure.walls.roughness import detrended
 LEAST_OVERLAP = 0.5
 """Smallest share of the smaller wall that must overlap; other shifts are not tried."""
 COMPARED_CELLS = 64
-"""Smallest number of cells along the shorter side for the comparison of orientations, which long
-waves distinguish."""
+"""Smallest number of cells along the shorter side in the comparison of orientations."""
 CLEAR = 1.5
-"""An orientation is clear if its correlation of slopes is this many times that of any other. Of 900
-pairs of independent walls (64 to 128 cells, H 0.5 to 1) none was clear by chance; with a factor of
-1.4 seven were."""
+"""Ratio of the best correlation of slopes to the second from which an orientation is clear: none of
+900 pairs of independent walls was (64 to 128 cells, H 0.5 to 1), with 1.4 seven were."""
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
-"""Inclinations [degrees] above which the plane of two scans, and the angle between them, are
-unusual. 5 degrees cause errors of heights and lengths of 0.4 %; 1 degree opens 65 mm by 1.1 mm."""
+"""Unusual inclinations of the common plane and of the walls to each other [degrees]."""
 _FAR = 1.5
-"""Largest usual distance, in standard deviations of the aperture, between first touch and the touch
-of a thousandth of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the
-largest was 0.95."""
+"""Largest usual distance, in standard deviations of the aperture, from first touch to that of a
+thousandth of the cells; that of 144 Gaussian pairs (64 to 256 cells, H 0.5 and 0.8) was 0.95."""
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
 SHIFTS = ("scanned", "mated")
@@ -66,10 +59,10 @@ _SIDES = ("upper", "lower")
 
 
 class Orientation(NamedTuple):
-    """Direction of the heights and of the plan of the upper scan in the frame of the lower one.
+    """Direction of the upper scan in the frame of the lower one.
 
-    ``sign`` is 1 if heights count away from the lower wall's rock, as those of the lower scan do,
-    and -1 if they count towards the lower wall. ``mirrored`` says which axes (y, x) are reversed.
+    ``sign`` is -1 if heights count towards the lower wall, ``mirrored`` are the reversed axes (y,
+    x).
     """
 
     sign: int
@@ -113,16 +106,14 @@ class Fit(NamedTuple):
 
 
 class RegisteredPair(NamedTuple):
-    """Two registered scanned walls; lengths are in m, places and shifts (y, x).
+    """Two registered walls on a grid of ``spacing`` [m]; places and shifts are (y, x).
 
-    ``upper`` and ``lower`` (y, x) are heights towards the other wall, less the plane of the wall,
-    on a grid of ``spacing``, ``aperture`` (y, x) is their distance at first touch, which is at the
-    cell ``first_touch``. ``holes`` (y, x) are cells that were taken out of contact because a scan
-    has no height there. ``orientation`` is a key of `ORIENTATIONS`, and ``fits`` are those of all
-    orientations, the best first. ``shift`` was applied to the upper wall, ``mating_shift`` is that
-    of best fit. ``correlation`` is that of the heights of both walls, ``mating`` by wavelength, and
-    ``mismatch`` the mismatch wavelength with its interval. ``overlap`` is the share of the smaller
-    scan's cells that lie in the walls, ``report`` has the results in sentences.
+    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, less their planes,
+    ``aperture`` is their distance at ``first_touch``, ``holes`` are cells taken out of contact
+    because a scan has no height there. ``fits`` are those of all `ORIENTATIONS`, the best first.
+    ``shift`` [m] was applied to the upper wall, ``mating_shift`` is that of best fit.
+    ``correlation`` is that of the heights, ``mating`` by wavelength, ``overlap`` the share of the
+    smaller scan in the walls, ``report`` the results in sentences.
     """
 
     upper: np.ndarray
@@ -363,10 +354,7 @@ def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
 
 
 def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str]) -> str:
-    """Return the stated or the clear orientation; raise `InputError` if there is none.
-
-    Unless ``unusual`` values are accepted, also if another orientation than the stated is clear.
-    """
+    """Return the stated or the clear orientation; `InputError` if none or another is clear."""
     best, second = fits[:2]
     clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
     listed = ", ".join(f"{fit.orientation} {fit.correlation:.2f}" for fit in fits)
@@ -401,10 +389,7 @@ def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str
 def _refined(
     upper: _Placed, lower: _Placed, spacing: float, fit: Fit, whole_cells: bool
 ) -> tuple[float, float]:
-    """Refine the best shift (y, x) [m] of a comparison of blocks at the spacing of the grid.
-
-    It is in whole cells, or to a fraction of a cell.
-    """
+    """Refine the best shift (y, x) [m] of a comparison of blocks, to cells or a fraction of one."""
     shifts = slope_correlation_over_shifts(
         lower.wall, ORIENTATIONS[fit.orientation].grid(upper.wall), 0.9 * LEAST_OVERLAP
     )
@@ -498,10 +483,7 @@ def _described(
 
 
 def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
-    """Describe unusual overlap and inclinations of both scans of a joint, or of its only one.
-
-    ``best_fit`` says that the walls are in the position of best fit.
-    """
+    """Describe unusual overlap and inclinations; ``best_fit`` says that the walls are mated."""
     doubts = overlap.doubts()
     share = max(overlap.shares)
     if both and share < LEAST_OVERLAP:

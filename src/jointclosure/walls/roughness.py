@@ -9,10 +9,7 @@ from jointclosure.inputs import InputError
 
 
 class Relation(NamedTuple):
-    """Published relation JRC(Z2) at one sampling ``interval`` [m].
-
-    ``form`` is "linear" (JRC = a Z2 + b), "logarithmic" (a log10 Z2 + b) or "power" (a Z2^c + b).
-    """
+    """JRC(Z2) at an ``interval`` [m]: a Z2 + b, a log10 Z2 + b or a Z2^c + b by its ``form``."""
 
     form: str
     a: float
@@ -96,11 +93,9 @@ class Plane(NamedTuple):
 
 
 def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
-    """Fit the least-squares plane of points (n,) [m].
+    """Fit the least-squares plane of points (n,) [m], without slope across points on one line.
 
-    The normal equations about the mean place are solved in closed form by sums, which have the same
-    bits on any processor, unlike solutions of a linear system. The breakage of a joint amplifies a
-    last digit to several percent. Points on one line have a plane without slope across it.
+    Sums in closed form have the same bits on any processor, unlike solutions of a linear system.
     """
     middle_x, middle_y, level = float(np.mean(x)), float(np.mean(y)), float(np.mean(heights))
     x, y, heights = x - middle_x, y - middle_y, heights - level
@@ -117,10 +112,7 @@ def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """Subtract the least-squares plane from a wall (y, x) [m], by sums as in `plane_through`.
-
-    On a regular grid, with coordinates from its middle, the terms of the plane are orthogonal.
-    """
+    """Subtract the plane from a wall (y, x) [m]; its terms are orthogonal on a regular grid."""
     ny, nx = heights.shape
     y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))
     level = heights - np.mean(heights)
@@ -132,11 +124,9 @@ def detrended(heights: np.ndarray) -> np.ndarray:
 
 
 def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
-    """Depths [m] below the highest point above which shares of the cells lie (Abbott 1933).
+    """Depths [m] of summed heights (y, x) below the highest above which shares lie (Abbott 1933).
 
-    ``summed`` (y, x) are the heights of both walls towards each other [m]: rigid walls at this
-    closure overlap in this share of their cells. The depth is that of the k-th highest cell, k =
-    share times the number of cells, linear between whole k, and 0 for k below 1.
+    Rigid walls at this closure overlap in this share of their cells; linear between whole cells.
     """
     flat = np.ravel(summed)
     ranks = np.maximum(np.asarray(shares, dtype=float) * flat.size - 1.0, 0.0)

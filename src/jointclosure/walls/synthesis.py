@@ -1,8 +1,7 @@
-"""Synthesis of random walls of given JRC.
+"""Random walls of given JRC: self-affine Gaussian fields scaled to its RMS slope.
 
-The compound algorithm of Rezaei Niya & Selvadurai (2019) is not described in the paper. Here a wall
-is a self-affine Gaussian field, scaled to the RMS slope that a published relation gives for the
-JRC, see docs/decisions.md#0007-surfaces.
+The paper does not describe the algorithm of Rezaei Niya & Selvadurai (2019), see
+docs/decisions.md#0007-surfaces.
 """
 
 import math
@@ -29,18 +28,15 @@ RULES = ("self_affine", "walk")
 NORMALISATIONS = ("wall", "expectation")
 """Ways to reach the given slope: by every wall, or by walls on average."""
 ROLL_OFF = 3e-3
-"""Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
-(docs/decisions.md#0013-readings)."""
+"""Wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)."""
 _LN2 = 0.6931471805599453
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of a wall's heights, of arbitrary scale.
+    """Power spectrum of heights: k^(-2 (H + 1)), or that of a "walk", flat beyond ``roll_off``
+    [cells].
 
-    ``rule`` "self_affine": power ~ k^(-2 (H + 1)), so that profiles have the Hurst exponent
-    ``hurst``. "walk": independent Gaussian slopes along x and y between all neighbours, projected
-    on the nearest field of heights; ``hurst`` is not used. ``roll_off`` is the wavelength [cells]
-    beyond which the power is flat, or None.
+    "walk": independent Gaussian slopes along x and y, projected on the nearest field of heights.
     """
 
     hurst: float
@@ -53,14 +49,12 @@ class Spectrum(NamedTuple):
         return -1.0 if self.rule == "walk" else -(self.hurst + 1.0)
 
     def squares(self, ny: int, wave_x: np.ndarray) -> np.ndarray:
-        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
+        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off; 1 for the
+        mean.
 
-        The value of the mean is 1. For a walk, the squares are those of the differences d between
-        neighbours, |d|^2 = 4 sin^2(pi f) along each axis, over (2 pi)^2. Independent slopes g of
-        variance 1 have white spectra; the heights z that minimise
-        sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
-        (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power
-        1/(|d_x|^2 + |d_y|^2).
+        For a walk, those of differences, |d|^2 = 4 sin^2(pi f), over (2 pi)^2: the heights that
+        minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 for white slopes g have the power 1/(|d_x|^2
+        + |d_y|^2).
         """
         wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
         if self.rule == "walk":
@@ -75,11 +69,7 @@ class Spectrum(NamedTuple):
 def gaussian_field(
     shape: tuple[int, int], spectrum: Spectrum, random: np.random.Generator, oversize: int = 2
 ) -> np.ndarray:
-    """Generate Gaussian heights (y, x) of a spectrum and arbitrary scale.
-
-    They are synthesised from waves on a periodic grid ``oversize`` times as long, and a corner of
-    it is cropped, so that opposite edges are not neighbours. All spectra filter the same noise.
-    """
+    """Generate Gaussian heights (y, x) of a spectrum: a corner of a longer periodic grid."""
     size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
     waves = _random_waves(size, spectrum, random)
     return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
@@ -114,12 +104,10 @@ def _sines(wave: np.ndarray) -> np.ndarray:
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
-    """Raise a positive array to a power, with the same bits on any processor.
+    """Raise a positive array to a power, with the same bits on any processor (relative error
+    5e-15).
 
-    `numpy.power` uses other code on processors with other vector units, whose results differ in the
-    last digit, and breakage turns this difference into another history. This function only adds,
-    multiplies and divides: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
-    Its relative error is about 5e-15.
+    `numpy.power` is not: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
     """
     mantissa, two = np.frexp(base)
     small = mantissa < np.sqrt(0.5)
@@ -149,10 +137,7 @@ def synthetic_wall(
     rule: str = "self_affine",
     roll_off: float | None = None,
 ) -> np.ndarray:
-    """Generate one wall (y, x) [m] of RMS slope ``z2``, plane-detrended; keywords as `wall_pair`.
-
-    With "expectation" all walls are scaled by the RMS slope of the spectrum.
-    """
+    """Generate one wall (y, x) [m] of RMS slope ``z2``, detrended; keywords as `wall_pair`."""
     spectrum = spectrum_of(hurst, rule, roll_off, spacing)
     field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
@@ -277,11 +262,7 @@ def _scaled_together(
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Generate walls (y, x) of arbitrary scale with common waves beyond a wavelength [cells].
-
-    They are narrower than requested by the shift, by which the waves of the upper wall are
-    displaced.
-    """
+    """Generate walls (y, x) with common waves beyond a wavelength [cells], the upper's shifted."""
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (_random_waves(size, spectrum, random) for random in _generators(seed))
     lower = np.where(np.hypot(*_wave_numbers(*size)) * wavelength < 1.0, -upper, other)
@@ -352,11 +333,7 @@ def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: flo
 
 
 def tilted(wall: np.ndarray, spacing: float, degrees: float) -> np.ndarray:
-    """Tilt a wall (y, x) [m] about the middle axis along y in its mean plane.
-
-    Heights increase by x tan(degrees). The displacement of cells by the cosine is neglected (4e-5
-    at 0.5 degrees).
-    """
+    """Tilt a wall (y, x) [m] about its middle axis along y: heights increase by x tan(degrees)."""
     nx = wall.shape[1]
     x = spacing * (np.arange(nx) - 0.5 * (nx - 1))
     return wall + np.tan(np.deg2rad(degrees)) * x
@@ -371,17 +348,12 @@ def rotated_pair(
     mismatch_wavelength: float = np.inf,
     rotation: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Make the walls of a joint whose lower wall is rotated about the normal, anticlockwise.
+    """Make the walls of `wall_pair` with the lower one rotated about the normal [degrees],
+    anticlockwise.
 
-    The walls are those of `wall_pair` with this seed, with waves longer than the mismatch
-    wavelength [m] in common (infinite: none), whose lower wall is evaluated at points rotated by
-    ``rotation`` [degrees] about its middle: as a sum of waves, so that no interpolation damps any.
-    The RMS slope ``z2`` is that of both walls pooled, after the rotation.
-
-    At multiples of 90 degrees cells map to cells. At other angles the waves in the corners of
-    the square of wave numbers are shorter than two spacings along x or y after the rotation, and
-    are aliased to longer waves. Heights at other angles may differ in their last digits between
-    processors, because the waves are summed by the matrix product of the installed BLAS.
+    Its waves are summed at rotated points, so that no interpolation damps any; at multiples of 90
+    degrees cells map to cells, else waves in the corners of the square of wave numbers are aliased.
+    The RMS slope ``z2`` is that of both walls pooled. Last digits may differ between processors.
     """
     n = shape[0]
     if shape[1] != n:

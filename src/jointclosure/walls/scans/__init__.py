@@ -1,9 +1,8 @@
 """Files of scanned walls: `read_scan`. Files are only read as data, never run or changed.
 
-numpy, netCDF, MATLAB, Surfer and text files need only the package itself. Meshes, TIFF and files of
-surface scanners need its extra ``walls``. A reader takes a path (and a variable, if its format has
-names) and returns the content of the file (`contents.Contents`); what all formats share is here:
-size of files, errors, units, spacing, missing heights.
+A reader takes a path (and a variable, if its format has names) and returns `Contents`. Sizes,
+errors, units, spacing and missing heights are treated here for all formats. Meshes, TIFF and files
+of surface scanners need the extra ``walls``.
 """
 
 import functools
@@ -32,11 +31,7 @@ from jointclosure.walls.scans.text import is_binary
 
 
 class Format(NamedTuple):
-    """Format of a scan's file: what it is called in messages, and its reader.
-
-    ``named`` says that a variable chooses an array, a channel or columns. ``in_parts`` says that
-    the declared sizes are read first, and then only what is needed.
-    """
+    """Format of files: title, reader; whether a variable chooses, whether sizes are read first."""
 
     title: str
     read: Callable[..., Contents]
@@ -194,10 +189,7 @@ def _joined(files: tuple[Path, ...], variable: str | None) -> Contents:
 
 
 def _nearest_form(path: Path) -> str:
-    """Return the end of an error message: what a file is most like, and what is wrong with it.
-
-    Empty where the form follows from the name, or is not known.
-    """
+    """Return the end of an error message: what a file is most like; empty if its name says so."""
     with path.open("rb") as file:
         start = file.read(_PROBED)
     suffix, size = path.suffix.lower(), path.stat().st_size
@@ -220,10 +212,7 @@ def _nearest_form(path: Path) -> str:
 
 
 def file_digest(path: str | Path) -> str:
-    """Return the SHA-256 of a scan's content, recomputed if its time or size has changed.
-
-    Of three files it is that of their digests.
-    """
+    """Return the SHA-256 of a scan's content (of three files, that of their digests)."""
     parts = []
     for file in files_of(path):
         about = file.stat()

@@ -1,7 +1,6 @@
 """Arrays of npy, npz, netCDF and MATLAB files: heights (y, x), and what states their places.
 
-Arrays are row by row. A name may end with its unit, as everywhere in this project: ``Z_mm``,
-``spacing_mm``. An array is read when it is needed, and its size in bytes was checked.
+A name may end with its unit (``Z_mm``). An array is read when needed, after a check of its size.
 """
 
 import math
@@ -59,11 +58,10 @@ class _Statement(NamedTuple):
 def grid_of(
     arrays: Mapping[str, Array], variable: str | None, axes: Mapping[str, str] | None = None
 ) -> Contents:
-    """Return the heights of a file, placed by the arrays and numbers beside them.
+    """Return the heights of a file, placed by arrays x and y (or ``axes``) and numbers beside them.
 
-    Places are vectors or matrices named x and y, or by ``axes`` from their names. Numbers are named
-    spacing or h, dx and dy. Heights (x, y) are turned if the places show it. Fields of structs have
-    names such as S.Z, and those of the same struct place them.
+    Heights (x, y) are turned if the places show it. Fields of a struct (S.Z) are placed by its
+    others.
     """
     kinds = {name: (axes or {}).get(name, _quantity(name)) for name in arrays}
     name = chosen(variable, arrays)
@@ -179,11 +177,7 @@ def _number(key: str, array: Array) -> float:
 
 
 def _agreed(statements: list[_Statement]) -> tuple[np.ndarray | None, str | None]:
-    """Return the spacing (dy, dx) that all statements share, and its units.
-
-    A statement without units is in those of the others; `InputError` if they differ by more than
-    `SAME_SPACING`.
-    """
+    """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
     if not statements:
         return None, None
     units = next((each.units for each in statements if each.units), None)
@@ -294,11 +288,7 @@ def _array(file: IO[bytes]) -> np.ndarray:
 
 
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
-    """Read a variable over y and x by the names of its dimensions, with units from its attribute.
-
-    It is placed by its coordinates (`arrays.grid_of`). Values that are missing, or not valid by the
-    attributes of the CF conventions, are NaN.
-    """
+    """Read a variable over y and x by the names of its dimensions; invalid values are NaN."""
     with netCDF4.Dataset(path) as dataset:
         variables = dataset.variables
         name = chosen(variable, {key: _netcdf_array(read) for key, read in variables.items()})
@@ -353,10 +343,7 @@ def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | No
 
 
 def read_matlab(path: Path, variable: str | None) -> Contents:
-    """Read an array of a MATLAB file up to version 7.2, placed by the others (`arrays.grid_of`).
-
-    Of structs and cells only the one that the variable names is read, or all without a variable.
-    """
+    """Read an array of a MATLAB file up to version 7.2; only what the variable needs is loaded."""
     arrays: dict[str, Array] = {}
     asked = re.split(r"[.({]", variable or "")[0]
     for (name, shape, kind), size in zip(*_listed(path), strict=True):
@@ -376,10 +363,7 @@ def _matlab_array(path: Path, name: str) -> np.ndarray:
 
 
 def _listed(path: Path) -> tuple[list[tuple], list[int]]:
-    """Return name, shape and class of each variable of a MATLAB file, and its size [bytes].
-
-    Of compressed variables it is the size when they are unpacked.
-    """
+    """Return name, shape and class of variables of a MATLAB file, and unpacked sizes [bytes]."""
     listed, sizes = scipy.io.whosmat(path), []
     if scipy.io.matlab.matfile_version(path)[0] == 0:  # version 4 has only arrays
         return listed, [0] * len(listed)

@@ -13,11 +13,9 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
 
 LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000
-"""Largest size [bytes] of an array, 10,000 x 10,000 heights in double precision, and of a file that
-is read as a whole. A damaged or malicious file may declare more."""
+"""Largest size [bytes] of an array, and of a file that is read as a whole."""
 SAME_SPACING = 1e-3
-"""Largest difference of statements of one spacing, over the spacing: those of 1/3 mm may be
-rounded."""
+"""Largest relative difference of statements of one spacing, which may be rounded."""
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")
@@ -25,24 +23,21 @@ _BYTES = re.compile(r"\\x[0-9a-f]{2}")
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
 
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
-"""Values that count as missing only if they are beyond all other values: a scan in micrometres may
-be 9.999 mm high."""
+"""Values that count as missing if they are beyond all other values."""
 LARGEST = 1e20
 """Larger values are missing in any unit, such as 1e30 and 1.70141e38."""
 LEAST_ZEROS, ZEROS_PER_OTHER = 10, 10
-"""Smallest number of heights of exactly 0, and smallest ratio to the most frequent other value, for
-which zeros count as missing. An instrument that rounds its heights gives neighbouring values about
-equally often."""
+"""Smallest number of zeros, and smallest ratio to the most frequent other height, that are missing:
+an instrument that rounds gives neighbouring values about equally often."""
 _MOST_ZEROS = 0.5
 """Largest share of zeros that count as missing; a wall with more may be flat."""
 
 
 class Contents(NamedTuple):
-    """Heights (y, x) on a grid of a spacing (dy, dx), or points (n, 3), in the file's units.
+    """Heights (y, x) on a grid (dy, dx), or points (n, 3), in the file's units; None: not stated.
 
-    Rows are in order of increasing y. Units are as written in the file ("mm", "micrometre"), or
-    None if it states none. ``origin`` is the (y, x) of the first cell, None if the file does not
-    place its grid. ``remarks`` are sentences on what reading skipped. A step of NaN is not stated.
+    Rows are in order of increasing y. ``origin`` (y, x) is the first cell. A step of NaN is not
+    stated.
     """
 
     heights: np.ndarray | None = None
@@ -133,11 +128,7 @@ def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
 def settled(
     what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
 ) -> str:
-    """Return the units of heights or distances: the file's, or if it has none those of the user.
-
-    They are never assumed: `InputError` if neither states them, which names units that are
-    plausible for the sides of the wall, or if they contradict each other.
-    """
+    """Return the units of the file, or those of the user; `InputError` if both or none do."""
     if stated is not None:
         size_of(stated)
     if of_file is None:
@@ -153,10 +144,7 @@ def settled(
 
 
 def split_name(name: str) -> tuple[str, str | None]:
-    """Return ("Z", "mm") for names such as "Z_mm", "Z [mm]", "Z/mm", "Z, mm" and "Z in mm".
-
-    For a name without units it is ("Z", None).
-    """
+    """Return ("Z", "mm") for "Z_mm", "Z [mm]", "Z/mm", "Z, mm", "Z in mm"; ("Z", None) for "Z"."""
     match = re.fullmatch(_NAME_AND_UNIT, name)
     if match:
         unit = match[2] if match[2] in SPELT else match[2].lower()  # MM for mm
@@ -166,10 +154,7 @@ def split_name(name: str) -> tuple[str, str | None]:
 
 
 def axis_name(name: str) -> str:
-    """Return "x", "y" or "z" for the name of a column of points, else the name in lower case.
-
-    Units, and words such as position, are left out; height and elevation are z.
-    """
+    """Return "x", "y" or "z" for a column of points (height is z), else its name in lower case."""
     bare = split_name(name)[0].lower()
     if bare in ("height", "elevation"):
         return "z"
@@ -200,11 +185,7 @@ def missing_sentence(count: int, sentinels: np.ndarray, what: str) -> str:
 
 
 def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return which heights are missing, bool of their shape, and sentences on them.
-
-    These are `missing_values`, and heights of exactly 0 if they are far more frequent than any
-    other value, as written by programs without a missing value.
-    """
+    """Return which heights are missing, also zeros that are too frequent, and remarks."""
     missing, sentinels = missing_values(heights)
     remarks = (missing_sentence(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
     known = heights[np.isfinite(heights) & ~missing]

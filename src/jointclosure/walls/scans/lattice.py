@@ -11,35 +11,29 @@ from jointclosure.walls.outliers import unique_places
 from jointclosure.walls.scans.contents import Contents
 
 LARGEST_OFFSET = 0.05
-"""Largest distance of a point from its node, over the step of the grid, due to rounding in
-files."""
+"""Largest distance of a point from its node, in steps, by rounding in files."""
 MOST_MOVED = 0.25
-"""Largest such distance of points that scatter about their nodes. Of walls with H = 0.8 scanned so,
-the rms slope is up to 2 % too large; linear interpolation at the nodes loses 9 %."""
+"""Largest such distance of scattered points: slopes (H = 0.8) are then up to 2 % too large."""
 _OUTLYING = 3.0
 """Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
 MAJORITY = 0.9
 """Smallest share of points at nodes of a grid; with less, points are scattered."""
 LEAST_NEIGHBOURS = 0.5
-"""Smallest share of points whose next node has a point too, along both axes; points with less are
-scattered or staggered."""
+"""Smallest share of points with a point at the next node of each axis; else scattered or
+staggered."""
 MOST_CELLS_PER_POINT = 20
 """Largest number of nodes of a grid for each point; sparser points are scattered."""
 SAME_HEIGHT = 1e-6
 """Largest difference of repeated heights, over the range of all heights."""
 MOST_AMBIGUOUS = 0.01
-"""Largest share of places with several heights; these are left out, and more are an error. More
-nodes without a point inside the wall are warned of."""
+"""Largest share of places with several heights, and of nodes without a point that is not warned
+of."""
 _DIGITS = 7
-"""Significant digits of a step: those of single precision, so that files in single precision give
-the same grid."""
+"""Significant digits of a step, those of single precision."""
 
 
 class _Axis(NamedTuple):
-    """Nodes along an axis: step, number of each point's node, and distance from it in steps.
-
-    Node 0 is at ``first``.
-    """
+    """Step of an axis, place of node 0, and node and distance from it [steps] of each point."""
 
     step: float
     first: float
@@ -55,11 +49,10 @@ class _Axis(NamedTuple):
 
 
 def lattice_of(points: np.ndarray) -> Contents | None:
-    """Find the regular grid along x and y at whose nodes most points (n, 3) are; None without one.
+    """Find the regular grid at whose nodes most points (n, 3) are; None without one.
 
-    Heights may be NaN. Nodes may have no point, and points may be repeated. Points off their nodes
-    are left out: farther than `LARGEST_OFFSET`, or where points scatter, than `_OUTLYING` times
-    the upper quartile of distances, at most `MOST_MOVED`.
+    Nodes may lack a point, points may be repeated, heights be NaN. Points off their nodes are left
+    out: beyond `LARGEST_OFFSET`, or `_OUTLYING` upper quartiles of distances, at most `MOST_MOVED`.
     """
     if len(points) < 9:
         return None
@@ -138,8 +131,8 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
     """Find the evenly spaced nodes that most values have; None if fewer than three occur.
 
-    Values closer than ``apart`` are one level. Levels of fewer than half as many values as usual,
-    such as a damaged coordinate, do not count.
+    Values closer than ``apart`` are one level; levels of less than half the usual number do not
+    count.
     """
     levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
     group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
@@ -180,10 +173,7 @@ def _step_of(levels: np.ndarray) -> float:
 def _merged(
     numbers: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Return numbers of the places with a height, these heights, and remarks on what was left out.
-
-    A place with several heights has NaN.
-    """
+    """Return numbers of places with a height, heights (NaN if there are several), and remarks."""
     known = np.flatnonzero(np.isfinite(points[:, 2]))
     known = known[np.argsort(numbers[known], kind="stable")]
     heights = points[known, 2]

@@ -52,10 +52,7 @@ def read_mesh(path: Path) -> Contents:
 
 
 def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3) and triangles (m, 3) of an STL or PLY file, as `_obj`.
-
-    Only vertices of STL, which has a copy of a vertex for each triangle, are merged.
-    """
+    """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
     with needs("walls", form.upper()):
         import trimesh
     if form == "stl":
@@ -74,10 +71,7 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 def binary_stl_size(start: bytes) -> int | None:
-    """Return the size [bytes] that the head of a binary STL file declares; None for a shorter one.
-
-    84 bytes of a head, at whose end the number of triangles is, and 50 for each triangle.
-    """
+    """Return the bytes that a binary STL declares: a head of 84, 50 a triangle; None if shorter."""
     return 84 + 50 * struct.unpack_from("<I", start, 80)[0] if len(start) >= 84 else None
 
 
@@ -100,10 +94,7 @@ def _check_stl(path: Path) -> None:
 
 
 def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), triangles (m, 3) and the declared number of vertices of an OBJ file.
-
-    Polygons are divided. Comments may declare the number ("# Vertices: 9", "# 9 vertices").
-    """
+    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments."""
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
     declared = 0
@@ -135,10 +126,7 @@ def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
-    """Raise `InputError` if triangles (n, 3) of points overlap in the plan.
-
-    The sum of their areas in the plan is then larger than the area of the points' convex hull.
-    """
+    """Raise `InputError` if triangles (n, 3) cover more of the plan than their points' hull."""
     one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
     area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
     try:

@@ -1,7 +1,4 @@
-"""Points x, y, z, or a matrix of heights, in text files: csv, xyz, txt.
-
-A matrix may be framed by its places: x in the first row, y in the first column.
-"""
+"""Points x, y, z of text files, or a matrix of heights, which its places may frame."""
 
 from pathlib import Path
 
@@ -24,8 +21,8 @@ from jointclosure.walls.scans.lattice import lattice_of, merged_points
 from jointclosure.walls.scans.text import Table, are_places, read_table
 
 LEAST_COLUMNS = 12
-"""Number of columns without names from which on a file is a matrix of heights. Points with colours,
-normals and an intensity have ten."""
+"""Columns without names from which on a file is a matrix; points with colours and normals have
+ten."""
 NAMED = 3
 """Largest number of stray points whose places are listed."""
 SCATTERED = (
@@ -35,13 +32,11 @@ SCATTERED = (
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
-    """Read points from lines of x, y and z, separated by commas, semicolons, tabs or blanks.
+    """Read points from lines of x, y and z, in any of the usual forms, or a matrix of heights (y,
+    x).
 
-    Lines of names may state the units of columns ("x_mm", "z (um)"). ``variable`` names three
-    columns, or numbers them from 1 ("x,y,height", "1,2,4"), if they are not named x, y and z. The
-    remarks describe missing, stray and skipped values. `LEAST_COLUMNS` or more columns without
-    names are heights (y, x), whose spacing has to be stated unless the first row is x and the first
-    column y. Points that are all nodes of a regular grid are returned as that grid.
+    Lines of names may state units ("x_mm", "z (um)"); ``variable`` names or numbers three columns.
+    The spacing of a matrix is stated unless its first row is x and its first column y.
     """
     table = read_table(path)
     if variable is None and (matrix := _matrix(table)) is not None:
@@ -58,10 +53,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
 
 
 def _matrix(table: Table) -> Contents | None:
-    """Return a matrix of heights, on the grid of its frame if it has one; None for points.
-
-    The first row of a frame counts as names if there is a word in its corner.
-    """
+    """Return a matrix of heights, on the grid of its frame if it has one; None for points."""
     points = None
     if table.names:
         points = _below_names(table)
@@ -93,11 +85,7 @@ def points_on(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
 
 
 def framed_points(matrix: np.ndarray) -> np.ndarray | None:
-    """Return the points (n, 3) of a matrix with x in its first row and y in its first column.
-
-    The corner may be any number. None if the matrix contains only heights, which may be those of a
-    plane: its second row and second column are then evenly spaced too.
-    """
+    """Return points (n, 3) of a matrix framed by x and y; None for heights, also of a plane."""
     x, y, heights = matrix[0, 1:], matrix[1:, 0], matrix[1:, 1:]
     if not heights.size or (are_places(heights[0]) and are_places(heights[:, 0])):
         return None

@@ -55,10 +55,7 @@ def read_esri(path: Path) -> Contents:
 
 
 def _check_rows(counts: list[int], columns: int) -> None:
-    """Raise `InputError` if most lines are a row, and others have more or fewer heights.
-
-    Files whose lines are no rows may be divided anywhere.
-    """
+    """Raise `InputError` if most lines are a row and others have more or fewer heights."""
     wrong = [row for row, count in enumerate(counts, start=1) if count != columns]
     if wrong and len(wrong) <= 0.5 * len(counts):
         raise InputError(
@@ -86,10 +83,7 @@ def _count(key: str, head: dict[str, float]) -> int:
 
 
 def read_surfer(path: Path) -> Contents:
-    """Read a Surfer grid of version 6, text (DSAA) or binary (DSBB), or of version 7 (DSRB).
-
-    Rows are from the least y up; the file has no units.
-    """
+    """Read a Surfer grid of version 6 (text DSAA, binary DSBB) or 7 (DSRB), from the least y up."""
     content = path.read_bytes()
     (nx, ny, (x, x_end), (y, y_end)), heights = SURFER[content[:4]](content)
     if min(nx, ny) < 2:
@@ -120,10 +114,7 @@ def _surfer_binary(content: bytes) -> tuple[tuple, np.ndarray]:
 
 
 def _surfer_sections(content: bytes) -> tuple[tuple, np.ndarray]:
-    """Return the same of a grid of version 7, whose sections have names and sizes in bytes.
-
-    Heights are missing from the file's blank value on, or only where equal to it (form 2).
-    """
+    """Return the same of version 7; heights from its blank value on, or equal to it, are NaN."""
     sections, start = {}, 0
     while start + 8 <= len(content):
         name, size = struct.unpack_from("<4si", content, start)

@@ -24,11 +24,7 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing, and names of the columns, empty without any.
-
-    ``units`` are those of the columns from a line of units below the names: None for a column
-    without a unit, empty without such a line. ``remarks`` describe what was skipped.
-    """
+    """Numbers (rows, columns), NaN where missing; names and units of columns, empty without any."""
 
     values: np.ndarray
     names: list[str]
@@ -75,10 +71,10 @@ def read_table(path: Path) -> Table:
 
 
 def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int, list[str]]:
-    """Return the words of lines, the number of columns that most lines have, and a warning.
+    """Return words of lines, the usual number of columns, and a warning of shorter lines, left as
+    NaN.
 
-    ``least`` is the number of columns from which on an empty one at the end does not count. Lines
-    with fewer are NaN, because it is not known which of their numbers are lost.
+    An empty column at the end does not count beyond the ``least`` number of columns.
     """
     counts = np.array([len(line.strip(" ").split(form.separator)) for line in lines])
     width = int(np.bincount(counts).argmax())
@@ -108,10 +104,7 @@ def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int
 
 
 def are_places(values: np.ndarray) -> bool:
-    """Return whether numbers (n,) are places along an axis: evenly spaced, rising or falling.
-
-    They may be rounded by `LARGEST_OFFSET` of their distance.
-    """
+    """Return whether numbers (n,) are evenly spaced, rising or falling, within `LARGEST_OFFSET`."""
     if len(values) < _LEAST_PLACES or not np.isfinite(values).all():
         return False
     step = (values[-1] - values[0]) / (len(values) - 1)
@@ -149,10 +142,7 @@ def _words(line: str, form: _Form) -> list[str]:
 
 
 def _with_corner(lines: list[str], form: _Form) -> list[str]:
-    """Return lines of numbers, the first with a missing value before it if that is a row of x.
-
-    Such a row is evenly spaced and has one number fewer than the next.
-    """
+    """Put a missing value before a first row of x: even, and one number shorter than the next."""
     if len(lines) < 2:
         return lines
     row, following = (_words(line, form) for line in lines[:2])
@@ -190,10 +180,7 @@ def _is_number(word: str) -> bool:
 
 
 def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
-    """Return names of the columns, their units, and remarks on other lines of the header.
-
-    A comment is used if it names x, y and z.
-    """
+    """Return names of columns (also of a comment), their units, and remarks on other lines."""
     names: list[str] = []
     units: list[str | None] = []
     remarks, fields = [], []
