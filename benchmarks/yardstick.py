@@ -32,8 +32,7 @@ from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import configured, merged, merged_study
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, cases_of
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

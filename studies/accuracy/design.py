@@ -18,8 +18,7 @@ from studies.frame.config.configuration import configured, merged, problem_lines
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.model import Configuration
 from studies.frame.config.presets import numerics_in_full
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import block_settings, surface_settings
+from studies.frame.ensemble.cases import block_settings, cases_of, surface_settings
 
 _OF_RUN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""

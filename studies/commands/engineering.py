@@ -9,7 +9,7 @@ from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import write_csv
 from studies.commands import COMMANDS
 from studies.commands.finished import study_of
-from studies.frame.ensemble.bands import QUANTILES, band_table
+from studies.frame.ensemble.tables import QUANTILES, band_table
 
 
 def add_to(commands) -> None:

@@ -18,8 +18,8 @@ from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
 from studies.frame.config.configuration import Configured, resolved
 from studies.frame.config.model import Configuration, sections
+from studies.frame.ensemble.cases import block_settings
 from studies.frame.ensemble.closing import Ensemble
-from studies.frame.ensemble.slices import block_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,6 +124,11 @@ def settings_of(configuration: Configuration, case: Case, **surface: Any) -> Clo
     changed = configuration._replace(surface=configuration.surface._replace(**surface))
     block = range(configuration.study.realizations)
     return block_settings(changed, {case.label: case}, case.label, block)
+
+
+def labelled_wavelengths(wavelengths: Iterable[float]) -> dict[str, float | None]:
+    """Mismatch wavelengths [m] by label, in micrometres; independent walls (None) come last."""
+    return {f"{1e6 * value:.15g}um": value for value in wavelengths} | {"independent": None}
 
 
 def checked(keys: dict) -> Configured:

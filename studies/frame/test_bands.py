@@ -8,7 +8,7 @@ import jointclosure as jc
 from jointclosure.joint.curves import KINDS
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
-from studies.frame.ensemble.bands import band_table
+from studies.frame.ensemble.tables import band_table
 from tests.joints import DOLERITE, SPACING
 
 

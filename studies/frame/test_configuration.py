@@ -13,8 +13,7 @@ from jointclosure.parameters import Effects
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.config.configuration import resolved, written_out
 from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, cases_of
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 HARD_CASES = "studies/verification/hard_cases.yaml"

@@ -11,15 +11,13 @@ from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.rocks import check_files
-from studies.frame.ensemble.cases import cases_of, wall_name
-from studies.frame.ensemble.measured_walls import (
+from studies.frame.ensemble.cases import cases_of, surface_settings, wall_name
+from studies.frame.ensemble.walls import (
     cut_walls,
     cutter_of,
     described,
     prepared_walls,
-    room,
 )
-from studies.frame.ensemble.slices import surface_settings
 from tests.joints import SPACING
 from tests.studied import study_of
 
@@ -144,7 +142,7 @@ def test_two_clouds_are_gridded_where_both_have_points():
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     walls, study = prepared({"lower": scan}), study_of(with_walls())
-    assert room(cutter_of(walls, (20, 24), 5, "wall"))["windows_side_by_side"] == 4
+    assert cutter_of(walls, (20, 24), 5, "wall").room()["windows_side_by_side"] == 4
     surfaces = surface_settings(
         study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
         cases_of(study)[0], range(3),

@@ -21,8 +21,7 @@ from studies.frame.config.configuration import (
     resolved,
 )
 from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import base_case
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import base_case, block_settings
 from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity
 from studies.global_sensitivity.section import Input as Varied
 

@@ -13,8 +13,7 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.config.configuration import configured, merged, resolved
 from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.ensemble.cases import base_case
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import base_case, block_settings
 from studies.frame.experiments import checked_design, experiment_named
 from studies.global_sensitivity import figures as figures
 from studies.global_sensitivity.conclusions import conclusion_tables

@@ -27,8 +27,7 @@ from jointclosure.plotting.style import (
 )
 from studies.frame.config.configuration import Configured
 from studies.frame.ensemble.cases import base_case
-from studies.frame.ensemble.wavelengths import labelled_wavelengths
-from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
 from studies.measured_joints.observables import (
     BASE,
     HEADINGS,

@@ -12,8 +12,7 @@ from jointclosure.engine.points import Point
 from jointclosure.engine.quantities import titles_of_cycles
 from studies.frame.config.configuration import Configured
 from studies.frame.ensemble.cases import base_case
-from studies.frame.ensemble.wavelengths import labelled_wavelengths
-from studies.frame.experiments import Design, Experiment, settings_of
+from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.summary import summary
 from studies.misalignment.section import Misalignment

@@ -21,8 +21,7 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import ratio_of_means
 from studies.frame.config.configuration import Configured
 from studies.frame.ensemble.cases import base_case
-from studies.frame.ensemble.wavelengths import labelled_wavelengths
-from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.summary import grouped, means
 from studies.mismatch.section import Mismatch

@@ -19,7 +19,7 @@ from studies.frame.config.configuration import resolved
 from studies.frame.config.files import MEASURED, PAPER_TABLE_3
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
-from studies.frame.ensemble.checks import check_results
+from studies.frame.ensemble.tables import check_results
 from studies.paper.closures import elasticity_table, indifference_table, max_closure_table
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper

@@ -23,10 +23,10 @@ from studies.frame.config.files import METHODS
 from studies.frame.config.rocks import StudyRock
 from studies.frame.config.sections import Statistics
 from studies.frame.config.wanted import Wanted, preset_errors
-from studies.frame.ensemble.checks import check_results as check
 from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.ensemble.covariates import measure_covariates as measure
-from studies.frame.ensemble.flow_table import flow_table
+from studies.frame.ensemble.tables import check_results as check
+from studies.frame.ensemble.tables import flow_table
 from studies.frame.measured_files import CurveSettings, measured_curves
 from studies.frame.products import PRODUCTS, product
 from studies.paper import judged_claims as published

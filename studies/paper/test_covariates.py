@@ -6,7 +6,7 @@ import pytest
 from jointclosure.engine.walls import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
-from studies.frame.ensemble.cases import cases_of
+from studies.frame.ensemble.cases import cases_of, surface_settings
 from studies.frame.ensemble.covariates import (
     Covariates,
     as_dataset,
@@ -15,7 +15,6 @@ from studies.frame.ensemble.covariates import (
     known_covariates,
     measure_covariates,
 )
-from studies.frame.ensemble.slices import surface_settings
 from studies.paper.world import world
 from tests.studied import study_of
 

@@ -30,8 +30,7 @@ from studies.effects.validation import (
     validation_summary,
 )
 from studies.frame.config.files import read_plain
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, cases_of
 from tests.studied import ROOT, study_of
 
 SPACING = 0.25e-3

@@ -18,9 +18,8 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import blocks_of, cases_of
+from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of
 from studies.frame.ensemble.comparison import differences
-from studies.frame.ensemble.slices import block_settings
 from studies.paper.closures import max_closure_table
 from tests.studied import study_of
 

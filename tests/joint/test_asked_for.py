@@ -18,10 +18,8 @@ from jointclosure.joint.curves import curve_table, cycle_table
 from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.netcdf import read_netcdf
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.checks import check_results
-from studies.frame.ensemble.flow_table import flow_table
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, cases_of
+from studies.frame.ensemble.tables import check_results, flow_table
 from tests.joints import DOLERITE, SPACING
 from tests.studied import study_of
 

@@ -19,7 +19,7 @@ from jointclosure.plotting.walls import pair_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan
-from studies.frame.ensemble.measured_walls import prepared_walls
+from studies.frame.ensemble.walls import prepared_walls
 from tests.joints import DOLERITE, SPACING
 from tests.walls.test_formats import triangles, write_esri
 

@@ -21,7 +21,7 @@ from jointclosure.walls.plausibility import smoothing_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.synthesis import synthetic_wall
-from studies.frame.ensemble.windows import Cutter, MeasuredWalls, windows
+from studies.frame.ensemble.walls import Cutter, MeasuredWalls, windows
 from tests.joints import SPACING
 
 

@@ -13,8 +13,7 @@ from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.config.configuration import merged, written_out
-from studies.frame.ensemble.cases import cases_of
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, cases_of
 from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]

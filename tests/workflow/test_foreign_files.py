@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from jointclosure.storage.netcdf import read_netcdf
-from tests.workflow.test_pipeline import TINY, checkout, jointclosure_cli, planned, snakemake
+from tests.workflow.test_pipeline import TINY, checkout, planned, snakemake, studies_command
 
 pytestmark = pytest.mark.slow
 
@@ -95,7 +95,7 @@ def test_what_is_not_of_this_configuration_is_made_again(studies, copied, attack
         studies / "results/tiny",
     )
     attack(mine, other)
-    refused = jointclosure_cli("report", mine, "--output", copied / "page.html")
+    refused = studies_command("report", mine, "--output", copied / "page.html")
     if attack is not whole_foreign_study:  # which is whole, and of another study
         assert refused.returncode == 2
         assert "Traceback" not in refused.stderr
@@ -104,7 +104,7 @@ def test_what_is_not_of_this_configuration_is_made_again(studies, copied, attack
     answer = snakemake(copied)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "jointclosure: results/tiny/" in answer.stderr
-    found = jointclosure_cli("compare", "--exact", mine, intact)
+    found = studies_command("compare", "--exact", mine, intact)
     assert found.returncode == 0, found.stdout + found.stderr
     for folder in ("tables", "figures"):
         for file in sorted((intact / folder).iterdir()):
@@ -130,7 +130,7 @@ def test_a_finished_study_of_another_machine_is_reported_without_running_anythin
     shutil.copytree(studies / "results/tiny", there)
     shutil.rmtree(there / "cases")
     shutil.rmtree(there / "pool")
-    answer = jointclosure_cli("report", there)
+    answer = studies_command("report", there)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     page = (there / "report.html").read_text(encoding="utf-8")
     assert snakemake(studies, "report").returncode == 0

@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
+from tests.workflow.test_pipeline import ROOT, checkout, snakemake, studies_command
 
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
 STAMP = ".venv/jointclosure-is-set-up"
@@ -59,7 +59,7 @@ def files_in(folder: Path) -> int:
 
 
 def assert_same(folder: Path, other: Path) -> None:
-    found = jointclosure_cli("compare", "--exact", folder / "results/tiny", other / "results/tiny")
+    found = studies_command("compare", "--exact", folder / "results/tiny", other / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
     tables = sorted(path.name for path in (other / "results/tiny/tables").iterdir())
     assert tables == sorted(path.name for path in (folder / "results/tiny/tables").iterdir())
@@ -174,14 +174,14 @@ def test_a_disk_that_fills_up_is_said_and_the_next_run_finishes(undisturbed, tmp
 
 def test_any_realisation_is_repeated_by_one_command(copied):
     results = copied / "results/tiny"
-    again = jointclosure_cli("repeat", results, "slate-jrc-level_1", 2)
+    again = studies_command("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "identical to the stored results" in again.stdout
     for file in (results / "cases").iterdir():
         file.unlink()  # as where the job failed: the log is enough
-    again = jointclosure_cli("repeat", results, "slate-jrc-level_1", 2)
+    again = studies_command("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "no stored results to compare with" in again.stdout
-    missing = jointclosure_cli("repeat", results, "slate-jrc-level_1", 3)
+    missing = studies_command("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
     assert "has no realisation 3" in missing.stderr

@@ -170,7 +170,7 @@ def test_a_second_run_on_one_core_or_two_gives_the_same_bits(study, tmp_path, co
         rules = finished_rules(folder)
         complete = max(rules.index("write_tables"), rules.index("draw_figures"))
         assert rules.index("close_study") < complete < rules.index("close_pool")
-    found = jointclosure_cli("compare", "--exact", study / "results/tiny", folder / "results/tiny")
+    found = studies_command("compare", "--exact", study / "results/tiny", folder / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
     assert found.stdout == "identical except for provenance and timing\n"
     first, again = (where / "results/tiny" for where in (study, folder))
@@ -182,8 +182,8 @@ def test_a_second_run_on_one_core_or_two_gives_the_same_bits(study, tmp_path, co
         )
 
 
-def jointclosure_cli(*words):
-    command = [sys.executable, "-m", "jointclosure.cli.main", *map(str, words)]
+def studies_command(*words):
+    command = [sys.executable, "-m", "studies", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

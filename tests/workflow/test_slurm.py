@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from jointclosure.storage.logs import failed_log
-from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
+from tests.workflow.test_pipeline import ROOT, checkout, snakemake, studies_command
 
 PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
 
@@ -82,7 +82,7 @@ def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     assert answer.returncode == 0, answer.stdout + answer.stderr
     answer = on_slurm(there)
     assert answer.returncode == 0, answer.stdout + answer.stderr
-    found = jointclosure_cli("compare", "--exact", here / "results/tiny", there / "results/tiny")
+    found = studies_command("compare", "--exact", here / "results/tiny", there / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
     # blocks in components of 4, the kernels, and what follows
     submitted = (answer.stdout + answer.stderr).count("SLURM jobid")

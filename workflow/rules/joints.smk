@@ -41,7 +41,7 @@ rule close_study:
     threads: workflow.cores
     params:
         ensemble="cases",
-        configuration=slices.closed_keys(config),
+        configuration=closed_keys(config),
         joints=keys_of("effects_of", "cases"),
     script:
         "../scripts/close_ensemble.py"
@@ -60,5 +60,5 @@ if "pool" in ENSEMBLES:
         priority: 0
         params:
             ensemble="pool",
-            configuration=slices.closed_keys(config),
+            configuration=closed_keys(config),
             joints=keys_of("effects_of", "pool"),

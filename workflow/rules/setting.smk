@@ -6,7 +6,7 @@ from pathlib import Path
 from studies.frame.config import configuration
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.rocks import check_files, wall_files
-from studies.frame.ensemble import slices
+from studies.frame.ensemble.cases import closed_keys, wall_digests
 from jointclosure.compilation.sources import ROOTS, code_digest
 from jointclosure.walls.scans import files_of
 from jointclosure.storage.text import read_csv, read_text

@@ -14,7 +14,7 @@ rule prepare_walls:
     priority: EARLY
     params:
         walls=lambda wildcards: ROCKS[wildcards.rock].walls,
-        digests=lambda wildcards: slices.wall_digests(ROCKS[wildcards.rock].walls),
+        digests=lambda wildcards: wall_digests(ROCKS[wildcards.rock].walls),
         grid=CONFIGURATION.grid,
         jrc_relation=CONFIGURATION.surface.jrc_relation,
         unusual_values=CONFIGURATION.study.unusual_values == "allow",

@@ -8,7 +8,7 @@ from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.provenance import provenance
 from studies.frame.config.configuration import resolved
 from studies.frame.ensemble.closing import Ensemble, chosen_in
-from studies.frame.ensemble.measured_walls import described
+from studies.frame.ensemble.walls import described
 from studies.frame.jobs.job import job, listed
 
 

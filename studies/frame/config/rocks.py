@@ -18,11 +18,13 @@ from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.scans import files_of
 from studies.frame.config.section import Jrc, Made, OrNull, Section, Several, Text, entry
-from studies.frame.ensemble.windows import PARTNERS
 
 if TYPE_CHECKING:
     from studies.frame.config.model import Configuration
 
+PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
+"""Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
+mirrored in x, an independent synthetic wall with its slope and Hurst exponent, or a flat wall."""
 Levels: Any = create_model(  # type: ignore[call-overload]
     "Levels",
     __base__=Section,

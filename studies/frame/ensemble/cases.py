@@ -4,10 +4,11 @@ The label of a case is used only to name files and is never parsed: rock, parame
 are fields of `Case`, and coordinates of every dataset.
 """
 
-from jointclosure.engine.settings import BASE, Case
+from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings, Walls
 from jointclosure.parameters import PROPERTIES
+from jointclosure.walls.scans import file_digest
 from studies.frame.config.model import Configuration
-from studies.frame.config.rocks import StudyRock
+from studies.frame.config.rocks import StudyRock, wall_files
 from studies.frame.config.sections import Study
 
 
@@ -20,18 +21,9 @@ def level_names(levels: tuple[float, ...], base: float) -> list[str]:
 
 def base_case(name: str, rock: StudyRock) -> Case:
     """Return the case of a rock with its base values."""
-    label = f"{name}-{BASE}"
+    label, load = f"{name}-{BASE}", rock.max_normal_stress
     return Case(
-        label,
-        name,
-        BASE,
-        BASE,
-        float("nan"),
-        rock.intact,
-        rock.jrc,
-        rock.max_normal_stress,
-        rock.effects,
-        surface=label,
+        label, name, BASE, BASE, float("nan"), rock.intact, rock.jrc, load, rock.effects, label
     )
 
 
@@ -49,16 +41,10 @@ def cases_of(configuration: Configuration) -> list[Case]:
                 if level == BASE:
                     continue
                 label = f"{name}-{parameter}-{level}"
-                shared = common and parameter != "jrc"
-                cases.append(
-                    base.changed(parameter, value)._replace(
-                        label=label,
-                        parameter=parameter,
-                        level=level,
-                        value=value,
-                        surface=base.label if shared else label,
-                    )
-                )
+                case = base.changed(parameter, value)
+                case = case._replace(label=label, parameter=parameter, level=level, value=value)
+                surface = base.label if common and parameter != "jrc" else label
+                cases.append(case._replace(surface=surface))
     return cases
 
 
@@ -66,8 +52,7 @@ def pool_of(configuration: Configuration) -> Configuration:
     """Return the configuration of a study's pool: all its cases closed on common surfaces.
 
     The surfaces differ from those of any study. They are named by the study, and their number is
-    ``study.pool`` (null: the number of realisations of the study). The blocks of its jobs are as
-    large as those of the study.
+    ``study.pool`` (null: that of the study). The blocks of its jobs are as large as the study's.
     """
     study = configuration.study
     return configuration._replace(
@@ -83,10 +68,8 @@ def pool_of(configuration: Configuration) -> Configuration:
 
 def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
     """Return the ensembles of a study by folder of their files: "cases", and "pool" if any."""
-    ensembles = {"cases": configuration}
-    if configuration.study.pool is not None:
-        ensembles["pool"] = pool_of(configuration)
-    return ensembles
+    pooled = configuration.study.pool is not None
+    return {"cases": configuration} | ({"pool": pool_of(configuration)} if pooled else {})
 
 
 def wall_name(study: Study, case: Case) -> list[str]:
@@ -96,12 +79,56 @@ def wall_name(study: Study, case: Case) -> list[str]:
     surface.
     """
     name = [study.surfaces_of or study.name, case.rock]
-    if study.draws == "independent":
-        name += [case.parameter, case.level]
-    return name
+    return [*name, case.parameter, case.level] if study.draws == "independent" else name
 
 
 def blocks_of(study: Study) -> list[range]:
     """Split the realisations of every case into the blocks of jobs."""
     last, step = study.realizations, study.realizations_per_job or study.realizations
     return [range(first, min(first + step, last)) for first in range(0, last, step)]
+
+
+def closed_keys(keys: dict) -> dict:
+    """Return the keys of a configuration that may change closures: no others are in their file."""
+    output = {key: value for key, value in keys["output"].items() if key != "wall_strength_ratio"}
+    return {key: value for key, value in keys.items() if key != "statistics"} | {"output": output}
+
+
+def wall_digests(walls: Walls) -> dict[str, str]:
+    """Return the SHA-256 of the files of scanned walls, which depends on their content only."""
+    return {side: file_digest(file) for side, file in wall_files(walls).items()}
+
+
+def surface_settings(configuration: Configuration, case: Case, block: range) -> SurfaceSettings:
+    """Settings of the surface pairs of a case that closes its own: its ``surface`` is its label."""
+    walls = configuration.rocks[case.rock].walls
+    return SurfaceSettings(
+        jrc=case.jrc,
+        walls=walls,
+        sha256=wall_digests(walls) if walls else {},
+        root_seed=configuration.study.root_seed,
+        seeds_named_by=tuple(wall_name(configuration.study, case)),
+        first_realization=block.start,
+        realizations=len(block),
+        grid=configuration.grid,
+        surface=configuration.surface,
+    )
+
+
+def block_settings(
+    configuration: Configuration, cases: dict[str, Case], label: str, block: range
+) -> ClosureSettings:
+    """Settings of the closures of a case and a block of realisations."""
+    case = cases[label]
+    return ClosureSettings(
+        case=case,
+        surfaces=surface_settings(configuration, cases[case.surface], block),
+        cycles=configuration.study.cycles,
+        seating_stress=configuration.seating_stress,
+        choices=configuration.choices,
+        numerics=configuration.numerics,
+        stress_points=configuration.output.stress_points,
+        largest_stress=configuration.output.largest_stress,
+        effects_chosen_to=configuration.effects_chosen_to,
+        flow=configuration.flow,
+    )

@@ -23,9 +23,8 @@ from jointclosure.storage.netcdf import (
     write_netcdf_regions,
 )
 from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import blocks_of, cases_of, ensembles_of
-from studies.frame.ensemble.measured_walls import cut_walls
-from studies.frame.ensemble.slices import block_settings
+from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of, ensembles_of
+from studies.frame.ensemble.walls import cut_walls
 from studies.frame.jobs.job import compile_all
 
 ROWS = 256

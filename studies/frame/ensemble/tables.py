@@ -1,0 +1,180 @@
+"""Tables of an ensemble: quantile bands over its joints, hydraulic apertures, checks."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.aggregation import since_seating, succeeded
+from jointclosure.joint.curves import KINDS
+from jointclosure.joint.protocol import LOADING
+from jointclosure.parameters import Numerics, scene_of
+
+QUANTILES = (0.05, 0.5, 0.95)
+VOLUME_TOLERANCE = 1e-12
+FEWEST = 2
+"""Smallest number of realisations of a case for which a standard deviation exists."""
+
+
+def band_table(case: xr.Dataset) -> pd.DataFrame:
+    """Tabulate closure, stiffness and apertures over stress for all successful joints.
+
+    Parameters
+    ----------
+    case : Dataset
+        Over (realization, cycle, branch, stress): a case of a study, or an ensemble as from
+        `jointclosure.simulate_ensemble`.
+
+    Returns
+    -------
+    DataFrame
+        For each cycle, branch and stress: ``stress_MPa``, ``samples`` (the joints that reach the
+        stress), and as columns ``<name>_mean`` and ``<name>_q05`` and so on, for the net and the
+        gross closure: ``closure_<kind>_since_seating_mm``, ``closure_<kind>_mm`` (from first
+        touch) and ``normal_stiffness_<kind>_MPa_per_mm`` (the chord of each joint to the next
+        stress, in the row of the lower one; NaN where closure does not change, and beyond
+        ``landing_stress``); for joints with flow also ``mean_aperture_mm`` and
+        ``hydraulic_aperture_x_mm``, ``..._y_mm``. NaN if no joint reaches the stress.
+    """
+    good = case.where(succeeded(case))
+    landing = (good.branch == LOADING) & (good.stress.shift(stress=-1) > good.landing_stress)
+    fields: dict[str, Any] = {}
+    for kind in KINDS:
+        net = kind == "net"
+        closure = good.closure - good.bulk_indentation if net else good.closure
+        fields[f"closure_{kind}_since_seating_mm"] = 1e3 * since_seating(good, net)
+        fields[f"closure_{kind}_mm"] = 1e3 * closure
+        fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _chords(closure).where(~landing)
+    if "hydraulic_aperture" in good:
+        fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
+        for direction in good.direction.values:
+            along = 1e3 * good.hydraulic_aperture.sel(direction=direction, drop=True)
+            fields[f"hydraulic_aperture_{direction}_mm"] = along
+    columns = {"samples": np.isfinite(good.closure).sum("realization")}
+    for name, values in fields.items():
+        known = np.isfinite(values).any("realization")
+        filled = values.where(known, 0.0)  # a quantile of no numbers would warn
+        columns[f"{name}_mean"] = filled.mean("realization").where(known)
+        bounds = np.nanquantile(filled.values, QUANTILES, axis=values.get_axis_num("realization"))
+        for quantile, part in zip(QUANTILES, bounds, strict=True):
+            label = f"{name}_q{round(100.0 * quantile):02d}"
+            columns[label] = known.copy(data=part).where(known)
+    return _over_stress(columns, case.stress, ["cycle", "branch"])
+
+
+def _chords(closure: xr.DataArray) -> xr.DataArray:
+    """Return the stiffness between neighbouring stresses [MPa/mm], NaN at the last one."""
+    rise = closure.stress.diff("stress", label="lower")
+    run = closure.diff("stress", label="lower")
+    chords = 1e-9 * rise / run.where(run > 0.0)
+    return chords.reindex(stress=closure.stress).transpose(*closure.dims)
+
+
+def _over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.DataFrame:
+    """Return columns over keys and the stress as a table with a row for each."""
+    table = xr.Dataset(columns).assign_coords(stress_MPa=("stress", 1e-6 * stress.values))
+    keys = [*keys, "stress_MPa"]
+    table = table.swap_dims(stress="stress_MPa").drop_vars("stress")
+    about = [name for name in ("rock", "parameter", "level") if name in table and "case" in keys]
+    return table.to_dataframe(dim_order=keys).reset_index()[[*about, *keys, *columns]]
+
+
+def flow_table(study: xr.Dataset) -> pd.DataFrame:
+    """Tabulate apertures of every case over stress, for the successful realisations.
+
+    For each case, cycle, branch, direction and stress: ``samples``, the realisations that reach the
+    stress, ``blocked``, those of them without any flow, and mean and standard deviation of the
+    ``mean_aperture``, the ``hydraulic_aperture`` [mm], and the ``ratio`` of the latter to the
+    former. NaN if no realisation reaches the stress.
+    """
+    good = study.where(succeeded(study))
+    apertures = xr.Dataset(
+        {
+            "mean_aperture": 1e3 * good.mean_aperture.broadcast_like(good.hydraulic_aperture),
+            "hydraulic_aperture": 1e3 * good.hydraulic_aperture,
+            "ratio": good.hydraulic_aperture / good.mean_aperture,
+        }
+    )
+    known = np.isfinite(apertures.hydraulic_aperture) & np.isfinite(apertures.mean_aperture)
+    columns = {
+        "samples": known.sum("realization"),
+        "blocked": (apertures.hydraulic_aperture == 0.0).sum("realization"),
+    }
+    for name, values in apertures.where(known).data_vars.items():
+        unit = "" if name == "ratio" else "_mm"
+        columns[f"{name}_mean{unit}"] = values.mean("realization")
+        columns[f"{name}_standard_deviation{unit}"] = values.std("realization", ddof=1)
+    return _over_stress(columns, study.stress, ["case", "cycle", "branch", "direction"])
+
+
+def check_results(
+    study: xr.Dataset, numerics: Numerics, realizations: int, ensemble: str = "cases"
+) -> pd.DataFrame:
+    """Check what must hold for every successful simulation of an ensemble.
+
+    ``realizations`` is the number of each case. Columns: ensemble, check, required, found (the
+    value in the results), passed.
+    """
+    good = succeeded(study)
+    rows = []
+
+    def add(check: str, required: str, value, passed: object = True) -> None:
+        row = {"check": check, "required": required, "found": value, "passed": bool(passed)}
+        rows.append({"ensemble": ensemble} | row)
+
+    def bounded(check: str, value: float, limit: float, shown: str = "g") -> None:
+        add(check, f"at most {limit:{shown}}", f"{value:.3g}", value <= limit)
+
+    total, successes = good.size, int(good.sum())
+    add("simulations in a status of success", f"{total}", f"{successes}", successes == total)
+    least = int(good.sum("realization").min())
+    used = "realisations that statistics use, of the case with the fewest"
+    add(used, f"at least {FEWEST} of {realizations}", f"{least}", least >= FEWEST)
+    force = float(study.least_force.where(good).min())
+    add("least force on a cell [N]", "not negative", f"{force:.3g}", force >= 0.0)
+    scenes = [scene_of(name) for name in study.scene.values.tolist()]
+    keeps = np.array([not scene.breakage or scene.gouge for scene in scenes])
+    if keeps.any():
+        volume = float(study.volume_error.where(good)[keeps].max())
+        bounded("largest change of a wall's volume, relative", volume, VOLUME_TOLERANCE)
+    residual = float(study.largest_residual.where(good).max())
+    check = "largest residual of equilibrium, relative"
+    fast = numerics.solver == "fast"
+    if fast:
+        bounded(check, residual, 1.01 * numerics.force_tolerance, ".3g")
+    else:
+        stops = f"reported only: the reference stops at a change of {numerics.sweep_tolerance:g}"
+        add(check, stops, f"{residual:.3g}", np.isfinite(residual))
+    if "largest_flow_imbalance" in study:
+        from jointclosure.joint.flow import LARGEST_IMBALANCE
+
+        imbalance = float(study.largest_flow_imbalance.where(good).max())
+        balance = "largest sum of the cells' mass balances in a flow, relative"
+        bounded(balance, imbalance, LARGEST_IMBALANCE)
+    excess = float(
+        (study.unloading_excess.max("cycle").where(good) / study.max_normal_stress).max()
+    )
+    exact = fast and not any(scene.breakage for scene in scenes)
+    add(
+        "largest excess of unloading over loading stress at equal closure, over the maximum",
+        "0" if exact else "reported only",
+        f"{excess:.3g}",
+        excess == 0.0 if exact else np.isfinite(excess),
+    )
+    closures = study.max_closure.where(good)
+    read = int(np.isfinite(closures.values[good.values]).all(axis=-1).sum())
+    whole = "successful simulations with all closures read"
+    add(whole, f"{successes}", f"{read}", read == successes)
+    smallest = float(closures.min())
+    add("maximum closures", "positive", f"{smallest:.3g} m at least", smallest > 0.0)
+    for rock, walls in json.loads(study.attrs.get("walls", "{}")).items():
+        apart = min(walls["windows_side_by_side"], realizations)
+        sharing = f"at most {apart} of {realizations}"
+        add(f"realisations of {rock} that share no part of a scan", "reported only", sharing)
+    flags = study.status.attrs
+    for value, name in zip(flags["flag_masks"], flags["flag_meanings"].split(), strict=True):
+        count = int(((study.status.values & int(value)) > 0).sum())
+        add(f"simulations flagged {name}", "reported only", f"{count} of {total}")
+    return pd.DataFrame(rows)

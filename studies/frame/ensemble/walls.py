@@ -1,0 +1,305 @@
+"""Scanned walls of a rock, interpolated on the joint's grid and cut into the joints of a study."""
+
+import json
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.settings import SurfaceSettings, Walls
+from jointclosure.engine.walls import seeds_of
+from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.remarks import cautions
+from jointclosure.parameters import AS_IT_IS
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls.measured import FLAT, Cloud, Scan, filled, wall_on_grid
+from jointclosure.walls.measures import hurst_of
+from jointclosure.walls.outliers import without_plateaus
+from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.registration import registered
+from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
+from jointclosure.walls.synthesis import synthetic_wall
+
+
+def prepared_walls(
+    scans: dict[str, Scan | Cloud],
+    settings: Walls,
+    spacing: float,
+    jrc_relation: str,
+    unusual_values: bool = False,
+) -> xr.Dataset:
+    """Put scanned walls on the grid of the joint, in full size.
+
+    ``scans`` are by wall: "upper", "lower" or both; ``jrc_relation`` is that of the reported JRC.
+    ``unusual_values`` accepts walls that are probably wrong. The dataset has their heights (y, x)
+    [m] towards the other wall, with slope, Hurst exponent, JRC and share of missing cells.
+
+    Raises
+    ------
+    InputError
+        If walls cannot be put on the grid, or are probably wrong.
+    """
+    walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
+    together = settings.bring_together
+    if together:
+        files = f"{settings.upper} and {settings.lower}"
+        if len(scans) < 2:
+            raise InputError(
+                f"{files}: bring_together must be false in a study where one wall is flat"
+            )
+        with naming(files):
+            pair = registered(
+                scans["upper"],
+                scans["lower"],
+                spacing,
+                orientation=settings.orientation,
+                shift=settings.shift,
+                cut_spikes=settings.spikes == "cut",
+                largest_filled_share=settings.largest_filled_share,
+                unusual_values=unusual_values,
+            )
+        heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
+        walls.attrs["registration"] = "; ".join(pair.report)
+    else:
+        if not unusual_values:
+            scans = {side: without_plateaus(scan) for side, scan in scans.items()}
+        heights = _as_they_lie(scans, settings, spacing)
+    if not (unusual_values or together):
+        _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
+    for side, (wall, share) in heights.items():
+        # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
+        z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
+        about = {
+            "units": "m",
+            "long_name": f"measured height of the {side} wall towards the other",
+            "missing_share": share,
+            "z2": z2,
+            "hurst": hurst,
+            "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
+            "jrc_relation": jrc_relation,
+        }
+        remarks = scans[side].remarks
+        if not together:  # else in the registration's report
+            remarks += smoothing_of(scans[side], wall, spacing, _common_bounds(scans))
+        if remarks:  # what reading left out is stored with the results
+            about["remarks"] = "; ".join(remarks)
+        walls[side] = (("y", "x"), wall, about)
+    for missing in {"upper", "lower"} - set(scans):
+        walls.attrs["partner"] = getattr(settings, missing)
+    return walls
+
+
+def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: float) -> None:
+    """Raise `InputError` if units or orientation of the walls are probably wrong."""
+    both = len(walls) == 2
+    problems = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
+    if problems := problems or unit_doubts(walls, spacing)[0]:
+        raise InputError(
+            f"{settings.upper} and {settings.lower}: {'; '.join(problems)}; {AS_IT_IS}"
+        )
+
+
+def _as_they_lie(
+    scans: dict[str, Scan | Cloud], settings: Walls, spacing: float
+) -> dict[str, tuple[np.ndarray, float]]:
+    """Return unregistered walls, heights towards the other wall, with shares of missing cells."""
+    bounds = _common_bounds(scans)
+    heights: dict[str, tuple[np.ndarray, float]] = {}
+    for side, scan in scans.items():
+        try:
+            wall = wall_on_grid(scan, spacing, bounds)
+            share = float(np.mean(~np.isfinite(wall)))
+            wall = filled(wall, settings.missing, settings.largest_filled_share)
+        except InputError as error:
+            reasons = [str(error), *cautions(scan.remarks)]
+            raise InputError(f"{getattr(settings, side)}: {'; '.join(reasons)}") from None
+        heights[side] = ((-1.0 if side in settings.inverted else 1.0) * wall, share)
+    sizes = [wall.shape for wall, _ in heights.values()]
+    if len(set(sizes)) > 1:
+        raise InputError(
+            f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
+            "(y, x) at the spacing of the grid; both scans must cover the same cells (use "
+            "bring_together: true to find the area that both cover)"
+        )
+    return heights
+
+
+def _slope(wall: np.ndarray, spacing: float) -> float:
+    """Return the RMS slope of a wall, which may have missing cells."""
+    if np.isfinite(wall).all():
+        return rms_slope(wall, spacing)
+    steps = np.concatenate([np.diff(wall, axis=axis).ravel() for axis in (0, 1)])
+    return float(np.sqrt(np.nanmean(steps**2))) / spacing
+
+
+def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
+    """Return the smallest and largest (x, y) that two point clouds share; None for other scans."""
+    clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
+    if len(clouds) < 2:
+        return None
+    low = np.max([points.min(axis=0) for points in clouds], axis=0)
+    high = np.min([points.max(axis=0) for points in clouds], axis=0)
+    if not (high > low).all():
+        raise InputError("upper and lower: the scans' points do not overlap in x and y")
+    return np.array([low, high])
+
+
+def described(walls: dict[str, xr.Dataset]) -> str:
+    """Return JSON of the files, digests and roughness of the scanned walls of each rock."""
+    about = {
+        rock: dict(dataset.attrs) | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
+        for rock, dataset in walls.items()
+    }
+    return json.dumps(about, default=float, sort_keys=True)
+
+
+class MeasuredWalls(NamedTuple):
+    """Walls of a rock on the joint's grid, in their full scanned size.
+
+    ``measured`` contains heights (y, x) [m] towards the other wall, NaN where missing, of "upper",
+    "lower" or both, in equal shapes. ``partner`` is the other wall if there is only one, otherwise
+    "". ``z2`` and ``hurst`` are those of that wall.
+    """
+
+    measured: dict[str, np.ndarray]
+    partner: str
+    spacing: float
+    z2: float
+    hurst: float
+
+
+class Placed(NamedTuple):
+    """Walls (y, x) [m] of a joint, and the cell of the scan where each begins, or (-1, -1)."""
+
+    upper: np.ndarray
+    lower: np.ndarray
+    upper_origin: tuple[int, int]
+    lower_origin: tuple[int, int]
+
+
+class Cutter:
+    """Cutter of the joints of a study, of ``shape`` (ny, nx), from scanned walls.
+
+    ``order_seed`` is the seed of the order of windows. Realisation r has the r-th window, so that
+    realisations have different windows, and adding realisations does not change the others.
+    ``normalise`` is that of synthetic partners (`jointclosure.walls.synthesis.synthetic_wall`).
+    """
+
+    def __init__(
+        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
+    ):
+        self.walls, self.shape, self.normalise = walls, shape, normalise
+        heights = list(walls.measured.values())
+        self.windows = windows(np.sum(heights, axis=0), shape)
+        self.orders = {
+            side: generator(seed_of(order_seed, "windows", side)).permutation(len(self.windows))
+            for side in ("measured", "partner")
+        }
+
+    def check(self, realizations: int) -> None:
+        """Raise `InputError` if there are fewer windows than realisations."""
+        count = len(self.windows)
+        if realizations > count and self.walls.partner != "synthetic":
+            raise InputError(
+                f"study.realizations = {realizations}: must be at most {count}, the number of "
+                f"different joints of {self.shape[0]} x {self.shape[1]} cells that the walls "
+                "contain; or use a smaller grid, or synthetic for the other wall"
+            )
+
+    def joint(self, realization: int, seed: int) -> Placed:
+        """Return the walls of a realisation, each plane-detrended, from its number and seed."""
+        walls, origin = self.walls, self._origin("measured", realization)
+        cut = {name: self._cut(name, origin) for name in walls.measured}
+        origins = dict.fromkeys(cut, origin)
+        for other in {"upper", "lower"} - set(walls.measured):
+            origins[other] = (-1, -1)
+            if walls.partner == "synthetic":
+                # the name of the stream is a former term: another would give other walls
+                random = generator(seed_of(seed, "matching"))
+                cut[other] = synthetic_wall(
+                    walls.z2, self.shape, walls.spacing, walls.hurst, random, self.normalise
+                )
+            elif walls.partner == FLAT:
+                cut[other] = np.zeros(self.shape)
+            else:
+                origins[other] = self._origin("partner", realization)
+                same = self._cut(next(iter(walls.measured)), origins[other])
+                turned = same[::-1, ::-1] if walls.partner == "rotated" else same[:, ::-1]
+                cut[other] = np.ascontiguousarray(turned)
+        return Placed(cut["upper"], cut["lower"], origins["upper"], origins["lower"])
+
+    def room(self) -> dict[str, int]:
+        """Count the joints that can be cut from the walls, and those that share no cell."""
+        apart = disjoint(self.windows, self.shape)
+        return {"windows": len(self.windows), "windows_side_by_side": apart}
+
+    def _origin(self, side: str, realization: int) -> tuple[int, int]:
+        order = self.orders[side]
+        y, x = self.windows[order[realization % len(order)]].tolist()
+        return y, x
+
+    def _cut(self, name: str, origin: tuple[int, int]) -> np.ndarray:
+        (y, x), (ny, nx) = origin, self.shape
+        return detrended(self.walls.measured[name][y : y + ny, x : x + nx])
+
+
+def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is none; the message states the largest size that fits.
+    """
+    offsets = _full_windows(wall, *shape)
+    if not len(offsets):
+        size = min(wall.shape)
+        while size > 0 and not len(_full_windows(wall, size, size)):
+            size -= 1
+        raise InputError(
+            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
+            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
+        )
+    return offsets
+
+
+def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
+    if wall.shape[0] < ny or wall.shape[1] < nx:
+        return np.empty((0, 2), int)
+    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
+    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
+    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
+    return np.argwhere(inside == 0)
+
+
+def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
+    """Count windows that fit side by side in their order: at most as many are disjoint."""
+    count = 0
+    while len(offsets):
+        apart = np.abs(offsets - offsets[0])
+        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
+        count += 1
+    return count
+
+
+def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str) -> Cutter:
+    """Return the cutter of joints for the walls of `prepared_walls`."""
+    first = next(iter(walls.data_vars.values()))
+    measured = MeasuredWalls(
+        {str(name): wall.values for name, wall in walls.data_vars.items()},
+        walls.attrs["partner"],
+        float(walls.attrs["spacing_m"]),
+        float(first.attrs["z2"]),
+        float(first.attrs["hurst"]),
+    )
+    return Cutter(measured, shape, order_seed, normalise)
+
+
+def cut_walls(walls: xr.Dataset, settings: SurfaceSettings) -> Iterator[tuple]:
+    """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
+    order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
+    cutter = cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
+    for realization, seed in enumerate(seeds_of(settings), start=settings.first_realization):
+        joint = cutter.joint(realization, seed)
+        yield joint.upper, joint.lower
