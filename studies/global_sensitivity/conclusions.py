@@ -11,8 +11,8 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.variance_indices import jackknife_errors
-from jointclosure.statistics.verdicts import frequency_of, t_interval
+from jointclosure.statistics.standard_errors import jackknife_error
+from jointclosure.statistics.verdicts import frequency, t_interval
 from studies.global_sensitivity.design import Sampling, is_positive
 from studies.global_sensitivity.table import (
     GROUPS,
@@ -125,7 +125,7 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
         known = of_rock.dropna("row")
         if known.size:
             count = int(known.sum())
-            share = frequency_of(count, known.size)
+            share = frequency(count, known.size)
             row = dict(zip(SHARES, share, strict=True))
             yield {"rock": rock} | row | {"rows": known.size, "rows_true": count}
 
@@ -183,9 +183,9 @@ def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
 
 
 def _share(drawn: np.ndarray, left_out: np.ndarray, single: np.ndarray) -> dict:
-    share, error = float(drawn.mean()), float(jackknife_errors(left_out.mean(axis=1)))
+    share, error = float(drawn.mean()), float(jackknife_error(left_out.mean(axis=1)))
     interval = t_interval((share, error), GROUPS)
-    at_best = frequency_of(round(share * single.size), single.size)
+    at_best = frequency(round(share * single.size), single.size)
     return {
         "share": share,
         "share_error": error,
@@ -206,7 +206,7 @@ def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[di
         variances = margins.var(axis=1)
         parts = functions.var(axis=0)[:, None] * slopes**2
         shares = np.divide(parts, variances, out=np.full_like(parts, np.nan), where=variances > 0)
-        errors = jackknife_errors(shares[:, 1:].T)
+        errors = jackknife_error(shares[:, 1:].T)
         for place, one in enumerate(sampling.inputs):
             row = {"rock": rock, "input": one.name, "title": one.title}
             yield row | {"share": shares[place, 0], "share_error": errors[place]}

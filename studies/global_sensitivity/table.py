@@ -9,13 +9,13 @@ import xarray as xr
 
 from jointclosure.engine.points import gridded
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import jackknife_error
 from jointclosure.statistics.variance_indices import (
     Fit,
     Indices,
     Term,
     design_matrix,
     fitted,
-    jackknife_errors,
     shapley_effects,
     variance_indices,
 )
@@ -161,7 +161,7 @@ def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
 
         values = statistics(fit.drawn)
         errors = {
-            name: jackknife_errors(parts.T) for name, parts in statistics(fit.left_out).items()
+            name: jackknife_error(parts.T) for name, parts in statistics(fit.left_out).items()
         }
         about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
         for place, name in enumerate(fit.inputs):
@@ -217,7 +217,7 @@ def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int,
 def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Fit slopes (1 + groups, columns) of all rows and without each group, shrunk for noise."""
     slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
-    squares, noise = slopes[0] ** 2, jackknife_errors(slopes[1:]) ** 2
+    squares, noise = slopes[0] ** 2, jackknife_error(slopes[1:]) ** 2
     factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
     factors[0] = 1.0
     return factors * slopes
@@ -278,7 +278,7 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
             row = about | {"input": one.name}
             for name, effects in columns.items():
                 whole, *left_out = effects[place, here]
-                row |= {name: whole, f"{name}_error": jackknife_errors(np.array(left_out))}
+                row |= {name: whole, f"{name}_error": jackknife_error(np.array(left_out))}
             rows.append(row)
     return pd.DataFrame(rows)
 

@@ -11,7 +11,6 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
-    adjusted_elasticity,
     adjusted_length,
     adjusted_means,
 )
@@ -24,6 +23,7 @@ from jointclosure.statistics.standard_errors import (
     deviation_covariance,
     deviation_of,
     elasticity,
+    elasticity_of,
     mean_covariance,
     mean_of,
     quadratic_errors,
@@ -166,9 +166,8 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
                 )
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
-            by_suffix["_adjusted"] = adjusted_elasticity(
-                gross.levels, gross.samples, values, known, gross.base, gross.paired
-            )
+            means = adjusted_means(gross.samples, values, known, gross.paired)
+            by_suffix["_adjusted"] = elasticity_of(gross.levels, *means, gross.base)
         for suffix, estimate in by_suffix.items():
             row |= _columns(f"elasticity{suffix}", estimate)
             row[f"elasticity{suffix}_shown"] = rounded(*estimate)
@@ -268,7 +267,7 @@ def _adjusted_interval(
         return {}
     values, known, tell_scatter = response.covariates
     name = ("adjusted", response.rock, response.parameter, response.cycle)
-    interval = adjusted_length(
+    length, scatter = adjusted_length(
         response.levels,
         response.samples,
         values,
@@ -281,11 +280,11 @@ def _adjusted_interval(
         tell_scatter=tell_scatter,
     )
     return {
-        "adjusted_length": interval.length / size,
-        "adjusted_percent": 100.0 * interval.length / response.base,
-        "adjusted_low": interval.scatter.low / size,
-        "adjusted_high": interval.scatter.high / size,
-        "adjusted_standard_error": interval.scatter.standard_error / size,
+        "adjusted_length": length / size,
+        "adjusted_percent": 100.0 * length / response.base,
+        "adjusted_low": scatter.low / size,
+        "adjusted_high": scatter.high / size,
+        "adjusted_standard_error": scatter.standard_error / size,
     }
 
 

@@ -137,7 +137,10 @@ def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Fre
             again = confirmed(draw_studies(resampled, evidence.design, times, random))
             shares.append([finds.mean() for finds in again.values()])
         errors = dict(zip(once, pool_error(shares, times).tolist(), strict=True))
-    return {number: frequency(finds, errors[number]) for number, finds in once.items()}
+    return {
+        number: frequency(int(finds.sum()), finds.size, errors[number])
+        for number, finds in once.items()
+    }
 
 
 def _samples(dataset: xr.Dataset) -> list[RockSample]:

@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
 from jointclosure.statistics.standard_errors import jackknife_error, rounded
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
@@ -100,6 +99,75 @@ def stacked(
     }
     predictors |= {name: _flat(logs_of(run, name, cycle))[kept] for name in GEOMETRY}
     return Stacked(response[kept], predictors, spectrum, patch, spacing)
+
+
+class Collapse(NamedTuple):
+    """Effect of a product of powers on the spread between conditions, with jackknife errors.
+
+    ``removed`` is the share of the mean square spread that is removed on surfaces that were not
+    fitted; ``left`` is the root mean square spread, of a logarithm, that remains there.
+    """
+
+    exponents: np.ndarray
+    errors: np.ndarray
+    removed: float
+    removed_error: float
+    left: float
+
+
+def centred(logs: np.ndarray, groups: np.ndarray) -> np.ndarray:
+    """Subtract from logarithms (..., condition, surface) each surface's mean over its group.
+
+    The spread between conditions that remains contains no differences between surfaces.
+    """
+    answer = np.array(logs, dtype=float)
+    for group in np.unique(groups):
+        members = groups == group
+        answer[..., members, :] -= answer[..., members, :].mean(axis=-2, keepdims=True)
+    return answer
+
+
+def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """Fit the exponents (k,) of centred predictors (k, condition, surface) by least squares."""
+    if not len(predictors):
+        return np.zeros(0)
+    return np.linalg.lstsq(predictors.reshape(len(predictors), -1).T, response.ravel())[0]
+
+
+def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]:
+    """Return the mean square spread between conditions, before and after, by cross-validation.
+
+    The square of a mean over surfaces is too large by the variance of that mean, which is
+    subtracted. The result may be negative if it is smaller than the noise of the surfaces.
+    """
+    halves = np.arange(response.shape[1]) % 2
+    both = []
+    for half in (0, 1):
+        fitted, tested = halves != half, halves == half
+        powers = exponents_of(predictors[..., fitted], response[:, fitted])
+        rest = response[:, tested] - np.tensordot(powers, predictors[..., tested], axes=1)
+        both.append([_mean_square(response[:, tested]), _mean_square(rest)])
+    before, after = np.mean(both, axis=0).tolist()
+    return before, after
+
+
+def _mean_square(values: np.ndarray) -> float:
+    noise = values.var(axis=1, ddof=1) / values.shape[1]
+    return float(np.mean(values.mean(axis=1) ** 2 - noise))
+
+
+def collapse_of(predictors: np.ndarray, response: np.ndarray) -> Collapse:
+    """Fit exponents and evaluate their effect, with errors; arguments as for `spreads`."""
+    before, after = spreads(predictors, response)
+    powers, shares = [], []
+    for kept in ~np.eye(response.shape[1], dtype=bool):
+        one = predictors[..., kept], response[:, kept]
+        powers.append(exponents_of(*one))
+        first, second = spreads(*one)
+        shares.append(1.0 - second / first)
+    errors, left = np.array(list(map(jackknife_error, np.transpose(powers)))), max(after, 0.0)
+    removed = 1.0 - after / before, float(jackknife_error(shares))
+    return Collapse(exponents_of(predictors, response), errors, *removed, float(np.sqrt(left)))
 
 
 def _flat(logs: xr.DataArray) -> np.ndarray:

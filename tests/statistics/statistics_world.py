@@ -40,3 +40,8 @@ def published(random, effects, draws=20):
     )
     samples = np.moveaxis(samples, 1, 2)
     return samples.mean(axis=-1), samples.std(axis=-1, ddof=1)
+
+
+def table_of(drawn):
+    """All lengths of drawn studies (R, entries), with targets in the order of keys."""
+    return np.concatenate([response.lengths for response in drawn.values()], axis=1)

@@ -6,13 +6,12 @@ import jointclosure as jc
 from jointclosure.statistics.drawn_studies import (
     Design,
     draw_studies,
-    lengths_table,
     without_effect,
 )
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.predictive import joint_test, log_likelihoods
 from jointclosure.statistics.randomness import generator
-from tests.statistics.statistics_world import LEVELS, published, sensitivity
+from tests.statistics.statistics_world import LEVELS, published, sensitivity, table_of
 
 EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}
 
@@ -63,8 +62,8 @@ def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
     random = generator(4)
     effects = {"a": 0.3, "b": 0.4}
     sensitivities = pools(random, effects)
-    drawn = lengths_table(draw_studies(sensitivities, Design(), 2000, random))
-    none = lengths_table(draw_studies(without_effect(sensitivities), Design(), 2000, random))
+    drawn = table_of(draw_studies(sensitivities, Design(), 2000, random))
+    none = table_of(draw_studies(without_effect(sensitivities), Design(), 2000, random))
     own = [joint_test(drawn, table(random, effects)).p for _ in range(12)]
     assert 0.2 < np.mean(own) < 0.8
     observed = np.median([table(random, effects) for _ in range(9)], axis=0)
@@ -85,7 +84,7 @@ def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
         sensitivities = pools(random, effects)
         if null:
             sensitivities = without_effect(sensitivities)
-        drawn = lengths_table(draw_studies(sensitivities, Design(), 400, random))
+        drawn = table_of(draw_studies(sensitivities, Design(), 400, random))
         p.append(joint_test(drawn, table(random, effects)).p)
     assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
     assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09

@@ -8,7 +8,6 @@ from jointclosure.statistics.drawn_studies import (
     Pool,
     Sensitivity,
     draw_studies,
-    lengths_table,
     pool_error,
     resampled_pools,
     without_effect,
@@ -21,7 +20,7 @@ from jointclosure.statistics.predictive import (
     two_sided_p,
 )
 from jointclosure.statistics.randomness import generator
-from tests.statistics.statistics_world import LEVELS, closures, published, sensitivity
+from tests.statistics.statistics_world import LEVELS, closures, published, sensitivity, table_of
 
 
 def test_drawn_means_scatter_as_a_new_study_does_about_the_mean_of_a_pool():
@@ -179,7 +178,7 @@ def test_the_table_of_lengths_has_the_targets_of_each_key_together():
     random = generator(8)
     both = {name: sensitivity(random, 0.1, 20, name) for name in ("E", "nu")}
     drawn = draw_studies(both, Design(), 30, random)
-    table = lengths_table(drawn)
+    table = table_of(drawn)
     assert table.shape == (30, 4)
     np.testing.assert_array_equal(table[:, 2:], drawn["nu"].lengths)
     assert closures(random, 0.0, 3).shape == (2, 3)

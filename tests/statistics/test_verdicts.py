@@ -65,7 +65,7 @@ def test_the_frequency_of_finding_a_trend_is_that_of_normal_means():
     drawn = draw_studies({"E": pools}, Design(n), 4000, random)
 
     means = drawn["E"].means[:, 0]
-    found = frequency(means[:, 2] > means[:, 0])
+    found = frequency(int((means[:, 2] > means[:, 0]).sum()), 4000)
     expected = scipy.stats.norm.cdf(2.0 * effect / (SCATTER * np.sqrt(2.0 / n)))
     assert 0.6 < expected < 0.95
     assert found.share == pytest.approx(expected, abs=0.03)
@@ -77,14 +77,12 @@ def test_a_frequency_covers_its_truth():
     random = generator(3)
     inside = []
     for _ in range(1000):
-        found = frequency(random.random(200) < 0.9)
+        found = frequency(int(random.binomial(200, 0.9)), 200)
         inside.append(found.low <= 0.9 <= found.high)
     assert 0.93 <= np.mean(inside) <= 0.97
-    assert frequency(np.ones(50, dtype=bool)).low < 1.0
+    assert frequency(50, 50).low < 1.0
 
 
-def test_outcomes_that_are_no_booleans_and_ends_in_the_wrong_order_are_refused():
-    with pytest.raises(jc.InputError, match="booleans"):
-        frequency(np.ones(10))
+def test_ends_in_the_wrong_order_are_refused():
     with pytest.raises(jc.InputError, match="interval"):
         verdict((2.0, 1.0), 0.0)

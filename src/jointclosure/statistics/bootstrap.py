@@ -11,11 +11,10 @@ from jointclosure.statistics.standard_errors import resampled
 
 
 class BootstrapInterval(NamedTuple):
-    """Percentile interval of a length, share of resamples without a root, and standard error.
+    """Percentile interval of a length, which is infinite without a root.
 
-    A missing root counts as an infinite length: `high` is infinite if too many resamples have no
-    root. ``standard_error`` is half the central 68.3 % range, which single long lengths do not
-    affect; it is infinite if this range is not bounded.
+    ``standard_error`` is half the central 68.3 % range, which single long lengths do not affect; it
+    is infinite if this range is not bounded.
     """
 
     low: float
@@ -35,20 +34,14 @@ def bootstrap_length(
     significance: float = 0.05,
     paired: bool = False,
 ) -> BootstrapInterval:
-    """Compute the percentile bootstrap interval of a length from samples (k, n) at levels (k,).
-
-    It is the length of a `paired_indifference_interval` if ``paired``, and otherwise of an
-    `indifference_interval` of independent draws.
-    """
+    """Compute the percentile bootstrap interval of a length from samples (k, n) at levels (k,)."""
     drawn = resampled(samples, random, resamples, paired)
     if paired:
-        paired_intervals = (
-            paired_indifference_interval(levels, chosen, significance, base) for chosen in drawn
-        )
-        return interval_of_lengths(np.array([one.length for one in paired_intervals]), confidence)
+        each = (paired_indifference_interval(levels, x, significance, base) for x in drawn)
+        return interval_of_lengths(np.array([interval.length for interval in each]), confidence)
     chosen = np.array(list(drawn))
-    means, deviations = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
-    lengths = indifference_lengths(levels, means, deviations, chosen.shape[2], significance, base)
+    moments = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
+    lengths = indifference_lengths(levels, *moments, chosen.shape[2], significance, base)
     return interval_of_lengths(lengths, confidence)
 
 

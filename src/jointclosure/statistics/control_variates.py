@@ -16,23 +16,14 @@ import numpy as np
 from jointclosure.inputs import InputError, real_array
 from jointclosure.statistics.bootstrap import BootstrapInterval, interval_of_lengths
 from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.standard_errors import (
-    Estimate,
-    deviations_of,
-    elasticity_of,
-    mean_covariance,
-)
+from jointclosure.statistics.standard_errors import Estimate, deviations_of, mean_covariance
 
 
 class Known(NamedTuple):
-    """Means of m covariates, known from many surfaces.
-
-    ``means`` (m,); ``covariance`` (m, m) from surface to surface, not of the means; ``surfaces``:
-    the number of surfaces, infinite if the means are known exactly.
-    """
+    """Means (m,) of covariates, known from many surfaces, infinitely many if exactly."""
 
     means: np.ndarray
-    covariance: np.ndarray
+    covariance: np.ndarray  # (m, m) from surface to surface, not of the means
     surfaces: float
 
 
@@ -48,16 +39,9 @@ class Means(NamedTuple):
 
     def combined(self, weights) -> Estimate:
         """Return the sum of weights (k,) times means, for example a difference of two levels."""
-        weights = np.asarray(weights, dtype=float)
+        weights = np.asarray(weights)
         variance = max(float(weights @ self.covariance @ weights), 0.0)
         return Estimate(float(weights @ self.values), float(np.sqrt(variance)))
-
-
-class AdjustedLength(NamedTuple):
-    """Length of an indifference interval, NaN without a root, and its scatter."""
-
-    length: float
-    scatter: BootstrapInterval
 
 
 def fewest_surfaces(covariates: int) -> int:
@@ -65,32 +49,21 @@ def fewest_surfaces(covariates: int) -> int:
     return 5 * (covariates + 1)
 
 
-def plain_means(samples, paired: bool) -> Means:
-    """Compute means of samples (k, n) without covariates; arguments as for `adjusted_means`."""
-    samples = np.asarray(samples, dtype=float)
-    return Means(samples.mean(axis=1), mean_covariance(samples, paired))
-
-
 def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
-    """Compute means of a target at several levels, adjusted by covariates."""
-    adjusted, coefficients = adjusted_and_coefficients(samples, covariates, known.means)
+    """Compute means of samples (k, n) at levels, adjusted by covariates (k, n, m)."""
+    adjusted, coefficients = adjusted_values(samples, covariates, known.means)
     coefficients = coefficients.mean(axis=1)
     of_known = coefficients @ np.asarray(known.covariance) @ coefficients.T / known.surfaces
-    plain = plain_means(adjusted, paired)
-    return plain._replace(covariance=plain.covariance + of_known)
+    return Means(adjusted.mean(axis=1), mean_covariance(adjusted, paired) + of_known)
 
 
-def adjusted_values(values, covariates, known_means) -> np.ndarray:
-    """Compute values (..., n) with the adjusted mean, whose scatter is the unexplained part.
+def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
+    """Compute values (..., n) with the adjusted mean, and coefficients (..., n, m) of each surface.
 
-    With the least-squares coefficients beta of all surfaces, residuals e and leverages h, those
-    without surface i are beta - (X'X)^-1 x_i e_i/(1 - h_i).
+    The scatter of the values is the unexplained part. With the least-squares coefficients beta of
+    all surfaces, residuals e and leverages h, those without surface i are
+    beta - (X'X)^-1 x_i e_i/(1 - h_i).
     """
-    return adjusted_and_coefficients(values, covariates, known_means)[0]
-
-
-def adjusted_and_coefficients(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
-    """Compute `adjusted_values` (..., n), and coefficients (..., n, m) without each surface."""
     values, covariates = _checked(values, covariates, known_means)
     # scale columns, so that their rank does not depend on their units
     scale = covariates.std(axis=-2, keepdims=True)
@@ -130,26 +103,19 @@ def adjusted_deviations(
     if not tell_scatter:
         return deviations_of(samples)
     n, means = samples.shape[-1], np.asarray(known.means, dtype=float)
-    centred = adjusted_values(samples, covariates, means)
+    centred, _ = adjusted_values(samples, covariates, means)
     about = samples - centred.mean(axis=-1, keepdims=True)
     squares = about**2 + centred.var(axis=-1, ddof=1, keepdims=True) / n
     wider = np.concatenate([covariates, (covariates - means) ** 2], axis=-1)
     expected = np.concatenate([means, np.diag(np.atleast_2d(known.covariance))])
-    adjusted = adjusted_values(squares, wider, expected)
+    adjusted, _ = adjusted_values(squares, wider, expected)
     # a negative variance after adjustment: the covariates do not help
     helped = adjusted.mean(axis=-1, keepdims=True) > 0.0
     adjusted = np.where(helped, adjusted, squares)
     deviations = np.sqrt(adjusted.mean(axis=-1))
     scatter = adjusted.std(axis=-1, ddof=1) / np.sqrt(n)
-    errors = np.divide(
-        scatter, 2.0 * deviations, out=np.zeros_like(scatter), where=deviations > 0.0
-    )
-    return deviations, errors
-
-
-def adjusted_elasticity(levels, samples, covariates, known: Known, base: float, paired: bool):
-    """Compute the `elasticity` from adjusted means; other arguments as for `adjusted_means`."""
-    return elasticity_of(levels, *adjusted_means(samples, covariates, known, paired), base)
+    some, none = deviations > 0.0, np.zeros_like(scatter)
+    return deviations, np.divide(scatter, 2.0 * deviations, none, where=some)
 
 
 def adjusted_length(
@@ -164,18 +130,19 @@ def adjusted_length(
     confidence: float = 0.95,
     significance: float = 0.05,
     tell_scatter: bool = True,
-) -> AdjustedLength:
-    """Compute the indifference interval of the unpaired test from adjusted means and deviations."""
+) -> tuple[float, BootstrapInterval]:
+    """Compute the length, NaN without a root, from adjusted means and deviations, and its scatter.
+
+    It is that of the unpaired test.
+    """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)
     drawn = random.multivariate_normal(means.values, means.covariance, size=draws, method="svd")
     scattered = np.abs(deviations + errors * random.standard_normal((draws, deviations.size)))
     of = {"samples": np.shape(samples)[1], "significance": significance, "base": base}
     length = float(indifference_lengths(levels, means.values, deviations, **of))
-    return AdjustedLength(
-        length,
-        interval_of_lengths(indifference_lengths(levels, drawn, scattered, **of), confidence),
-    )
+    lengths = indifference_lengths(levels, drawn, scattered, **of)
+    return length, interval_of_lengths(lengths, confidence)
 
 
 def _checked(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:

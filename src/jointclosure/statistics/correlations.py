@@ -7,11 +7,7 @@ import scipy
 
 
 class Quadratic(NamedTuple):
-    """value(p) = b u^2 + c u + d in the reduced parameter u = (p - base)/half_range.
-
-    In the reduced parameter the coefficients have the magnitude of the values, and ``d`` is the
-    fitted value at the base level.
-    """
+    """value(p) = b u^2 + c u + d in u = (p - base)/half_range; coefficients are near the values."""
 
     b: Any  # float or array, like c and d
     c: Any
@@ -34,13 +30,9 @@ class Quadratic(NamedTuple):
 
     def in_parameter(self) -> tuple[float, float, float]:
         """Return the paper's b, c, d: value(p) = b p^2 + c p + d, Eqs. (24) and (26)."""
-        b = self.b / self.half_range**2
-        slope = self.c / self.half_range
-        return (
-            float(b),
-            float(slope - 2.0 * b * self.base),
-            float(self.d - slope * self.base + b * self.base**2),
-        )
+        b, slope = self.b / self.half_range**2, self.c / self.half_range
+        d = self.d - slope * self.base + b * self.base**2
+        return float(b), float(slope - 2.0 * b * self.base), float(d)
 
 
 def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadratic:
@@ -79,15 +71,11 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
 
 
 def lack_of_fit(
-    levels: np.ndarray,
-    means: np.ndarray,
-    standard_deviations: np.ndarray,
-    samples: int,
-    quadratic: Quadratic,
+    levels: np.ndarray, means: Any, deviations: Any, samples: int, quadratic: Quadratic
 ) -> float:
     """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels."""
     freedom = len(levels) - 3
-    scatter = float(np.mean(np.square(standard_deviations)))
+    scatter = float(np.mean(np.square(deviations)))
     if freedom < 1 or scatter == 0.0:
         return float("nan")
     misfit = samples * float(np.sum((np.asarray(means) - quadratic.at(levels)) ** 2)) / freedom
@@ -100,7 +88,6 @@ def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
     Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic. They are
     computed on each surface, so that contributions equal at all levels cancel.
     """
-    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
     k, n = samples.shape
     count = k - 3
     if count < 1 or n <= count:

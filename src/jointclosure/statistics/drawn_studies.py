@@ -26,11 +26,9 @@ Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
 class Pool(NamedTuple):
-    """Results on the surfaces of one case.
+    """Results (targets, N) on the surfaces of one case; pools of one name are resampled together.
 
-    ``values`` (targets, N): each target (closure of cycle 1, of cycle 2, ...) on each surface.
-    ``surfaces``: the name of the set of surfaces. Pools with the same name have the same surfaces
-    in the same order, and are resampled together.
+    Pools with the same name of their surfaces have the same surfaces in the same order.
     """
 
     values: np.ndarray
@@ -38,10 +36,7 @@ class Pool(NamedTuple):
 
 
 class Sensitivity(NamedTuple):
-    """One parameter of one rock: levels (k,), ascending, and a pool for each level.
-
-    ``base`` is the level from which changes are measured.
-    """
+    """One parameter of one rock: levels (k,), ascending, from ``base``, and a pool for each."""
 
     levels: np.ndarray
     base: float
@@ -49,10 +44,9 @@ class Sensitivity(NamedTuple):
 
 
 class Design(NamedTuple):
-    """Design of a published study.
+    """Design of a published study: n surfaces per level, and the significance of its t test.
 
-    ``draws``: number n of surfaces per level. ``significance``: that of its t test. The parameters
-    of a rock share the surfaces drawn at the base level; the paper does not say.
+    The parameters of a rock share the surfaces drawn at the base level; the paper does not say.
     """
 
     draws: int = 20
@@ -66,17 +60,13 @@ class Design(NamedTuple):
 
 
 class DrawnResponse(NamedTuple):
-    """Results for one parameter in R repetitions of a study.
-
-    ``means`` and ``deviations`` (R, targets, k); ``lengths`` (R, targets) of the indifference
-    intervals, infinite without a root.
-    """
+    """Results for one parameter in R repetitions of a study; no root: an infinite length."""
 
     levels: np.ndarray
     base: float
-    means: np.ndarray
+    means: np.ndarray  # (R, targets, k)
     deviations: np.ndarray
-    lengths: np.ndarray
+    lengths: np.ndarray  # (R, targets)
 
 
 def draw_studies(
@@ -107,28 +97,26 @@ def draw_studies(
 
 def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
     """Return the parameters without any effect: every level draws from the base pool."""
-    changed = {}
-    for key, (levels, base, pools) in sensitivities.items():
-        at_base = pools[list(levels).index(base)]
-        changed[key] = Sensitivity(levels, base, (at_base,) * len(pools))
-    return changed
+    return {
+        key: Sensitivity(levels, base, (pools[list(levels).index(base)],) * len(pools))
+        for key, (levels, base, pools) in sensitivities.items()
+    }
 
 
 def resampled_pools(
     sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
 ) -> Iterator[dict[Key, Sensitivity]]:
     """Generate bootstrap samples of pools."""
+    each = [pool for sensitivity in sensitivities.values() for pool in sensitivity.pools]
+    sizes = {pool.surfaces: pool.values.shape[1] for pool in each}
     for _ in range(pools):
-        chosen: dict[str, np.ndarray] = {}
-        changed = {}
-        for key, (levels, base, pools_of_levels) in sensitivities.items():
-            for pool in pools_of_levels:
-                size = pool.values.shape[1]
-                if pool.surfaces not in chosen:
-                    chosen[pool.surfaces] = random.integers(size, size=(size,))
-            resampled = (Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in pools_of_levels)
-            changed[key] = Sensitivity(levels, base, tuple(resampled))
-        yield changed
+        chosen = {name: random.integers(size, size=(size,)) for name, size in sizes.items()}
+        yield {
+            key: Sensitivity(
+                levels, base, tuple(Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in kept)
+            )
+            for key, (levels, base, kept) in sensitivities.items()
+        }
 
 
 def repetitions_of_pool(repetitions: int) -> int:
@@ -152,11 +140,6 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
 
-def lengths_table(drawn: Mapping[Key, DrawnResponse]) -> np.ndarray:
-    """Return all lengths of drawn studies, (R, entries), with targets in the order of keys."""
-    return np.concatenate([response.lengths for response in drawn.values()], axis=1)
-
-
 def _responses(sensitivity, chosen, design) -> DrawnResponse:
     of_pools: list[tuple[np.ndarray, np.ndarray]] = []
     for pool, index in zip(sensitivity.pools, chosen, strict=True):
@@ -168,13 +151,8 @@ def _responses(sensitivity, chosen, design) -> DrawnResponse:
     lengths = indifference_lengths(
         sensitivity.levels, means, deviations, design.draws, design.significance, sensitivity.base
     )
-    return DrawnResponse(
-        np.asarray(sensitivity.levels, dtype=float),
-        sensitivity.base,
-        means,
-        deviations,
-        np.where(np.isnan(lengths), np.inf, lengths),
-    )
+    levels, lengths = np.asarray(sensitivity.levels, float), np.nan_to_num(lengths, nan=np.inf)
+    return DrawnResponse(levels, sensitivity.base, means, deviations, lengths)
 
 
 def _check(sensitivities, design, repetitions) -> None:

@@ -5,7 +5,7 @@ coefficients are near 1; in the parameter itself they span 40 decades. See
 docs/decisions.md#0008-quartic.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -14,14 +14,17 @@ from numpy.typing import ArrayLike
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 
+NEGLIGIBLE_ROOT = 1e-30
+"""Roots smaller than this share of the bound of all roots are due to rounding."""
+ITERATIONS = 200
+"""Largest number of iterations of Newton's method with bisection; it needs far fewer."""
+
 
 def real_roots(coefficients: np.ndarray) -> np.ndarray:
     """Return the distinct real roots of a polynomial (highest power first), ascending."""
     coefficients = np.trim_zeros(np.asarray(coefficients, dtype=float), "f")
-    if coefficients.size < 2:
-        return np.empty(0)
-    if coefficients.size == 2:
-        return np.array([-coefficients[1] / coefficients[0]])
+    if coefficients.size <= 2:
+        return -coefficients[1:] / coefficients[:1]
     # Fujiwara's bound of all roots
     ratios = np.abs(coefficients[1:] / coefficients[0])
     bound = 2.0 * float(np.max(ratios ** (1.0 / np.arange(1, ratios.size + 1))))
@@ -29,40 +32,22 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
     ends = np.concatenate([[-bound], turns[np.abs(turns) < bound], [bound]])
     values = np.polyval(coefficients, ends)
     signs = np.sign(values)  # a product of values may underflow
-    roots = [end for end, value in zip(ends, values, strict=True) if value == 0.0]
-    for left, right, before, after in zip(ends[:-1], ends[1:], signs[:-1], signs[1:], strict=True):
-        if before * after < 0.0:
-            roots.append(
-                scipy.optimize.brentq(
-                    _horner,
-                    left,
-                    right,
-                    (coefficients.tolist(),),
-                    xtol=1e-300,
-                    rtol=1e-15,
-                    maxiter=5000,  # an end may be 1e17 times as far as the root
-                )
-            )
-    return np.array(sorted(set(roots)))
+    crossing = np.flatnonzero(signs[:-1] * signs[1:] < 0.0)
+    stated = (coefficients.tolist(),), 1e-300, 1e-15, 5000  # an end may be 1e17 times as far
+    inner = [scipy.optimize.brentq(_horner, ends[i], ends[i + 1], *stated) for i in crossing]
+    return np.unique([*ends[values == 0.0], *inner])
 
 
-def _horner(u: float, coefficients: list[float]) -> float:
-    """Evaluate `numpy.polyval` for one number, to the last bit, in a tenth of its time."""
-    value = 0.0
+def _horner(u: Any, coefficients: Any) -> Any:
+    """Evaluate polynomials by Horner's scheme, coefficients along the first axis."""
+    value = 0.0 * u
     for coefficient in coefficients:
         value = value * u + coefficient
     return value
 
 
-NEGLIGIBLE_ROOT = 1e-30
-"""Roots smaller than this share of the bound of all roots are due to rounding."""
-
-ITERATIONS = 200
-"""Largest number of iterations of Newton's method with bisection; it needs far fewer."""
-
-
 def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Return the real root of largest magnitude of each of many polynomials."""
+    """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1)."""
     roots, bound = _all_real_roots(np.asarray(coefficients, dtype=float))
     sizes = np.where(np.abs(roots) > NEGLIGIBLE_ROOT * bound[:, None], np.abs(roots), -np.inf)
     largest = np.take_along_axis(roots, sizes.argmax(axis=1)[:, None], axis=1)[:, 0]
@@ -83,7 +68,7 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     outside = ~(np.abs(turns) < bound[:, None])
     turns = np.sort(np.where(outside, -bound[:, None], turns), axis=1)
     ends = np.hstack([-bound[:, None], turns, bound[:, None]])
-    values = _values(polynomials.T[..., None], ends)
+    values = _horner(ends, polynomials.T[..., None])
     touching = np.where((values == 0.0) & (np.abs(ends) < bound[:, None]), ends, np.nan)
     crossing = np.sign(values[:, :-1]) * np.sign(values[:, 1:]) < 0.0
     row, column = np.nonzero(crossing)
@@ -94,26 +79,16 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.hstack([roots, touching]), bound
 
 
-def _values(coefficients: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Evaluate polynomials by Horner's scheme, coefficients along the first axis."""
-    value = np.zeros_like(u)
-    for coefficient in coefficients:
-        value = value * u + coefficient
-    return value
-
-
 def _between(
     polynomials: np.ndarray, derivatives: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
     """Return the root of each polynomial (columns) between two ends of opposite signs."""
-    rising = _values(polynomials, low) < 0.0
+    rising = _horner(low, polynomials) < 0.0
     low, high = np.where(rising, low, high), np.where(rising, high, low)  # f(low) < 0
-    root = 0.5 * (low + high)
-    result = root.copy()
-    open_ones = np.arange(root.size)
-    before = np.abs(high - low)
+    root, before = 0.5 * (low + high), np.abs(high - low)
+    result, open_ones = root.copy(), np.arange(root.size)
     for _ in range(ITERATIONS):
-        value, slope = _values(polynomials, root), _values(derivatives, root)
+        value, slope = _horner(root, polynomials), _horner(root, derivatives)
         low, high = np.where(value < 0.0, root, low), np.where(value < 0.0, high, root)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             newton = root - value / slope
@@ -189,8 +164,9 @@ def indifference_interval(
     )
     mean = fit_quadratic(levels, means, base)
     deviation = fit_quadratic(levels, deviations, base)
-    critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
-    u = closest_root(mean, deviation, samples, critical)
+    critical, u = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2)), np.nan
+    if mean.b != 0.0 or mean.c != 0.0:
+        u = closest_to_zero(quartic(mean, deviation, samples, critical), deviation.d != 0.0)
     root = base + u * mean.half_range
     return IndifferenceInterval(
         length=abs(u) * mean.half_range,
@@ -234,23 +210,9 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
     sizes = np.abs([*mean[:2], *deviation[:3]]).max(axis=0)
     scale = np.where(sizes > 0.0, sizes, 1.0)
     b, c, bs, cs, ds = (value / scale for value in (*mean[:2], *deviation[:3]))
-    return np.array(
-        [
-            n * b * b - t2 * bs * bs,
-            2.0 * n * b * c - 2.0 * t2 * bs * cs,
-            n * c * c - t2 * (cs * cs + 2.0 * bs * ds),
-            -2.0 * t2 * cs * ds,
-            -2.0 * t2 * ds * ds,
-        ]
-    )
-
-
-def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> float:
-    """Return the real root u of `quartic` closest to 0, NaN without a real root."""
-    if mean.b == 0.0 and mean.c == 0.0:
-        return float("nan")
-    coefficients = quartic(mean, deviation, samples, critical)
-    return closest_to_zero(coefficients, scatter_at_zero=deviation.d != 0.0)
+    fourth, third = n * b * b - t2 * bs * bs, 2.0 * n * b * c - 2.0 * t2 * bs * cs
+    second = n * c * c - t2 * (cs * cs + 2.0 * bs * ds)
+    return np.array([fourth, third, second, -2.0 * t2 * cs * ds, -2.0 * t2 * ds * ds])
 
 
 def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:

@@ -42,11 +42,9 @@ class DifferenceScatter(NamedTuple):
 
 
 class PairedInterval(NamedTuple):
-    """Range about the base value in which a change is not significant in a paired test.
+    """As `IndifferenceInterval`, of a paired test; the root is the base if the length is 0.
 
-    ``length``, ``root``, ``extrapolated`` and ``critical_value`` are as in `IndifferenceInterval`,
-    except that the root is the base if the length is 0. ``linear_length``: length without the
-    curvature of the mean, infinite if the slope alone is not significant.
+    ``linear_length``: without the curvature of the mean, infinite if the slope is not significant.
     """
 
     length: float
@@ -64,10 +62,15 @@ def paired_indifference_interval(
     surfaces: int | None = None,
 ) -> PairedInterval:
     """Compute the smallest significant change in a paired t test on the same surfaces."""
-    levels, samples, base = checked_samples(levels, samples, significance, base)
-    mean = fit_quadratic(levels, samples.mean(axis=1), base)
-    scatter = difference_scatter(levels, samples, base)
-    n = samples.shape[1] if surfaces is None else surfaces
+    levels, samples = real_array("levels", levels), real_array("samples", samples)
+    if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
+        raise InputError(
+            f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
+        )
+    means, deviations, n = samples.mean(axis=1), samples.std(axis=1, ddof=1), samples.shape[1]
+    levels, means, _, base = checked(levels, means, deviations, n, significance, base)
+    mean, scatter = fit_quadratic(levels, means, base), difference_scatter(levels, samples, base)
+    n = n if surfaces is None else surfaces
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
     u = _closest_root(mean, scatter, n, critical)
     root = base + u * mean.half_range
@@ -134,25 +137,6 @@ def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical:
         return float("nan")
     b, c, t2 = mean.b / size, mean.c / size, critical**2
     slope, irregular = (value / size**2 for value in scatter)
-    quartic = np.array(
-        [
-            n * b * b,
-            2.0 * (n * b * c),
-            n * c * c - t2 * slope,
-            0.0,
-            -2.0 * t2 * irregular,
-        ]
-    )
+    squared = n * c * c - t2 * slope
+    quartic = np.array([n * b * b, 2.0 * (n * b * c), squared, 0.0, -2.0 * t2 * irregular])
     return closest_to_zero(quartic, scatter_at_zero=irregular > 0.0)
-
-
-def checked_samples(levels, samples, significance, base):
-    """Return levels (k,), samples (k, n) and base as floats."""
-    levels, samples = real_array("levels", levels), real_array("samples", samples)
-    if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
-        raise InputError(
-            f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
-        )
-    moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
-    levels, *_, base = checked(levels, *moments, samples.shape[1], significance, base)
-    return levels, samples, base

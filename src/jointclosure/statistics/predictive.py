@@ -18,10 +18,10 @@ from jointclosure.statistics.standard_errors import jackknife_error
 
 
 class LengthDistribution(NamedTuple):
-    """Median, ranges, and share of repetitions without a root (infinite length).
+    """Median, ranges, and share of repetitions without a root, whose length is infinite.
 
-    Ranges leave out the same probability at both ends. If the share without a root is larger than
-    this probability, the range ends at infinity and covers more than its nominal probability.
+    Ranges leave out the same probability at both ends, and more than their nominal probability is
+    covered by one that ends at infinity.
     """
 
     median: float
@@ -35,17 +35,11 @@ class LengthDistribution(NamedTuple):
 def length_distribution(lengths) -> LengthDistribution:
     """Summarise the lengths (R,) of repeated studies, infinite without a root."""
     lengths = _lengths(lengths)
-    middle = float(np.quantile(lengths, 0.5, method="inverted_cdf"))
+    middle = np.quantile(lengths, 0.5, method="inverted_cdf")
     low = np.quantile(lengths, [0.05, 0.025], method="lower")
     high = np.quantile(lengths, [0.95, 0.975], method="higher")
-    return LengthDistribution(
-        middle,
-        float(low[0]),
-        float(high[0]),
-        float(low[1]),
-        float(high[1]),
-        float(np.mean(np.isinf(lengths))),
-    )
+    without = np.mean(np.isinf(lengths))
+    return LengthDistribution(*map(float, (middle, low[0], high[0], low[1], high[1], without)))
 
 
 def two_sided_p(lengths, observed: float) -> float:
@@ -79,8 +73,7 @@ def _lengths(lengths) -> np.ndarray:
 
 
 TAIL_SHARE = 0.01
-"""Share of the density that is a Student t with 3 degrees of freedom instead of the kernel
-estimate, so that a value outside all draws is unlikely but not impossible."""
+"""Share of the density that is a Student t (3 degrees of freedom): no value is impossible."""
 
 GRID = 512
 FEWEST_ROOTS = 10
@@ -88,15 +81,11 @@ GROUPS = 10
 
 
 class JointTest(NamedTuple):
-    """Composite log-likelihood of a table, and its rank among repetitions.
-
-    ``standard_error``: that of the log-likelihood, due to the finite number of repetitions. ``p``:
-    share of repetitions that are equally or less likely.
-    """
+    """Composite log-likelihood of a table, its error from finite repetitions, and its rank."""
 
     log_likelihood: float
     standard_error: float
-    p: float
+    p: float  # share of repetitions that are equally or less likely
 
 
 def joint_test(lengths, observed) -> JointTest:
@@ -111,11 +100,8 @@ def joint_test(lengths, observed) -> JointTest:
     lengths, observed = _checked(lengths, observed)
     group = np.arange(lengths.shape[0]) % GROUPS
     parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
-    return JointTest(
-        log_likelihood=float(log_likelihoods(lengths, observed[None])[0]),
-        standard_error=jackknife_error(parts),
-        p=p_of_table(lengths, observed),
-    )
+    whole, error = log_likelihoods(lengths, observed[None])[0], jackknife_error(parts)
+    return JointTest(float(whole), float(error), p_of_table(lengths, observed))
 
 
 def p_of_table(lengths, observed) -> float:
@@ -131,11 +117,6 @@ def p_of_table(lengths, observed) -> float:
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
     """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
-    return log_densities(lengths, tables).sum(axis=1)
-
-
-def log_densities(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
-    """Return the log density (m, entries) of each entry of tables under lengths (R, entries)."""
     logs = np.empty(tables.shape)
     for i, (drawn, published) in enumerate(zip(lengths.T, tables.T, strict=True)):
         roots = np.isfinite(drawn)
@@ -144,7 +125,7 @@ def log_densities(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
         density = _log_density(np.log(drawn[roots]), np.log(published[~dash]))
         logs[dash, i] = np.log(without)
         logs[~dash, i] = np.log1p(-without) + density
-    return logs
+    return logs.sum(axis=1)
 
 
 def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -159,9 +140,8 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
     z = (grid[:, None] - draws) / width
     kernel = np.exp(-0.5 * z * z).mean(axis=1) / (width * np.sqrt(2.0 * np.pi))
     tail = scipy.stats.t.pdf((at - quarters[1]) / scale, 3) / scale
-    return np.log(
-        (1.0 - TAIL_SHARE) * np.interp(at, grid, kernel, left=0.0, right=0.0) + TAIL_SHARE * tail
-    )
+    kernel = np.interp(at, grid, kernel, left=0.0, right=0.0)
+    return np.log((1.0 - TAIL_SHARE) * kernel + TAIL_SHARE * tail)
 
 
 def _checked(lengths, observed) -> tuple[np.ndarray, np.ndarray]:

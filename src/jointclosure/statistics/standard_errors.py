@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.statistics.correlations import Quadratic, fit_quadratic
+from jointclosure.statistics.correlations import fit_quadratic
 
 
 class Estimate(NamedTuple):
@@ -16,14 +16,10 @@ class Estimate(NamedTuple):
 
 
 class QuadraticErrors(NamedTuple):
-    """Standard errors of a quadratic's coefficients, in u and in the parameter.
+    """Standard errors (3,) of a quadratic's coefficients; ``covariance`` (3, 3) of those in u."""
 
-    ``reduced``: errors of b, c, d of `Quadratic`; ``in_parameter``: errors of those of Eqs. (24)
-    and (26). ``covariance`` (3, 3): that of the reduced coefficients.
-    """
-
-    reduced: tuple[float, float, float]
-    in_parameter: tuple[float, float, float]
+    reduced: np.ndarray  # of b, c, d of `Quadratic`
+    in_parameter: np.ndarray  # of those of Eqs. (24) and (26)
     covariance: np.ndarray
 
 
@@ -58,17 +54,15 @@ def resampled(
     samples, random: np.random.Generator, resamples: int, paired: bool
 ) -> Iterator[np.ndarray]:
     """Generate bootstrap samples (..., n) of surfaces: the same in all rows if ``paired``."""
-    samples = np.asarray(samples, dtype=float)
-    n = samples.shape[-1]
+    samples, n = np.asarray(samples, dtype=float), np.shape(samples)[-1]
     for _ in range(resamples):
         index = random.integers(n, size=n if paired else samples.shape)
         yield np.take_along_axis(samples, np.broadcast_to(index, samples.shape), axis=-1)
 
 
-def jackknife_error(values) -> float:
-    """Return the standard error from the G values computed without one of G groups each."""
-    values = np.asarray(values, dtype=float)
-    return float(np.sqrt((values.size - 1) * np.var(values)))
+def jackknife_error(left_out):
+    """Return standard errors (...) from values (groups, ...), each without one of the groups."""
+    return np.sqrt((len(left_out) - 1) * np.var(left_out, axis=0))
 
 
 def mean_covariance(samples, paired: bool) -> np.ndarray:
@@ -89,20 +83,15 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
 
 def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
     """Compute the errors of the coefficients of `fit_quadratic`."""
-    fit = fit_matrix(levels, base)
-    reduced = fit @ covariance @ fit.T
+    levels = np.asarray(levels, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
-    m = base / half_range
+    fit = np.linalg.pinv(np.vander((levels - base) / half_range, 3))
+    reduced, m = fit @ covariance @ fit.T, base / half_range
     change = np.array([[1.0, 0.0, 0.0], [-2.0 * m, 1.0, 0.0], [m * m, -m, 1.0]])
     change /= np.array([half_range**2, half_range, 1.0])[:, None]
     in_parameter = change @ reduced @ change.T
-    return QuadraticErrors(_roots_of_diagonal(reduced), _roots_of_diagonal(in_parameter), reduced)
-
-
-def fit_matrix(levels, base: float) -> np.ndarray:
-    """Return the matrix (3, k) from values at the levels to the coefficients of their fit."""
-    levels = np.asarray(levels, dtype=float)
-    return np.linalg.pinv(np.vander((levels - base) / (0.5 * (levels[-1] - levels[0])), 3))
+    in_u, errors = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (reduced, in_parameter))
+    return QuadraticErrors(in_u, errors, reduced)
 
 
 def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
@@ -113,10 +102,8 @@ def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
 
 def elasticity_of(levels, means, covariance, base: float) -> Estimate:
     """Compute the `elasticity` from means (k,) at levels (k,)."""
-    levels = np.asarray(levels, dtype=float)
-    mean: Quadratic = fit_quadratic(levels, means, base)
-    value = mean.elasticity()
-    reduced = quadratic_errors(levels, covariance, base).covariance
+    mean = fit_quadratic(levels, means, base)
+    value, reduced = mean.elasticity(), quadratic_errors(levels, covariance, base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
     variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
     return Estimate(float(value), float(np.sqrt(variance)))
@@ -152,16 +139,8 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.{0 if share >= 0.0995 else 2}{'f' if share >= 0.0995 else 'g'}} %"
 
 
-def _roots_of_diagonal(covariance: np.ndarray) -> tuple[float, float, float]:
-    b, c, d = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    return float(b), float(c), float(d)
-
-
 def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
-    """Compute the ratio of the means of two rows (n,) on the same surfaces, and its error.
-
-    Delta method: the error of mean(over - ratio under)/mean(under).
-    """
+    """Compute the ratio of means of rows (n,) on the same surfaces, its error by delta method."""
     known = np.isfinite(over) & np.isfinite(under)
     over, under = over[known], under[known]
     if not known.any() or under.mean() == 0.0:

@@ -36,22 +36,6 @@ class Bias(NamedTuple):
         return float(np.sqrt(left**2 - known_to**2)) if left > known_to else 0.0
 
 
-def coverage(
-    surfaces: int, sampling: float, spread: float = 1.0, studies: int = 20_000, seed: int = 1
-) -> float:
-    """Simulate how often the error of a study is below `Bias.total`, with skewed errors."""
-    random = np.random.default_rng(seed)
-    mean, variance = np.exp(0.5 * spread**2), np.exp(2.0 * spread**2) - np.exp(spread**2)
-    drawn = np.exp(spread * random.standard_normal((studies, surfaces)))
-    errors = 5.0 + (drawn - mean) / np.sqrt(variance)
-    standard = sampling / np.sqrt(surfaces)
-    found = 5.0 + standard * random.standard_normal(studies)
-    known_to = errors.std(axis=1, ddof=1) / np.sqrt(surfaces)
-    biases = map(Bias, errors.mean(axis=1), known_to)
-    bounds = [bias.total(REACH * standard) for bias in biases]
-    return float(np.mean(np.abs(found) <= bounds))
-
-
 class Method(NamedTuple):
     """Method to compute a result, with relative errors and with costs per surface.
 

@@ -20,7 +20,6 @@ function g are subtracted, and the variances of g, which are known exactly, are 
 variate; the g of each row is fitted to other rows).
 """
 
-import itertools
 from collections.abc import Mapping
 from itertools import combinations
 from math import factorial
@@ -33,6 +32,8 @@ from scipy.special import ndtr, ndtri
 from jointclosure.inputs import InputError
 
 _DEGREE = 3
+FOLDS = 8
+"""Number of parts of the rows; each part is left out of the fit that is used for it."""
 
 
 class Term(NamedTuple):
@@ -47,7 +48,7 @@ class Term(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Terms and coefficients; ``values`` (d,) are the numbers of values (0: continuous input)."""
+    """Fitted function; ``values`` (d,) are the numbers of values (0: continuous input)."""
 
     values: tuple[int, ...]
     terms: tuple[Term, ...]
@@ -80,7 +81,7 @@ def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
     terms = [Term(())]
     for one, count in enumerate(values):
         terms += [Term(((one, number),)) for number in range(count - 1 if count else _DEGREE)]
-    for one, other in itertools.combinations(range(len(values)), 2):
+    for one, other in combinations(range(len(values)), 2):
         for first in range(max(values[one] - 1, 1)):
             for second in range(max(values[other] - 1, 1)):
                 terms.append(Term(((one, first), (other, second))))
@@ -116,14 +117,10 @@ def part_of(u, count: int):
 
 
 def _legendre(u: np.ndarray) -> np.ndarray:
-    t = 2.0 * u - 1.0
-    return np.stack(
-        [
-            np.sqrt(2.0 * degree + 1.0) * np.polynomial.legendre.Legendre.basis(degree)(t)
-            for degree in range(1, _DEGREE + 1)
-        ],
-        axis=-1,
-    )
+    """Return normalised Legendre polynomials of degrees 1 to 3, along the last axis."""
+    basis = np.polynomial.legendre.Legendre.basis
+    degrees = range(1, _DEGREE + 1)
+    return np.stack([np.sqrt(2.0 * k + 1.0) * basis(k)(2.0 * u - 1.0) for k in degrees], axis=-1)
 
 
 def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
@@ -134,10 +131,6 @@ def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
         contrasts[number + 1, number] = number + 1.0
         contrasts[:, number] /= np.sqrt(np.mean(contrasts[:, number] ** 2))
     return contrasts[part_of(u, count)]
-
-
-FOLDS = 8
-"""Number of parts of the rows; each part is left out of the fit that is used for it."""
 
 
 class Indices(NamedTuple):
@@ -161,15 +154,18 @@ class Indices(NamedTuple):
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
     """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each."""
-    both = scipy.stats.qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(
-        rows
-    )
-    a, b = both[:, :inputs], both[:, inputs:]
+    a, b = _sobol(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
     points[:, 1] = b
     for one in range(inputs):
         points[:, 2 + one, one] = b[:, one]
     return points
+
+
+def _sobol(inputs: int, rows: int, seed: int) -> np.ndarray:
+    """Return scrambled Sobol points (rows, inputs) of the unit cube."""
+    random = np.random.default_rng(seed)
+    return scipy.stats.qmc.Sobol(inputs, scramble=True, rng=random).random(rows)
 
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
@@ -186,20 +182,16 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     if not np.isfinite(responses).all():
         raise InputError("responses: must be finite")
     centred = responses - responses.mean()
-    fits = [
-        fitted(points[rows].reshape(-1, d), centred[rows].mean(-1).ravel(), values)
-        for rows in _others(n)
-    ]
-    terms = _row_terms(centred)
-    explained = 0.0
-    for part, fit in zip(_folds(n), fits, strict=True):
+    terms, explained = _row_terms(centred), 0.0
+    for first in range(FOLDS):
+        part = np.arange(first, n, FOLDS)
+        others = np.setdiff1d(np.arange(n), part)
+        fit = fitted(points[others].reshape(-1, d), centred[others].mean(-1).ravel(), values)
         model = fit(points[part])
         # the same products of the fit, which has no noise, and their exact means
         both = np.stack([model, model], axis=-1)
-        exact = np.array(
-            [fit.variance, *map(fit.first, range(d)), *map(fit.total, range(d))], float
-        )
-        terms[part] += exact - _row_terms(both)
+        exact = [fit.variance, *map(fit.first, range(d)), *map(fit.total, range(d))]
+        terms[part] += np.array(exact, float) - _row_terms(both)
         explained += fit.variance * part.size / n
     noise = 0.5 * np.mean((responses[..., 0] - responses[..., 1]) ** 2, axis=1)
     whole = terms[:, 0].mean()
@@ -207,17 +199,17 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
         errors = _jackknifed(terms, noise)
     if not whole > 0.0:  # below the noise of the surfaces: shares are undefined
         terms[:, 1:], errors[1:-1], explained, whole = np.nan, np.nan, np.nan, max(whole, 0.0)
-    joint = whole + noise.mean()
+    joint, over = whole + noise.mean(), whole or np.nan
     return Indices(
-        terms[:, 1 : d + 1].mean(axis=0) / (whole or np.nan),
-        errors[1 : d + 1],
-        terms[:, d + 1 :].mean(axis=0) / (whole or np.nan),
-        errors[d + 1 : -1],
-        float(whole),
-        float(errors[0]),
-        float(noise.mean() / joint) if joint else 0.0,
-        float(errors[-1]),
-        float(explained / (whole or np.nan)),
+        first=terms[:, 1 : d + 1].mean(axis=0) / over,
+        first_error=errors[1 : d + 1],
+        total=terms[:, d + 1 :].mean(axis=0) / over,
+        total_error=errors[d + 1 : -1],
+        variance=float(whole),
+        variance_error=float(errors[0]),
+        surfaces=float(noise.mean() / joint) if joint else 0.0,
+        surfaces_error=float(errors[-1]),
+        fit_share=float(explained / over),
     )
 
 
@@ -246,20 +238,16 @@ def shapley_effects(
             effects[one] += coefficients[number] ** 2 / len(term.inputs)
     for apart, numbers in games.items():
         players = sorted(bound | apart)
-        effects[players] += _shares(
-            players, values, numbers, coefficients[numbers], correlations or {}, draws
-        )
+        stated = players, values, numbers, coefficients[numbers], correlations or {}, draws
+        effects[players] += _shares(*stated)
     return effects / effects.sum(axis=0)
 
 
 def _shares(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
     """Return Shapley values (players, ...) of the variance of terms of these inputs only."""
-    place = {one: at for at, one in enumerate(players)}
-    terms = terms_of(values)
-    player_terms = tuple(
-        Term(tuple((place[one], function) for one, function in terms[number].factors))
-        for number in numbers
-    )
+    place, terms = {one: at for at, one in enumerate(players)}, terms_of(values)
+    factors = (terms[number].factors for number in numbers)
+    player_terms = tuple(Term(tuple((place[i], k) for i, k in pairs)) for pairs in factors)
     among = {(place[one], place[other]): value for (one, other), value in correlations.items()}
     d = len(players)
     subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
@@ -283,7 +271,7 @@ def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
         raise InputError(
             f"correlations {dict(correlations)}: must be correlations of normal variables"
         )
-    random = scipy.stats.qmc.Sobol(2 * d, scramble=True, rng=np.random.default_rng(0)).random(draws)
+    random = _sobol(2 * d, draws, 0)
     normal, other = ndtri(random[:, :d]), ndtri(random[:, d:])
     first = normal @ np.linalg.cholesky(matrix).T
     response = design_matrix(ndtr(first), values, terms) @ coefficients
@@ -313,27 +301,12 @@ def _row_terms(responses: np.ndarray) -> np.ndarray:
     return np.concatenate([whole[:, None], first, total], axis=1)
 
 
-def _folds(n: int) -> list[np.ndarray]:
-    return [np.arange(first, n, FOLDS) for first in range(FOLDS)]
-
-
-def _others(n: int) -> list[np.ndarray]:
-    return [np.setdiff1d(np.arange(n), part) for part in _folds(n)]
-
-
 def _jackknifed(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Return the errors of V, of the ratios, and of the share of the surfaces."""
     n = noise.size
     left = (terms.sum(axis=0) - terms) / (n - 1)
     quiet = (noise.sum() - noise) / (n - 1)
     whole = left[:, :1]
-    values = np.concatenate(
-        [whole, left[:, 1:] / whole, (quiet / (whole[:, 0] + quiet))[:, None]], axis=1
-    )
-    return jackknife_errors(values)
-
-
-def jackknife_errors(left_out: np.ndarray) -> np.ndarray:
-    """Compute standard errors (...) from values (groups, ...) without each group of rows."""
-    n = len(left_out)
-    return np.sqrt((n - 1) / n * ((left_out - left_out.mean(axis=0)) ** 2).sum(axis=0))
+    surfaces = (quiet / (whole[:, 0] + quiet))[:, None]
+    values = np.concatenate([whole, left[:, 1:] / whole, surfaces], axis=1)
+    return np.sqrt((n - 1) / n * ((values - values.mean(axis=0)) ** 2).sum(axis=0))

@@ -53,19 +53,8 @@ def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 
     return Interval(value - reach, value + reach)
 
 
-def frequency(outcomes, pool_error: float = 0.0) -> Frequency:
-    """Return the frequency of true values, one boolean (R,) per repetition, see `frequency_of`."""
-    outcomes = np.asarray(outcomes)
-    if outcomes.dtype != bool or outcomes.ndim != 1 or outcomes.size == 0:
-        raise InputError(
-            f"outcomes: {outcomes.dtype} {outcomes.shape}, must be booleans (R,), one for each "
-            "repetition"
-        )
-    return frequency_of(int(outcomes.sum()), outcomes.size, pool_error)
-
-
-def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
-    """Return the frequency from a count of n repetitions."""
+def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:
+    """Return the frequency of a count of n repetitions, with the error of their pool."""
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
     error = float(np.hypot(np.sqrt(share * (1.0 - share) / n), pool_error))
