@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.engine.aggregation import since_seating, since_start, succeeded
 from jointclosure.joint.protocol import UNLOADING
-from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
+from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.style import (
     BRANCH_LINES,
@@ -31,6 +31,7 @@ from jointclosure.statistics.standard_errors import percent
 from studies.frame.config.rocks import StudyRock
 from studies.paper.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from studies.paper.layout import roughness_title
+from studies.paper.measured_fits import FIT_COLUMNS, best_fits
 
 _COLOURS = sns.color_palette("colorblind", 8)
 MOST_DRAWN = 500
@@ -47,7 +48,7 @@ _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
 
 class Measurements(NamedTuple):
-    """Measured curves by rock, and the fits of `jointclosure.measured.curves.fit_table`."""
+    """Measured curves by rock, and the fits of `studies.paper.measured_fits.fit_table`."""
 
     curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
     fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)

@@ -13,7 +13,6 @@ import xarray as xr
 
 from jointclosure.engine.aggregation import CURVES
 from jointclosure.engine.settings import Grid, Surface
-from jointclosure.measured.curves import fit_table
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
@@ -45,6 +44,7 @@ from studies.paper.layout import (
     table_3_markdown,
     with_paper,
 )
+from studies.paper.measured_fits import fit_table
 from studies.paper.planning import describe_reached, reached_table
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.measured.curves import fit_table, parsed_curve
+from jointclosure.measured.curves import parsed_curve
 from jointclosure.storage.text import read_csv
 from studies.paper import closure_figures as plotting
 from studies.paper import sensitivity_figures
 from studies.paper.closure_figures import Measurements
 from studies.paper.empirical import barton_bandis
+from studies.paper.measured_fits import fit_table
 from tests.studied import ROOT, study_of
 
 ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)

@@ -1,4 +1,4 @@
-"""Measured closure curves: read from text, and compared with realisations of a study.
+"""Measured closure curves, read from text.
 
 A curve is a CSV of stress, closure and cycle, in the order in which it was measured;
 docs/first_hour.md shows one. The closure of every cycle counts from the point where its loading
@@ -9,15 +9,11 @@ closures does not matter.
 import csv
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
-import scipy
-import xarray as xr
 
-from jointclosure.engine.aggregation import since_seating, succeeded
 from jointclosure.inputs import SPELT, InputError
 from jointclosure.joint.history import first_crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
@@ -29,21 +25,6 @@ _HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-zµμ]+)|\s*[(\[](?P<within>[^)\]
 """Heading of a column: a name, and a unit at its end or in brackets."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
-_READ = (
-    *("closure", "bulk_indentation", "status"),
-    *("max_closure_net", "max_closure_seated_net", "residual_closure"),
-)
-FIT_COLUMNS = (
-    "rock",
-    "cycle",
-    "points",
-    "largest_closure_mm",
-    "samples",
-    "best_realization",
-    "misfit_mm",
-    "misfit_percent",
-    "median_misfit_mm",
-)
 
 
 class MeasuredCurve(NamedTuple):
@@ -265,81 +246,3 @@ def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
                 f"{where}: stress = {1e-6 * loading[0]:g} MPa: no stress of cycle {cycle} is "
                 f"above seating_stress_MPa = {seating_MPa:g}, from which closures count"
             )
-
-
-def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> dict[int, np.ndarray]:
-    """Compute squared differences (realization, points) [m2] of every measured cycle."""
-    good = succeeded(base).values
-    net = since_seating(base)
-    by_cycle = {}
-    for cycle in curve.cycles:
-        columns = []
-        for branch, stress, closure in curve.since_seating(cycle, seating_stress):
-            model = net.sel(cycle=cycle, branch=branch)
-            modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])
-            columns.append(np.square(modelled - closure).reshape(good.size, stress.size))
-        by_cycle[cycle] = np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)
-    return by_cycle
-
-
-def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Return the closure at stresses, by a monotone cubic through the reached points."""
-    reached = np.isfinite(closure)
-    if reached.sum() < 2:
-        return np.full(stress.shape, np.nan)
-    through = scipy.interpolate.PchipInterpolator(
-        axis[reached], closure[reached], extrapolate=False
-    )
-    return through(stress)
-
-
-def fit_table(
-    study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
-) -> pd.DataFrame:
-    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all."""
-    rows = []
-    for rock, curve in curves.items():
-        base = study[list(_READ)].isel(case=_base_index(study, rock)).load()
-        squares = misfits(base, curve, seating_stress)
-        largest = {
-            cycle: max(c.max() for _, _, c in curve.since_seating(cycle, seating_stress) if c.size)
-            for cycle in curve.cycles
-        }
-        rows += [_fit(rock, cycle, squares[cycle], largest[cycle], base) for cycle in squares]
-        if len(squares) > 1:
-            together = np.concatenate(list(squares.values()), axis=1)
-            rows.append(_fit(rock, "all", together, max(largest.values()), base))
-    return pd.DataFrame(rows, columns=FIT_COLUMNS)
-
-
-def _base_index(study: xr.Dataset, rock: str) -> int:
-    here = (study.rock == rock).values & (study.parameter == "base").values
-    return int(np.flatnonzero(here)[0])
-
-
-def _fit(rock: str, cycle, squares: np.ndarray, largest: float, base: xr.Dataset) -> dict:
-    rms = 1e3 * np.sqrt(squares.mean(axis=1))
-    usable = np.isfinite(rms)
-    row = {
-        "rock": rock,
-        "cycle": str(cycle),
-        "points": squares.shape[1],
-        "largest_closure_mm": 1e3 * largest,
-        "samples": int(usable.sum()),
-    }
-    if not usable.any():
-        return row
-    best = int(np.nanargmin(rms))
-    return row | {
-        "best_realization": int(base.realization.values[best]),
-        "misfit_mm": rms[best],
-        "misfit_percent": 100.0 * rms[best] / (1e3 * largest) if largest > 0.0 else np.nan,
-        "median_misfit_mm": float(np.median(rms[usable])),
-    }
-
-
-def best_fits(table: pd.DataFrame, rock: str) -> Iterator[tuple[int, int, float, float]]:
-    """Generate (cycle, realisation, misfit [mm], misfit [%]) of each fitted cycle of a rock."""
-    part = table[(table.rock == rock) & (table.cycle.astype(str) != "all")]
-    for row in part[part.best_realization.notna()].itertuples():
-        yield int(row.cycle), int(row.best_realization), row.misfit_mm, row.misfit_percent
