@@ -1,4 +1,11 @@
+"""Files are whole or absent, one changed bit is an error, and logs keep what failed."""
+
+import contextlib
 import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -8,64 +15,191 @@ import xarray as xr
 from jointclosure.cli.options import check_folder
 from jointclosure.inputs import InputError
 from jointclosure.storage import folders
-from jointclosure.storage.files import atomically
+from jointclosure.storage.files import DamagedFileError, atomically
 from jointclosure.storage.folders import RECORD, add_file, replace_files, written_files
+from jointclosure.storage.logs import failed_log, logging_to
 from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
     write_netcdf,
-    write_netcdf_blocks,
+    write_netcdf_regions,
 )
 from jointclosure.storage.text import read_benchmarks, read_csv, write_csv
 
 
-def test_a_write_that_fails_leaves_what_was_there_and_no_litter(tmp_path):
-    path = tmp_path / "table.csv"
-    path.write_text("old")
-
-    def fail(temporary):
-        temporary.write_text("half")
-        raise RuntimeError("disk full")
-
-    with pytest.raises(RuntimeError, match="disk full"):
-        atomically(path, fail)
-    assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["table.csv"]
-
-
-def test_datasets_and_tables_come_back_as_they_were(tmp_path):
-    dataset = xr.Dataset(
-        {"a": (("case", "x"), np.random.default_rng(1).random((2, 3)))},
-        coords={"case": np.array(["one", "two"], dtype=object)},
-        attrs={"source_digest": "abc"},
+def some_dataset(rows: int = 20) -> xr.Dataset:
+    random = np.random.default_rng(3)
+    return xr.Dataset(
+        {
+            "closure": (("realization", "x"), random.random((rows, 40)), {"units": "m"}),
+            "status": ("realization", np.arange(rows, dtype=np.int16)),
+            "same": ("x", np.where(np.arange(40) == 2, np.nan, 1.0)),
+        },
+        coords={"seed": ("realization", np.array([f"{i:032x}" for i in range(rows)], object))},
+        attrs={"settings": "{}"},
     )
-    write_netcdf(dataset, tmp_path / "a.nc")
-    xr.testing.assert_identical(read_netcdf(tmp_path / "a.nc"), dataset)
+
+
+def write_regions(whole: xr.Dataset, path: Path, rows: int = 20) -> None:
+    """Write a dataset in regions of some rows."""
+    size = whole.sizes["realization"]
+    ends = [(start, min(start + rows, size)) for start in range(0, size, rows)]
+    places = [{"realization": slice(*end)} for end in ends]
+    regions = ((place, whole.isel(place)) for place in places)
+    first = whole.isel(realization=slice(0, 1))
+    write_netcdf_regions(first, regions, "realization", {"realization": rows}, path)
+
+
+@pytest.fixture
+def stored(tmp_path):
+    path = tmp_path / "case.nc"
+    write_netcdf(some_dataset(), path)
+    return path
+
+
+def test_datasets_tables_and_regions_come_back_as_they_were(stored, tmp_path):
+    whole = some_dataset()
+    write_regions(whole, tmp_path / "regions.nc", 7)
+    for path in (stored, tmp_path / "regions.nc"):
+        xr.testing.assert_identical(read_netcdf(path), whole)
+        with xr.open_dataset(path, engine="netcdf4") as dataset:  # as other programs read it
+            assert dataset.load().identical(whole)
+    with reading_netcdf(stored) as lazy:
+        assert lazy.isel(realization=3).status.item() == 3
     frame = pd.DataFrame({"x": [0.1 + 0.2, np.nan], "name": ["a", "b"]})
     write_csv(frame, tmp_path / "a.csv")
     pd.testing.assert_frame_equal(read_csv(tmp_path / "a.csv"), frame)
 
 
-def test_blocks_in_a_file_are_one_dataset(tmp_path):
-    rng = np.random.default_rng(2)
-    whole = xr.Dataset(
-        {
-            "a": (("n", "x"), rng.random((5, 3)), {"units": "m"}),
-            "status": ("n", np.arange(5, dtype=np.int16)),
-            "same": ("x", np.array([1.0, np.nan, 3.0])),
-        },
-        coords={"n": np.arange(5), "seed": ("n", np.array(list("abcde"), dtype=object))},
-        attrs={"spacing_m": 0.25},
+def test_every_flipped_bit_and_every_changed_length_is_noticed(stored):
+    whole = stored.read_bytes()
+    size = len(whole)
+    places = np.append(np.random.default_rng(5).integers(0, size, 300), np.arange(size - 110, size))
+    damaged = [whole[:length] for length in (0, 1, 7, 96, size // 2, size - 96, size - 1)]
+    damaged.append(whole + b"\0")
+    for place in places.tolist():
+        damaged.append(whole[:place] + bytes([whole[place] ^ 1 << place % 8]) + whole[place + 1 :])
+    for content in damaged:
+        stored.write_bytes(content)
+        with pytest.raises(DamagedFileError, match=r"case.nc: .* delete it and start again"):
+            read_netcdf(stored)
+    stored.write_bytes(whole)
+    assert read_netcdf(stored).identical(some_dataset())
+
+
+def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
+    write_regions(some_dataset(200), tmp_path / "whole.nc")
+    size = os.path.getsize(tmp_path / "whole.nc")
+    script = (
+        "import sys, pathlib, resource\n"
+        "from tests.storage.test_storage import some_dataset, write_regions\n"
+        "for limit in map(int, sys.argv[2:]):\n"
+        "    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))\n"
+        "    try:\n"
+        "        write_regions(some_dataset(200), pathlib.Path(sys.argv[1]) / f'{limit}.nc')\n"
+        "        print(limit, 'written')\n"
+        "    except OSError as error:\n"
+        "        print(limit, error)\n"
     )
-    whole["a"][3] = np.nan
-    blocks = (whole.isel(n=slice(i, i + 2)) for i in range(0, 5, 2))
-    write_netcdf_blocks(blocks, "n", tmp_path / "a.nc")
-    found = read_netcdf(tmp_path / "a.nc")
-    xr.testing.assert_identical(found, whole)
-    with reading_netcdf(tmp_path / "a.nc") as lazy:
-        assert lazy.isel(n=3).status.item() == 3
-    write_netcdf(found, tmp_path / "b.nc")
-    xr.testing.assert_identical(read_netcdf(tmp_path / "b.nc"), whole)
+    limits = [str(size * i // 40) for i in range(42)] + [str(size - 1), str(size)]
+    folder = tmp_path / "small"
+    folder.mkdir()
+    command = [sys.executable, "-c", script, str(folder), *limits]
+    answer = subprocess.run(command, capture_output=True, text=True, check=True)
+    printed = dict(line.split(" ", 1) for line in answer.stdout.splitlines() if line[0].isdigit())
+    assert len(printed) > 40
+    for limit, words in printed.items():
+        assert (words == "written") == (int(limit) >= size) == (folder / f"{limit}.nc").exists()
+        if words == "written":
+            assert read_netcdf(folder / f"{limit}.nc").identical(some_dataset(200))
+        else:
+            assert "could not be written" in words
+            assert "MB are free there" in words
+    assert len(os.listdir(folder)) == sum(int(limit) >= size for limit in printed) > 0
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 64 kB, where this user may mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
+    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here")
+    yield folder
+    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def test_a_full_disk_leaves_the_old_file_and_says_so(small_disk):
+    path = small_disk / "study.nc"
+    write_netcdf(some_dataset(20), path)
+    with pytest.raises(OSError, match=r"study.nc: could not be written .*; 0\.0 MB are free there"):
+        write_netcdf(some_dataset(500), path)
+    assert read_netcdf(path).identical(some_dataset(20))
+    assert os.listdir(small_disk) == ["study.nc"]
+
+
+def test_a_read_only_folder_is_named(small_disk):
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    with pytest.raises(OSError, match=r"study.nc: could not be written .*Read-only file system"):
+        write_netcdf(some_dataset(), small_disk / "study.nc")
+
+
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [
+        (RuntimeError("broken"), "^broken$"),
+        (DamagedFileError("another file is damaged"), "^another file is damaged$"),
+        (FileNotFoundError(2, "No such file"), r"a.txt: could not be written \(.*\)$"),
+        (OSError(28, "No space"), r"a.txt: could not be written \(.*\); .* MB are free there"),
+    ],
+)
+def test_a_write_that_fails_leaves_what_was_there_and_its_reason(error, raised, tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def fail(temporary):
+        temporary.write_text("half")
+        raise error
+
+    with pytest.raises(type(error) if "^" in raised else OSError, match=raised):
+        atomically(path, fail)
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def writer(end: str, path: Path) -> list[str]:
+    """Command of a process that writes half of a file, and then does something."""
+    script = (
+        "import os, sys, pathlib\nfrom jointclosure.storage.files import atomically\n"
+        "def write(path):\n    path.write_text('slow')\n    print('writing', flush=True)\n"
+        f"    {end}\n"
+        "atomically(pathlib.Path(sys.argv[1]), write)\n"
+    )
+    return [sys.executable, "-c", script, str(path)]
+
+
+def test_files_of_killed_writers_are_cleared_away(tmp_path):
+    for name in ("study.nc", "study.tables.nc"):
+        subprocess.run(writer("os.kill(os.getpid(), 9)", tmp_path / name), check=False)
+    assert len(os.listdir(tmp_path)) == 2
+    atomically(tmp_path / "study.nc", lambda temporary: temporary.write_text("whole"))
+    assert (tmp_path / "study.nc").read_text() == "whole"
+    (left,) = (name for name in os.listdir(tmp_path) if name != "study.nc")
+    assert left.startswith(".study.tables.")
+
+
+def test_the_file_of_a_running_writer_is_left_alone_by_another(tmp_path):
+    path = tmp_path / "study.nc"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    orphan = subprocess.Popen(writer("sys.stdin.readline()", path), text=True, **pipes)
+    assert orphan.stdout.readline() == "writing\n"
+    atomically(path, lambda temporary: temporary.write_text("quick"))
+    assert path.read_text() == "quick"
+    _, printed = orphan.communicate("go on\n", timeout=60)
+    assert (orphan.returncode, printed) == (0, "")
+    assert path.read_text() == "slow"
+    assert os.listdir(tmp_path) == ["study.nc"]
 
 
 def test_benchmarks_are_named_by_their_rule(tmp_path):
@@ -78,13 +212,29 @@ def test_benchmarks_are_named_by_their_rule(tmp_path):
         ["aggregate", "aggregate", 0.01],
         ["close_surfaces", "slate-base", 2.5],
     ]
-    assert np.isnan(found.max_rss.iloc[0])
-    assert found.max_rss.iloc[1] == 245.5
+    np.testing.assert_array_equal(found.max_rss, [np.nan, 245.5])
     assert list(read_benchmarks(tmp_path / "absent").columns) == list(found.columns)
 
 
+def test_a_log_ends_with_the_failure_and_that_of_a_failed_try_stays(tmp_path):
+    path = tmp_path / "job.log"
+    for number, fails in enumerate((False, True, False)):
+        with contextlib.suppress(ValueError), logging_to(path) as log:
+            log(f"try {number}")
+            print("printed on the way")
+            if fails:
+                raise ValueError("no such share")
+        assert failed_log(path).exists() == (number >= 1)
+    assert "try 2" in path.read_text()
+    lines = failed_log(path).read_text().splitlines()
+    assert lines[0].endswith("try 1")
+    assert lines[1] == "printed on the way"
+    assert any("in test_a_log" in line for line in lines)
+    assert lines[-1] == "failed: ValueError: no such share"
+
+
 def some_files(*names):
-    """What writes files that hold their names and how many they are."""
+    """A function that writes files with their names and number."""
 
     def write(folder):
         for name in names:
@@ -100,36 +250,31 @@ def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
     add_file(folder, "close", "page")
     (folder / "page").touch()
     (folder / "notes").write_text("mine")
+
+    def fail(temporary):
+        (temporary / "a").write_text("half")
+        raise RuntimeError("disk full")
+
+    with pytest.raises(RuntimeError, match="disk full"):
+        replace_files(folder, "close", fail)
+    assert (folder / "a").read_text() == "a of 3"
     assert replace_files(folder, "close", some_files("a", "b")) == ["a", "b"]
     assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", RECORD]
     assert (folder / "a").read_text() == "a of 2"
     assert written_files(folder, "close") == ["a", "b"]
 
 
-def test_a_run_that_fails_while_writing_leaves_the_files_of_the_earlier_one(tmp_path):
-    replace_files(tmp_path, "close", some_files("a", "export"))
-
-    def fail(folder):
-        (folder / "a").write_text("half")
-        raise RuntimeError("disk full")
-
-    with pytest.raises(RuntimeError, match="disk full"):
-        replace_files(tmp_path, "close", fail)
-    assert sorted(os.listdir(tmp_path)) == ["a", "export", RECORD]
-    assert (tmp_path / "a").read_text() == "a of 2"
-
-
 def test_a_run_that_is_killed_while_replacing_leaves_nothing_that_the_next_one_keeps(
     tmp_path, monkeypatch
 ):
     replace_files(tmp_path, "close", some_files("a", "old"))
+    record = folders._record
 
     def killed(folder, command, names):
         if "old" not in names:  # after all files are in place
             raise KeyboardInterrupt
         record(folder, command, names)
 
-    record = folders._record
     with monkeypatch.context() as patched:
         patched.setattr(folders, "_record", killed)
         with pytest.raises(KeyboardInterrupt):
@@ -145,8 +290,8 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
     folder = tmp_path / "joint"
     folder.mkdir()
     (folder / RECORD).write_text(text)
-    with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
-        replace_files(folder, "close", some_files("a"))
+    for refused in (lambda: replace_files(folder, "close", some_files("a")),
+                    lambda: check_folder(folder)):  # fmt: skip
+        with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
+            refused()
     assert (tmp_path / "outside").exists()
-    with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
-        check_folder(folder)  # before a joint is closed

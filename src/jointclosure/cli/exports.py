@@ -21,8 +21,7 @@ from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.laws import describe_law, fitted_laws, parameter
 from jointclosure.joint.protocol import FAILURE, LOADING
 from jointclosure.joint.stiffness import closures_at, stiffness_table, stress_levels
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.meshes import write_vtu
+from jointclosure.storage.figures import save_figure, write_vtu
 from jointclosure.storage.text import write_csv, write_text
 
 FIGURES = 7

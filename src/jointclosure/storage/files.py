@@ -17,11 +17,8 @@ from pathlib import Path
 _SEAL = b"\nsha256 of all before this line: "
 END_DIGEST = 64
 """Length in bytes of the digest at the end of a sealed file."""
-_SEAL_BYTES = len(_SEAL) + END_DIGEST
-
 _READ_BYTES = 1_000_000
 """Number of bytes read at a time; a memory-mapped file would count as memory of the process."""
-
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
 """Errors that a full disk cannot cause; netCDF reports one as a denied permission, or by a
 number."""
@@ -47,7 +44,9 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     temporary = Path(name)
     try:
         write(temporary)
-        os.chmod(temporary, 0o666 & ~_umask())
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
         _to_disk(temporary)
         os.replace(temporary, path)
         _to_disk(path.parent)
@@ -73,10 +72,8 @@ def _runs(pid: int) -> bool:
 
     try:
         return psutil.Process(pid).status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
-    except psutil.NoSuchProcess:
-        return False
-    except psutil.AccessDenied:
-        return True
+    except psutil.Error as error:
+        return isinstance(error, psutil.AccessDenied)
 
 
 def _to_disk(path: Path) -> None:
@@ -106,7 +103,7 @@ def seal(path: Path) -> None:
 
 def check_seal(path: Path) -> None:
     """Raise `DamagedFileError` if a sealed file is not as it was written, in any bit."""
-    left = os.path.getsize(path) - _SEAL_BYTES
+    left = os.path.getsize(path) - len(_SEAL) - END_DIGEST
     digest = hashlib.sha256()
     with open(path, "rb") as file:
         while left > 0 and (part := file.read(min(left, _READ_BYTES))):
@@ -117,9 +114,3 @@ def check_seal(path: Path) -> None:
                 f"{path}: the file is not as jointclosure wrote it (wrong checksum): "
                 "delete it and start again; missing files are made again"
             )
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current

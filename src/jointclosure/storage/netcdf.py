@@ -2,7 +2,6 @@
 
 import contextlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ Place = dict[str, slice | int]
 """Position of a region in a dataset by dimension."""
 
 
-@contextmanager
+@contextlib.contextmanager
 def _netcdf_errors() -> Iterator[None]:
     """Raise write errors of netCDF, which are RuntimeErrors, as OSErrors."""
     try:
@@ -38,26 +37,6 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
     atomically(path, write)
 
 
-def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str | Path) -> None:
-    """Append datasets (at least one) along a dimension, unlimited in the file, as they come.
-
-    Variables with the dimension have it first; other variables are taken from the first block.
-    """
-    rest = iter(blocks)
-
-    def regions(start: int) -> Iterator[tuple[Place, xr.Dataset]]:
-        for block in rest:
-            stop = start + block.sizes[dimension]
-            yield {dimension: slice(start, stop)}, block
-            start = stop
-
-    def write(temporary: Path) -> None:
-        first = next(rest)
-        _write_regions(first, regions(first.sizes[dimension]), dimension, {}, temporary)
-
-    atomically(path, write)
-
-
 def write_netcdf_regions(
     frame: xr.Dataset,
     regions: Iterable[tuple[Place, xr.Dataset]],
@@ -71,38 +50,33 @@ def write_netcdf_regions(
     in the file. Regions have no dimension whose position is a number; ``chunks`` are compressed
     together.
     """
-    atomically(path, lambda new: _write_regions(frame, regions, dimension, chunks, new))
-
-
-def _write_regions(
-    first: xr.Dataset,
-    regions: Iterable[tuple[Place, xr.Dataset]],
-    dimension: str,
-    chunks: dict[str, int],
-    path: Path,
-) -> None:
-    """Write a new sealed file with a first dataset, then regions of it along a dimension."""
-    first = first.drop_encoding()
-    encoding = _compression(first)
-    for name, variable in first.variables.items():
+    frame = frame.drop_encoding()
+    encoding = _compression(frame)
+    sizes = dict(frame.sizes) | chunks
+    for name, variable in frame.variables.items():
         if dimension in variable.dims:
-            sizes = dict(first.sizes) | chunks
             encoding.setdefault(name, {})["chunksizes"] = [sizes[size] for size in variable.dims]
-    with _netcdf_errors():
-        first.to_netcdf(path, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension])
-        file = netCDF4.Dataset(path, "a")
-    try:
-        for stored in file.variables.values():
-            stored.set_var_chunk_cache(_CHUNK_CACHE)
-        for place, region in regions:
-            _put(file, region, place)
-    except BaseException:
-        with contextlib.suppress(RuntimeError):  # only the first error is reported
+
+    def write(temporary: Path) -> None:
+        with _netcdf_errors():
+            frame.to_netcdf(
+                temporary, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension]
+            )
+            file = netCDF4.Dataset(temporary, "a")
+        try:
+            for stored in file.variables.values():
+                stored.set_var_chunk_cache(_CHUNK_CACHE)
+            for place, region in regions:
+                _put(file, region, place)
+        except BaseException:
+            with contextlib.suppress(RuntimeError):  # only the first error is reported
+                file.close()
+            raise
+        with _netcdf_errors():
             file.close()
-        raise
-    with _netcdf_errors():
-        file.close()
-    seal(path)
+        seal(temporary)
+
+    atomically(path, write)
 
 
 def _put(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
@@ -129,7 +103,7 @@ def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
         return dataset.drop_vars(without, errors="ignore").load()
 
 
-@contextmanager
+@contextlib.contextmanager
 def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
     """Open a dataset whose values are read only when used; errors as for `read_netcdf`."""
     check_seal(Path(path))

@@ -38,9 +38,8 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
 
 def configuration_text(configuration: dict[str, Any]) -> str:
     """Return a configuration as JSON, without the split of work over jobs."""
-    study = {
-        key: value for key, value in configuration["study"].items() if key != "realizations_per_job"
-    }
+    study = dict(configuration["study"])
+    study.pop("realizations_per_job", None)
     return json.dumps(configuration | {"study": study}, sort_keys=True)
 
 

@@ -26,8 +26,7 @@ _TRIED = 600
 
 
 class Mating(NamedTuple):
-    """Correlation in bands of half an octave, middles [m], longest first; modes are independent
-    waves.
+    """Correlation in bands of half an octave, middles [m], longest first, with independent waves.
 
     The standard error of a correlation is (1 - correlation^2) / sqrt(modes).
     """
@@ -38,9 +37,8 @@ class Mating(NamedTuple):
 
 
 class Mismatch(NamedTuple):
-    """Wavelength [m] at which two walls correlate by 1/2, with its interval.
-
-    It is 0 if they are mated at all wavelengths of the grid, infinite if at none.
+    """Wavelength [m] at which two walls correlate by 1/2: 0 if mated at all of the grid, infinite
+    if at none.
     """
 
     wavelength: float

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from threadpoolctl import threadpool_limits
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_one_of
 from jointclosure.walls.roughness import plane_through
 
 FLAT = "flat"
@@ -122,12 +122,12 @@ def wall_on_grid(
 ) -> np.ndarray:
     """Put a scan on a square grid and remove its mean plane.
 
+    A grid whose spacing divides that of the joint is thinned, other grids are interpolated by cubic
+    splines, and points linearly in the triangles between them.
+
     Parameters
     ----------
     scan : Scan or Cloud
-        A grid of the same spacing is used unchanged. A grid whose spacing divides that of the
-        joint is thinned. Other grids are interpolated by cubic splines, and points linearly in
-        the triangles between them.
     spacing : float
         Grid spacing of the joint [m].
     bounds : array (2, 2)
@@ -179,8 +179,7 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Take the heights of a grid at the nodes of a coarser one (one is at ``anchor``), without
-    averaging.
+    """Take heights of a grid at the nodes of a coarser one, of which one is at ``anchor``.
 
     Sampling keeps the slopes at the coarser spacing [m], of which JRC is a function; means do not.
     """
@@ -217,11 +216,9 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
 def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) linearly in triangles of the `NEAREST` places (n, 2)
-    [m].
+    """Interpolate heights at nodes (..., 2) linearly in triangles of the `NEAREST` places (n, 2).
 
-    NaN outside of all triangles and beyond ``reach`` of every place. A node at a place has its
-    height.
+    Beyond ``reach`` [m] of every place they are NaN. A node at a place has its height.
     """
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
@@ -238,8 +235,8 @@ def heights_between(
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
 
-    Weights are ratios of areas, the same bits on any processor. scipy calls the library of linear
-    algebra for each triangle, which on a busy machine would wait for its other threads: it has one.
+    Ratios of areas have the same bits on any processor. The library of linear algebra, which scipy
+    calls for each triangle, has one thread, as on a busy machine calls would wait for others.
     """
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
@@ -288,8 +285,7 @@ def filled(
     No more than ``largest_share`` of all cells is filled.
     """
     holes = ~np.isfinite(wall)
-    if missing not in MISSING:
-        raise InputError(f"missing = {missing!r}: must be one of {', '.join(MISSING)}")
+    check_one_of("missing", missing, MISSING)
     if not holes.any() or missing == "avoid":
         return wall
     message = f"{int(holes.sum())} of {holes.size} cells have no height"

@@ -135,10 +135,9 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
 
 
 def hurst_of(heights: np.ndarray) -> float:
-    """Estimate the Hurst exponent of a wall (y, x) by second differences in both directions.
+    """Hurst exponent of a wall (y, x) by second differences, which need no plane removed.
 
-    They depend neither on the plane that was removed nor on waves longer than the wall, which make
-    H from first differences too low by 0.1 and more (Kent & Wood 1997; docs/two_scans.md).
+    Those from first differences are too low by 0.1 and more (Kent & Wood 1997; docs/two_scans.md).
     """
     return _scaling(heights, 1.0)[_EXPONENTS[2]]
 

@@ -76,10 +76,8 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
-    """Return the height [m] of points (n, 3) that are spikes, NaN for others: (n,).
-
-    A spike differs from all but one of its eight neighbours by more than `SPIKE` median
-    differences.
+    """Return heights [m] of points (n, 3) beyond all but one of their neighbours, else NaN:
+    (n,).
     """
     spike_heights = np.full(len(points), np.nan)
     left = np.arange(len(points))

@@ -153,8 +153,7 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     """Return the cells (y, x) without a height between others of their row or column.
 
-    Scattered points are interpolated over ``reach`` [cells]; gaps open to their ragged outline are
-    none.
+    Scattered points were interpolated over ``reach`` [cells]; gaps open to the outline are none.
     """
     known = np.isfinite(wall)
     holes = gaps(known)

@@ -193,27 +193,26 @@ def _is_rough(wall: np.ndarray) -> bool:
 
 
 def smoothing_of(
-    scan: Scan | Cloud, wall: np.ndarray, spacing: float, bounds: np.ndarray | None = None
+    scan: Scan | Cloud,
+    wall: np.ndarray,
+    spacing: float,
+    bounds: tuple[np.ndarray, ...] | np.ndarray | None = None,
+    high: np.ndarray | None = None,
 ) -> tuple[Caution, ...]:
-    """Warn as `smoothing` of a wall by `jointclosure.walls.measured.wall_on_grid`."""
+    """Warn of the slope that a wall (y, x) [m] lost by interpolation of a scan; else empty.
+
+    Its first node (x, y) is that of ``bounds`` or the scan; points count up to ``high`` or the
+    last.
+    """
     points = points_of(scan)
-    low = points[:, :2].min(axis=0)
     if bounds is not None:
         low = bounds[0]
     elif isinstance(scan, Scan):
         low = np.array(scan.origin or (0.0, 0.0))[::-1]
-    return smoothing(points, wall, spacing, (low, low + spacing * (np.array(wall.shape)[::-1] - 1)))
-
-
-def smoothing(
-    points: np.ndarray, wall: np.ndarray, spacing: float, box: tuple[np.ndarray, np.ndarray]
-) -> tuple[Caution, ...]:
-    """Warn of the slope that a wall lost by interpolation; empty if its nodes are at points.
-
-    ``points`` (n, 3) and the heights (y, x) on the grid [m] are NaN where missing. ``box`` are the
-    place (x, y) of a node of the grid, and the other corner of the compared area [m].
-    """
-    low, high = box
+    else:
+        low = points[:, :2].min(axis=0)
+    if high is None:
+        high = low + spacing * (np.array(wall.shape)[::-1] - 1)
     place, edge = points[:, :2], 0.5 * spacing
     inside = ((place > low - edge) & (place < high + edge)).all(axis=1) & np.isfinite(points[:, 2])
     x, y, heights = points[inside].T
@@ -235,13 +234,12 @@ def smoothing(
     rise = (level[pairs.row] - level[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
     if not rise.any():
         return ()
-    slopes = [np.diff(wall, axis=axis) for axis in (0, 1)]
-    steps = np.concatenate([(part - np.nanmean(part)).ravel() for part in slopes])
+    along = [np.diff(wall, axis=axis) for axis in (0, 1)]
+    steps = np.concatenate([(part - np.nanmean(part)).ravel() for part in along])
     measured, kept = (float(np.sqrt(np.nanmean(part**2))) / spacing for part in (rise, steps))
-    return (
-        caution(
-            "heights were interpolated between points: the rms slope at a distance of "
-            f"{1e3 * spacing:.4g} mm is {kept:.3g}, between points {measured:.3g} "
-            f"({100.0 * (kept / measured - 1.0):+.2g} %)"
-        ),
+    lost = (
+        "heights were interpolated between points: the rms slope at a distance of "
+        f"{1e3 * spacing:.4g} mm is {kept:.3g}, between points {measured:.3g} "
+        f"({100.0 * (kept / measured - 1.0):+.2g} %)"
     )
+    return (caution(lost),)

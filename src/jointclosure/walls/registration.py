@@ -1,12 +1,14 @@
 """Registration of the scans of the two walls of a joint (`registered`), see docs/two_scans.md."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError
-from jointclosure.inputs.remarks import Caution, caution, cautions, prefixed
+from jointclosure.inputs import InputError, check_one_of
+from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
+from jointclosure.walls import plausibility
 from jointclosure.walls.mating import (
     CONFIDENCE,
     Mating,
@@ -30,14 +32,6 @@ from jointclosure.walls.measured import (
 )
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
-from jointclosure.walls.plausibility import (
-    check_pair,
-    check_scans,
-    slope_doubts,
-    smoothing,
-    smoothing_of,
-    unit_doubts,
-)
 from jointclosure.walls.roughness import detrended
 
 LEAST_OVERLAP = 0.5
@@ -59,10 +53,8 @@ _SIDES = ("upper", "lower")
 
 
 class Orientation(NamedTuple):
-    """Direction of the upper scan in the frame of the lower one.
-
-    ``sign`` is -1 if heights count towards the lower wall, ``mirrored`` are the reversed axes (y,
-    x).
+    """Direction of the upper scan in the frame of the lower one: sign -1 if heights count towards
+    the lower wall, and which axes (y, x) are mirrored.
     """
 
     sign: int
@@ -194,38 +186,35 @@ def registered(
         ("orientation", orientation, ORIENTATIONS),
         ("shift", shift, SHIFTS),
     ):
-        if value is not None and value not in allowed:
-            raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+        if value is not None:
+            check_one_of(name, value, tuple(allowed))
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
-    distances = [point_distance(scan) for scan in scans]
+    distance = max(map(point_distance, scans))
+    stated = distance if spacing is None else float(spacing)
     if not unusual_values:
-        check_scans(scans[0], scans[1], max(distances) if spacing is None else float(spacing))
-    spacing = paper_spacing(max(distances)) if spacing is None else float(spacing)
+        plausibility.check_scans(scans[0], scans[1], stated)
+    spacing = paper_spacing(distance) if spacing is None else stated
     report: list[str] = []
-    kept = []
-    for side, scan in zip(_SIDES, scans, strict=True):
+    for place, side in enumerate(_SIDES):
         if side != flat and not unusual_values:
-            scan = without_plateaus(scan)
-        report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
+            scans[place] = without_plateaus(scans[place])
+        report += _named(side, scans[place].remarks)
         if side != flat and cut_spikes:
-            scan, removed = without_spikes(scan)
+            scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
-        kept.append(scan)
-    scans = _not_finer(kept, spacing, report)
-    distances = [point_distance(scan) for scan in scans]
+    scans = _not_finer(scans, spacing, report)
     clouds = [points_of(scan, missing=True) for scan in scans]
-    placed = [_Placed.of(cloud, spacing) for cloud in clouds]
+    placed = _placed(clouds[0], spacing), _placed(clouds[1], spacing)
     fits: list[Fit] = []
     name, mated, moved = orientation or "common_frame", (0.0, 0.0), False
     if flat:
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
     else:
-        fits = _compared(placed[0], placed[1], spacing)
+        fits = _compared(*placed, spacing)
         name = _chosen(fits, orientation, unusual_values, report)
         fit = next(fit for fit in fits if fit.orientation == name)
-        whole_cells = all(isinstance(scan, Scan) for scan in scans)
-        mated = _refined(placed[0], placed[1], spacing, fit, whole_cells)
+        mated = _refined(*placed, spacing, fit, all(isinstance(scan, Scan) for scan in scans))
         moved = shift == "mated" or (shift is None and name != "common_frame")
         by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
         report.append(
@@ -237,25 +226,32 @@ def registered(
     applied = mated if moved else (0.0, 0.0)
     turned = ORIENTATIONS[name].points(clouds[0], placed[0], spacing)
     clouds[0] = turned + np.array([applied[1], applied[0], 0.0])
-    overlap = overlap_of(clouds, spacing, distances, largest_filled_share)
+    overlap = overlap_of(clouds, spacing, [*map(point_distance, scans)], largest_filled_share)
     if flat:
         overlap = _flattened(overlap, flat)
     for side, cloud, holes in zip(_SIDES, clouds, overlap.holes, strict=True):
         if side != flat:
             known = np.where(holes, np.nan, getattr(overlap, side))
-            lost = smoothing(cloud, known, spacing, overlap.box)
-            report += [prefixed(f"{side} wall: ", remark) for remark in lost]
+            low, high = overlap.box
+            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, (low, high), high)
+            report += _named(side, lost)
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     walls = {"upper": pair.upper, "lower": pair.lower}
-    contradictions, unlike_rock = unit_doubts(walls, spacing)
+    contradictions, unlike_rock = plausibility.unit_doubts(walls, spacing)
     if not unusual_values:
-        if (impossible := slope_doubts(walls, spacing)) or contradictions:
+        impossible = plausibility.slope_doubts(walls, spacing)
+        if impossible or contradictions:
             problems = contradictions or unlike_rock or impossible
             raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
         common_frame = name == "common_frame" and not flat
-        check_pair(overlap.upper - overlap.lower, pair.correlation, common_frame)
+        plausibility.check_pair(overlap.upper - overlap.lower, pair.correlation, common_frame)
     report += [caution(doubt) for doubt in contradictions + unlike_rock]
     return pair
+
+
+def _named(side: str, remarks: Iterable[str]) -> list[str]:
+    """Put the name of a wall before remarks and keep their type."""
+    return [type(remark)(f"{side} wall: {remark}") for remark in remarks]
 
 
 def _both_scans(
@@ -306,8 +302,9 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
             if isinstance(scan, Scan):
                 nodes = sampled(scan, spacing, anchor)
                 first = np.array([nodes.origin])[:, ::-1]
-                lost = smoothing_of(scan, nodes.heights, spacing, first)
-                report += [prefixed(f"{side} wall: ", remark) for remark in lost]
+                report += _named(
+                    side, plausibility.smoothing_of(scan, nodes.heights, spacing, first)
+                )
                 scan = nodes
         result.append(scan)
     return result
@@ -319,9 +316,9 @@ class _Placed(NamedTuple):
     wall: np.ndarray
     low: np.ndarray
 
-    @classmethod
-    def of(cls, points: np.ndarray, spacing: float) -> "_Placed":
-        return cls(wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
+
+def _placed(points: np.ndarray, spacing: float) -> _Placed:
+    return _Placed(wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
 
 
 def _block_cells(upper: _Placed, lower: _Placed) -> int:
@@ -377,12 +374,11 @@ def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str
                 "of walls in a wrong orientation are several times too large; state "
                 f"{best.orientation} or leave orientation out; {AS_IT_IS}"
             )
-        report.append(
-            caution(
-                f"the stated orientation {stated} fits worse than {best.orientation}, which "
-                f"is clear; in a wrong orientation closures are several times too large"
-            )
+        wrong = (
+            f"the stated orientation {stated} fits worse than {best.orientation}, which is clear; "
+            "in a wrong orientation closures are several times too large"
         )
+        report.append(caution(wrong))
     return name
 
 
@@ -423,9 +419,8 @@ def _described(
     upper, lower = detrended(-overlap.upper), detrended(overlap.lower)
     together = upper + lower
     aperture = together.max() - together
-    ny, nx = upper.shape
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
-    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm"
+    cells = f"{upper.shape[0]} x {upper.shape[1]} cells (y, x) of {1e3 * spacing:.4g} mm"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
@@ -444,38 +439,33 @@ def _described(
             f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; "
             "its mean plane was removed"
         )
-    report.append(
-        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
-        f"{1e3 * aperture.mean():.3g} mm"
-    )
     early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
-    if early > _FAR * aperture.std():
-        touches = caution(
-            "the first contact stands out far and may be a remaining spike; use closures since "
-            "seating, not those from first touch",
-            f"{touches}: ",
-        )
-    report.append(touches)
+    spike = (
+        "the first contact stands out far and may be a remaining spike; use closures since "
+        "seating, not those from first touch"
+    )
+    report += [
+        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
+        f"{1e3 * aperture.mean():.3g} mm",
+        caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
+    ]
     report += [caution(doubt) for doubt in _doubts(overlap, bool(fits), applied == mated)]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
-        report.append(
-            caution(
-                "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
-                "do; check that the files are of different walls"
-            )
+        alike = (
+            "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
+            "do; check that the files are of different walls"
         )
+        report.append(caution(alike))
     if fits and name == "common_frame" and applied == (0.0, 0.0):
         gap = float(np.mean(overlap.upper - overlap.lower))
         lies = f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm "
         lies += f"{'above' if gap > 0.0 else 'below'} the lower one in the mean"
-        if gap <= 0.0:
-            lies = caution(
-                "if both scans have one zero of heights, the walls are interchanged or heights "
-                "count downwards",
-                f"{lies}: ",
-            )
-        report.append(lies)
+        wrong = (
+            "if both scans have one zero of heights, the walls are interchanged or heights count "
+            "downwards"
+        )
+        report.append(lies if gap > 0.0 else caution(wrong, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
         fit, mismatch, max(overlap.shares), np.logical_or(*overlap.holes), report,

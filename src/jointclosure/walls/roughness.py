@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_one_of
 
 
 class Relation(NamedTuple):
@@ -67,8 +67,7 @@ def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_R
 
 def relation_of(name: str) -> Relation:
     """Return a relation by its key; `InputError` lists the available keys."""
-    if name not in RELATIONS:
-        raise InputError(f"jrc_relation = {name!r}: must be one of {', '.join(RELATIONS)}")
+    check_one_of("jrc_relation", name, tuple(RELATIONS))
     return RELATIONS[name]
 
 

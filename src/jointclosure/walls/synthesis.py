@@ -1,7 +1,5 @@
-"""Random walls of given JRC: self-affine Gaussian fields scaled to its RMS slope.
-
-The paper does not describe the algorithm of Rezaei Niya & Selvadurai (2019), see
-docs/decisions.md#0007-surfaces.
+"""Random walls of given JRC: self-affine Gaussian fields scaled to its RMS slope
+(docs/decisions.md).
 """
 
 import math
@@ -33,8 +31,7 @@ _LN2 = 0.6931471805599453
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of heights: k^(-2 (H + 1)), or that of a "walk", flat beyond ``roll_off``
-    [cells].
+    """Power spectrum of heights: k^(-2 (H + 1)), flat beyond ``roll_off`` [cells].
 
     "walk": independent Gaussian slopes along x and y, projected on the nearest field of heights.
     """
@@ -104,10 +101,9 @@ def _sines(wave: np.ndarray) -> np.ndarray:
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
-    """Raise a positive array to a power, with the same bits on any processor (relative error
-    5e-15).
+    """Raise a positive array to a power, unlike `numpy.power` with the same bits on any processor.
 
-    `numpy.power` is not: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
+    Relative error 5e-15: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
     """
     mantissa, two = np.frexp(base)
     small = mantissa < np.sqrt(0.5)
@@ -172,7 +168,7 @@ def wall_pair(
     spacing : float
         Grid spacing h [m].
     seed : int
-        Seed of the random walls, not negative; the same seed gives the same walls.
+        Not negative; the same seed gives the same walls.
     hurst : float
         Hurst exponent H in (0, 1].
     jrc_relation : str
@@ -186,19 +182,16 @@ def wall_pair(
         Shift of the common part along x, at least 0.
     mismatch_wavelength : float, optional
         Longer waves [m] are common to both walls, shorter ones independent (Brown 1995; the
-        sharp limit of Glover et al. 1998); 0 for mated walls. It replaces ``correlation``, which
-        must be 0. The spectrum of each wall is that of independent walls, for any wavelength.
-        With ``normalise`` "wall" both walls are scaled by one factor, so that the long waves
-        fit: their pooled slopes have the Z2 of the JRC.
+        sharp limit of Glover et al. 1998); 0 for mated walls. Only with a ``correlation`` of 0.
+        Each wall has the spectrum of independent walls; with ``normalise`` "wall" one factor
+        scales both, so that their pooled slopes have the Z2 of the JRC.
     rule : {"self_affine", "walk"}
-        "self_affine": profiles have the Hurst exponent. "walk": independent slopes along x and
-        along y, projected on the nearest heights (`Spectrum`); ``hurst`` is then used only to
-        convert Z2 from the interval of the relation to the spacing.
+        "self_affine": profiles have the Hurst exponent. "walk": independent slopes, projected on
+        the nearest heights (`Spectrum`); ``hurst`` then only carries Z2 to the spacing.
     roll_off : float, optional
-        Wavelength [m] beyond which the power spectrum is flat; None for no limit. The default of
-        3 mm is for walls as in the paper's study, whose Table 3 asks for it (docs/decisions/
-        0013-readings.md). Natural walls have waves of all lengths: take None for them, as
-        `jointclosure.fit` and docs/first_hour.md do.
+        Wavelength [m] beyond which the spectrum is flat; None for no limit. The default is for
+        the paper's study, whose Table 3 asks for it (docs/decisions.md#0013-readings). Natural
+        walls have waves of all lengths: take None for them, as `jointclosure.fit` does.
     unusual_values : bool
         Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
 
@@ -227,10 +220,8 @@ def wall_pair(
     if mismatch_wavelength is not None:
         longest = float(mismatch_wavelength) / spacing
         pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
-        if normalise == "wall":
-            return _scaled_together(pair, z2, spacing)
-        slope = _expected_rms_slope(wide, spectrum, spacing)
-        return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
+        expected = None if normalise == "wall" else _expected_rms_slope(wide, spectrum, spacing)
+        return _scaled_together(*pair, z2, spacing, expected)
     upper, lower = (
         synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
         for random in _generators(seed)
@@ -252,11 +243,12 @@ def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
 
 
 def _scaled_together(
-    pair: tuple[np.ndarray, np.ndarray], z2: float, spacing: float
+    upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Scale two walls by one factor, so that their pooled slopes have the RMS ``z2``."""
-    slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
-    return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
+    """Scale two walls by one factor, so that their slope, by default pooled, has the RMS ``z2``."""
+    if slope is None:
+        slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))
+    return upper * (z2 / slope), lower * (z2 / slope)
 
 
 def _partly_mated(
@@ -277,13 +269,11 @@ def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> Non
         return
     check_number("mismatch_wavelength", mismatch_wavelength)
     if not 0.0 <= mismatch_wavelength < np.inf:
-        raise InputError(
-            f"mismatch_wavelength = {mismatch_wavelength!r} m: must be finite, 0 or above"
-        )
+        given = f"mismatch_wavelength = {mismatch_wavelength!r} m"
+        raise InputError(f"{given}: must be finite, 0 or above")
     if correlation != 0.0:
-        raise InputError(
-            f"correlation = {correlation!r}: must be 0 if mismatch_wavelength is given"
-        )
+        given = f"correlation = {correlation!r}"
+        raise InputError(f"{given}: must be 0 if mismatch_wavelength is given")
 
 
 def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
@@ -366,7 +356,7 @@ def rotated_pair(
     lower = np.where(np.hypot(*_wave_numbers(*size)) < spacing / mismatch_wavelength, -upper, other)
     still = scipy.fft.irfft2(upper, s=size, workers=1)[:n, :n]
     turned = _at_rotated_points(lower, n, rotation)
-    return _scaled_together((detrended(still), detrended(turned)), z2, spacing)
+    return _scaled_together(detrended(still), detrended(turned), z2, spacing)
 
 
 def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:

@@ -1,8 +1,6 @@
 """Files of scanned walls: `read_scan`. Files are only read as data, never run or changed.
 
-A reader takes a path (and a variable, if its format has names) and returns `Contents`. Sizes,
-errors, units, spacing and missing heights are treated here for all formats. Meshes, TIFF and files
-of surface scanners need the extra ``walls``.
+A reader takes a path (and a variable, if its format has names) and returns `Contents`.
 """
 
 import functools
@@ -14,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError, size_of
+from jointclosure.inputs import InputError, naming, size_of
 from jointclosure.walls.measured import Cloud, Scan
-from jointclosure.walls.scans import arrays, meshes, points, rasters
+from jointclosure.walls.scans import arrays, points, rasters
 from jointclosure.walls.scans.contents import (
     LARGEST_FILE,
     SAME_SPACING,
@@ -49,7 +47,7 @@ BY_SUFFIX = {
     **dict.fromkeys((".nc", ".nc4", ".cdf"), _NETCDF),
     **dict.fromkeys((".tif", ".tiff"), _TIFF),
     **dict.fromkeys((".csv", ".xyz", ".txt"), _TEXT),
-    **{f".{form}": Format(form.upper(), meshes.read_mesh) for form in ("stl", "ply", "obj")},
+    **{f".{form}": Format(form.upper(), points.read_mesh) for form in ("stl", "ply", "obj")},
     ".mat": Format(
         "a MATLAB file (up to version 7.2: save with -v7)", arrays.read_matlab, True, True
     ),
@@ -60,7 +58,6 @@ BY_CONTENT = {b"ncols": Format("an ESRI grid", rasters.read_esri)} | dict.fromke
 )
 """Formats by the first bytes of a file, which have priority over its name."""
 
-_STL = "an STL mesh (.stl)"
 _STARTS = {
     b"\x93NUMPY": "an array of numpy (.npy)",
     b"PK\x03\x04": "an archive (.npz, a workbook of Excel, .zip)",
@@ -69,7 +66,7 @@ _STARTS = {
     b"CDF": "netCDF (.nc, .cdf)",
     b"MATLAB": "a MATLAB file (.mat)",
     b"ply": "a PLY mesh (.ply)",
-    b"solid": _STL,
+    b"solid": "an STL mesh (.stl)",
     b"II*\0": "TIFF (.tif, .tiff)",
     b"MM\0*": "TIFF (.tif, .tiff)",
     b"%PDF": "PDF, which has no heights",
@@ -118,39 +115,43 @@ def read_scan(
     """
     files = files_of(path)
     for file in files:
-        if not file.is_file():
-            raise InputError(f"{file}: file not found")
-        size = file.stat().st_size
-        if not size:
-            raise InputError(f"{file}: the file is empty")
-        if size > LARGEST_FILE and not _format_of(file).in_parts:
-            raise InputError(
-                f"{file}: {size / 1e9:.3g} GB: must be at most {LARGEST_FILE / 1e9:g} GB for its "
-                "format, which is read as a whole"
-            )
-    try:
-        contents = _contents(files[0], variable) if len(files) == 1 else _joined(files, variable)
-        return _in_metres(contents, units, spacing)
-    except InputError as error:
-        raise InputError(f"{', '.join(map(str, files))}: {error}") from None
-    except MemoryError:
-        raise InputError(f"{', '.join(map(str, files))}: needs more memory than there is") from None
+        with naming(str(file)):
+            _check_file(file)
+    with naming(", ".join(map(str, files))):
+        try:
+            several = len(files) > 1
+            contents = _joined(files, variable) if several else _contents(files[0], variable)
+            return _in_metres(contents, units, spacing)
+        except MemoryError:
+            raise InputError("needs more memory than there is") from None
 
 
 def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
     """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`."""
-    if not isinstance(path, str | Path):
-        parts = [str(part) for part in path]
-    elif Path(path).is_file() or "," not in str(path):
-        return (Path(path),)
-    else:
-        parts = str(path).split(",")
-    if len(parts) != 3:
+    if isinstance(path, str | Path):
+        if Path(path).is_file() or "," not in str(path):
+            return (Path(path),)
+        path = str(path).split(",")
+    if len(path) != 3:
         raise InputError(
-            f"{', '.join(parts)}: must be one file, or three files with x, y and heights, as in "
-            "x.txt,y.txt,z.txt"
+            f"{', '.join(map(str, path))}: must be one file, or three files with x, y and heights, "
+            "as in x.txt,y.txt,z.txt"
         )
-    return Path(parts[0]), Path(parts[1]), Path(parts[2])
+    return tuple(map(Path, path))
+
+
+def _check_file(file: Path) -> None:
+    """Raise `InputError` if a file does not exist, is empty, or too large for its format."""
+    if not file.is_file():
+        raise InputError("file not found")
+    size = file.stat().st_size
+    if not size:
+        raise InputError("the file is empty")
+    if size > LARGEST_FILE and not _format_of(file).in_parts:
+        raise InputError(
+            f"{size / 1e9:.3g} GB: must be at most {LARGEST_FILE / 1e9:g} GB for its format, which "
+            "is read as a whole"
+        )
 
 
 def _format_of(path: Path) -> Format:
@@ -180,11 +181,9 @@ def _joined(files: tuple[Path, ...], variable: str | None) -> Contents:
     check_no_variable(variable)
     parts = []
     for file in files:
-        try:
+        with naming(str(file)):
             text = _format_of(file) is _TEXT
             parts.append(points.read_matrix(file) if text else _contents(file, None))
-        except InputError as error:
-            raise InputError(f"{file}: {error}") from None
     return points.joined(*parts)
 
 
@@ -194,7 +193,7 @@ def _nearest_form(path: Path) -> str:
         start = file.read(_PROBED)
     suffix, size = path.suffix.lower(), path.stat().st_size
     marks = (form for mark, form in _STARTS.items() if start.lower().startswith(mark.lower()))
-    if form := next(marks, _STL if meshes.binary_stl_size(start) == size else None):
+    if form := next(marks, _STARTS[b"solid"] if points.binary_stl_size(start) == size else None):
         return "" if suffix and suffix in form else f"; its content is that of {form}"
     if suffix in (".csv", ".xyz", ".txt", ".obj"):
         return ""
@@ -233,9 +232,8 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
     height = size_of(settled("heights", contents.height_units, units, hint))
     if contents.points is not None:
         if spacing is not None:
-            raise InputError(
-                f"spacing = {1e3 * spacing:g} mm: must be left out for points, which have no grid"
-            )
+            given = f"spacing = {1e3 * spacing:g} mm"
+            raise InputError(f"{given}: must be left out for points, which have no grid")
         length_units = settled("x and y", contents.length_units, units, sides)
         known = contents.points[np.isfinite(contents.points[:, 2])]
         remarks = contents.remarks + doubted(length_units, sides)
@@ -258,36 +256,31 @@ def _placed(
     contents: Contents, units: str | None, spacing: float | None
 ) -> tuple[tuple[float, float], tuple[float, float] | None, tuple[str, ...]]:
     """Return spacing (dy, dx) and origin (y, x) of a grid [m], and remarks on its size."""
+    must = "spacing_mm must be given (--spacing on the command line)"
     if contents.spacing is None:
         if spacing is None:
-            raise InputError(
-                "does not state the spacing of its grid: spacing_mm must be given "
-                "(--spacing on the command line)"
-            )
-        length_units, steps, origin = "m", (spacing, spacing), None
-        contents = contents._replace(spacing=steps)
+            raise InputError(f"does not state the spacing of its grid: {must}")
+        length_units, stated, origin = "m", np.full(2, spacing), None
+        contents = contents._replace(spacing=(spacing, spacing))
     else:
         length_units = settled("distances", contents.length_units, units, contents.sides())
         across = size_of(length_units)
-        steps = (float(contents.spacing[0]) * across, float(contents.spacing[1]) * across)
+        stated = np.array(contents.spacing, dtype=float) * across
         origin = contents.origin and (contents.origin[0] * across, contents.origin[1] * across)
-        if spacing is not None and any(
-            abs(step - spacing) > SAME_SPACING * spacing for step in steps
-        ):
-            stated = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps) if step > 0.0)
+        if spacing is not None and (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
+            steps = [f"{1e3 * step:g}" for step in dict.fromkeys(stated.tolist()) if step > 0.0]
             raise InputError(
-                f"spacing = {1e3 * spacing:g} mm: the file states {stated} mm; must be left out"
+                f"spacing = {1e3 * spacing:g} mm: the file states {' and '.join(steps)} mm; must "
+                "be left out"
             )
-        if spacing is None and np.isnan(steps).any():
+        if spacing is None and np.isnan(stated).any():
             raise InputError(
-                f"states a spacing along {'x' if np.isnan(steps[0]) else 'y'} only: spacing_mm "
-                "must be given (--spacing on the command line)"
+                f"states a spacing along {'x' if np.isnan(stated[0]) else 'y'} only: {must}"
             )
-        dy, dx = np.where(np.isnan(steps), spacing or np.nan, steps).tolist()
-        steps = dy, dx
-    if not all(np.isfinite(step) and step > 0.0 for step in steps):
-        raise InputError(f"spacing {steps}: must be positive")
-    return steps, origin, doubted(length_units, contents.sides())
+    dy, dx = np.where(np.isnan(stated), spacing or np.nan, stated).tolist()
+    if not all(np.isfinite(step) and step > 0.0 for step in (dy, dx)):
+        raise InputError(f"spacing {(dy, dx)}: must be positive")
+    return (dy, dx), origin, doubted(length_units, contents.sides())
 
 
 def _real(values) -> np.ndarray:

@@ -11,13 +11,13 @@ import zlib
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import netCDF4
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, size_of
+from jointclosure.inputs import InputError, check_one_of, size_of
 from jointclosure.walls.scans.contents import (
     SAME_SPACING,
     VARIABLE,
@@ -31,6 +31,13 @@ _NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx":
 """Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
 _EVEN = 1e-4
 """Largest difference of the steps along an axis, over their mean, at which they are even."""
+_AXES = {
+    "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
+    "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
+}
+"""Names of dimensions, and standard names of coordinates, that identify an axis."""
+_COMPRESSED = 15
+"""Type of an element of a MATLAB file that is compressed."""
 
 
 class Array(NamedTuple):
@@ -217,8 +224,7 @@ def _loaded(name: str, array: Array) -> np.ndarray:
 def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
     """Return the stated array of a file, otherwise the only one over (y, x) that is no place."""
     if variable is not None:
-        if variable not in arrays:
-            raise InputError(f"variable = {variable!r}: must be one of {', '.join(arrays)}")
+        check_one_of("variable", variable, tuple(arrays))
         return variable
     fields = [
         name
@@ -251,17 +257,16 @@ def read_npz(path: Path, variable: str | None) -> Contents:
         with zipfile.ZipFile(file) as archive:
             arrays = {}
             for member in archive.namelist():
-                with archive.open(member) as content:
-                    shape, kind = _head(content)
                 name = member.removesuffix(".npy")
-                load = partial(_member, archive, member)
+                load = partial(_member, archive, member, _array)
+                shape, kind = _member(archive, member, _head)
                 arrays[name] = Array(shape, kind, split_name(name)[1], load)
             return grid_of(arrays, variable)
 
 
-def _member(archive: zipfile.ZipFile, member: str) -> np.ndarray:
+def _member(archive: zipfile.ZipFile, member: str, read: Callable[[IO[bytes]], Any]) -> Any:
     with archive.open(member) as content:
-        return _array(content)
+        return read(content)
 
 
 def _start(file: IO[bytes]) -> bytes:
@@ -321,21 +326,11 @@ def _netcdf_array(variable: netCDF4.Variable, turned: bool = False) -> Array:
     return Array(variable.shape, kind, units, lambda: variable[...])
 
 
-_AXES = {
-    "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
-    "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
-}
-"""Names of dimensions, and standard names of coordinates, that identify an axis."""
-
-
 def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
     """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
     about = variables.get(dimension)
-    words = (
-        *(getattr(about, key, None) for key in ("axis", "standard_name")),
-        split_name(dimension)[0],
-    )
-    for word in (str(word).lower() for word in words if word):
+    words = [getattr(about, key, None) for key in ("axis", "standard_name")]
+    for word in (str(word).lower() for word in (*words, split_name(dimension)[0]) if word):
         for axis, names in _AXES.items():
             if word in names:
                 return axis
@@ -379,10 +374,6 @@ def _listed(path: Path) -> tuple[list[tuple], list[int]]:
             sizes.append(size)
             file.seek(end)
     return listed, sizes
-
-
-_COMPRESSED = 15
-"""Type of an element of a MATLAB file that is compressed."""
 
 
 def _leaves(values: dict) -> dict[str, Array]:

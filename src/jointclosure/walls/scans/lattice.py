@@ -129,11 +129,7 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
-    """Find the evenly spaced nodes that most values have; None if fewer than three occur.
-
-    Values closer than ``apart`` are one level; levels of less than half the usual number do not
-    count.
-    """
+    """Find the evenly spaced nodes that most values have; None if fewer than three occur."""
     levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
     group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
     size = np.bincount(group, count)

@@ -1,10 +1,15 @@
-"""Points x, y, z of text files, or a matrix of heights, which its places may frame."""
+"""Points of text files, of which some are matrices of heights, and of meshes (STL, PLY, OBJ)."""
 
+import itertools
+import re
+import struct
 from pathlib import Path
 
 import numpy as np
+import scipy
 
 from jointclosure.inputs import InputError, size_of
+from jointclosure.inputs.extras import needs
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.outliers import strays
 from jointclosure.walls.scans.contents import (
@@ -18,7 +23,7 @@ from jointclosure.walls.scans.contents import (
     split_name,
 )
 from jointclosure.walls.scans.lattice import lattice_of, merged_points
-from jointclosure.walls.scans.text import Table, are_places, read_table
+from jointclosure.walls.scans.text import Table, are_places, is_binary, read_table
 
 LEAST_COLUMNS = 12
 """Columns without names from which on a file is a matrix; points with colours and normals have
@@ -29,6 +34,17 @@ SCATTERED = (
     "the points lie on no regular grid along x and y: heights between them are interpolated, which "
     "makes walls smoother"
 )
+LARGEST_COVER = 1.05
+"""Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
+_HEAD = 65_536
+"""Number of bytes in which the head of a PLY file ends."""
+_DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
+"""Comment of an OBJ file that states the number of vertices."""
+_LINES = {
+    "v": "the numbers x, y, z, as many numbers as in the other vertices",
+    "f": "the numbers of three or more vertices",
+}
+"""Lines of an OBJ file that are read, by their first word."""
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
@@ -54,13 +70,12 @@ def read_text(path: Path, variable: str | None) -> Contents:
 
 def _matrix(table: Table) -> Contents | None:
     """Return a matrix of heights, on the grid of its frame if it has one; None for points."""
-    points = None
     if table.names:
         points = _below_names(table)
-    elif table.values.shape[1] >= LEAST_COLUMNS:
-        points = framed_points(table.values)
-        if points is None:
-            return Contents(table.values, remarks=table.remarks)
+    elif table.values.shape[1] < LEAST_COLUMNS:
+        points = None
+    elif (points := framed_points(table.values)) is None:
+        return Contents(table.values, remarks=table.remarks)
     if points is None:
         return None
     contents = contents_of(points)
@@ -118,10 +133,9 @@ def joined(x: Contents, y: Contents, z: Contents) -> Contents:
         raise InputError(f"x is in {x.height_units} and y in {y.height_units}: must be the same")
     columns = [np.asarray(part.heights, dtype=float).ravel() for part in (x, y, z)]
     contents = contents_of(np.stack(columns, axis=1))
+    remarks = x.remarks + y.remarks + z.remarks + contents.remarks
     return contents._replace(
-        height_units=z.height_units,
-        length_units=x.height_units,
-        remarks=x.remarks + y.remarks + z.remarks + contents.remarks,
+        height_units=z.height_units, length_units=x.height_units, remarks=remarks
     )
 
 
@@ -178,39 +192,149 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 def _columns(table: Table, variable: str | None) -> list[int]:
     """Return the numbers of the columns of x, y and z."""
-    width = table.values.shape[1]
-    bare = [axis_name(name) for name in table.names]
+    names, width = table.names, table.values.shape[1]
+    bare = [axis_name(name) for name in names]
     if variable is not None:
-        return _stated_columns(table.names, bare, width, variable)
-    if table.names:
-        if not {"x", "y", "z"} <= set(bare):
-            raise InputError(
-                f"columns {', '.join(table.names)}: must be named x, y and z, or {VARIABLE} "
-                "must state them, such as 1,2,3"
-            )
-        return [bare.index(axis) for axis in "xyz"]
-    if width != 3:
+        return _stated_columns(names, bare, width, variable)
+    if names and not {"x", "y", "z"} <= set(bare):
+        raise InputError(
+            f"columns {', '.join(names)}: must be named x, y and z, or {VARIABLE} must state them, "
+            "such as 1,2,3"
+        )
+    if not names and width != 3:
         raise InputError(
             f"{width} columns that are not named x, y and z: must be three in this order, or "
             f"{VARIABLE} must state them, such as 1,2,3; a matrix of heights has at least "
             f"{LEAST_COLUMNS}"
         )
-    return [0, 1, 2]
+    return [bare.index(axis) for axis in "xyz"] if names else [0, 1, 2]
 
 
 def _stated_columns(names: list[str], bare: list[str], width: int, variable: str) -> list[int]:
-    columns = []
-    for word in (word.strip() for word in variable.split(",")):
+    columns, words = [], [word.strip() for word in variable.split(",")]
+    for word in words:
         if word.isdecimal() and 1 <= int(word) <= width:
             columns.append(int(word) - 1)
         elif word in names:
             columns.append(names.index(word))
         elif word.lower() in bare:
             columns.append(bare.index(word.lower()))
-    if len(columns) != 3 or len(set(columns)) != 3 or len(variable.split(",")) != 3:
+    if not len(set(columns)) == len(columns) == len(words) == 3:
         allowed = ", ".join(names) if names else f"numbers from 1 to {width}"
         raise InputError(
             f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
             f"there are {allowed}"
         )
     return columns
+
+
+def read_mesh(path: Path) -> Contents:
+    """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
+    form = path.suffix.lower().removeprefix(".")
+    vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    if declared > len(vertices):
+        raise InputError(
+            f"declares {declared} vertices, and contains {len(vertices)}: is the file incomplete?"
+        )
+    if faces.size and faces.max() >= len(vertices):
+        raise InputError(
+            f"a face has vertex {faces.max() + 1}, but there are {len(vertices)} vertices"
+        )
+    if len(vertices) < 4:
+        raise InputError(f"has {len(vertices)} vertices: too few for a wall")
+    _check_single_sheet(vertices, faces)
+    contents = contents_of(vertices)
+    if len(faces) and (loose := len(vertices) - len(np.unique(faces))):
+        used = (
+            f"{loose} of {len(vertices)} vertices belong to no face; they were used like the others"
+        )
+        return contents._replace(remarks=(*contents.remarks, caution(used)))
+    return contents
+
+
+def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
+    with needs("walls", form.upper()):
+        import trimesh
+    if form == "stl":
+        _check_stl(path)
+    points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
+    with path.open("rb") as file:
+        head = file.read(_HEAD).partition(b"end_header")[0]
+        file.seek(0)
+        meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
+        for part in meshes.values():
+            points.append(np.array(part.vertices, dtype=float))
+            faces.append(count + np.reshape(getattr(part, "faces", faces[0]), (-1, 3)))
+            count += len(points[-1])
+    stated = re.search(rb"element\s+vertex\s+(\d+)", head) if form == "ply" else None
+    return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
+
+
+def binary_stl_size(start: bytes) -> int | None:
+    """Return the bytes that a binary STL declares: a head of 84, 50 a triangle; None if shorter."""
+    return 84 + 50 * struct.unpack_from("<I", start, 80)[0] if len(start) >= 84 else None
+
+
+def _check_stl(path: Path) -> None:
+    """Raise `InputError` if a binary STL file is shorter than its head declares."""
+    with path.open("rb") as file:
+        start = file.read(1024)
+    declared, size = binary_stl_size(start), path.stat().st_size
+    if start.lstrip().lower().startswith(b"solid") and not is_binary(start):
+        return  # its text form
+    if declared is None:
+        problem = f"contains {size} bytes, less than the head of 84"
+    elif size < declared:
+        triangles = (declared - 84) // 50
+        problem = f"declares {triangles} triangles, {declared} bytes, and contains {size}"
+    else:
+        return
+    raise InputError(f"{problem}: is the file incomplete?")
+
+
+def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments."""
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    declared = 0
+    with path.open(encoding="latin-1") as file:
+        for number, line in enumerate(file, start=1):
+            kind, *words = line.split() or [""]
+            valid = True
+            try:
+                if kind == "v":
+                    vertices.append([float(word) for word in words])
+                    valid = len(vertices[-1]) == len(vertices[0]) >= 3
+                elif kind == "f":
+                    corners = [int(word.split("/")[0]) for word in words]
+                    # negative numbers count back from the last vertex
+                    corners = [n if n > 0 else len(vertices) + 1 + n for n in corners]
+                    valid = len(corners) >= 3 and min(corners) >= 1
+                    faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
+                elif stated := _DECLARED.match(line):
+                    declared += int(stated[1] or stated[2])
+            except ValueError:
+                valid = False
+            if not valid:
+                raise InputError(
+                    f"line {number}, {line.strip()[:60]!r}: must be {kind} and {_LINES[kind]}"
+                )
+    if not vertices:
+        raise InputError("has no vertices (lines 'v x y z')")
+    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1, declared
+
+
+def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
+    """Raise `InputError` if triangles (n, 3) cover more of the plan than their points' hull."""
+    one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
+    area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    try:
+        hull = scipy.spatial.ConvexHull(points[:, :2]).volume
+    except (scipy.spatial.QhullError, ValueError):
+        return  # they lie on one line, which `point_distance` reports
+    if area > LARGEST_COVER * hull:
+        raise InputError(
+            f"the surface overlaps itself: its triangles cover {area / hull:.3g} times the plan "
+            "of its points; a solid or both walls in one file must be cut to one wall"
+        )

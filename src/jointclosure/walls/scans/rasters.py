@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.extras import needs
 from jointclosure.walls.scans.contents import Contents, check_size, incomplete, reading_as
 
@@ -193,8 +193,7 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
         channel, index = reader.default_channel, None
         if variable is not None:
             names = [channel.name for channel in reader.channels]
-            if variable not in names:
-                raise InputError(f"variable = {variable!r}: must be one of {', '.join(names)}")
+            check_one_of("variable", variable, tuple(names))
             index = names.index(variable)
             channel = reader.channels[index]
         check_size(tuple(channel.nb_grid_pts))

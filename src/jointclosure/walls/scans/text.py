@@ -71,11 +71,7 @@ def read_table(path: Path) -> Table:
 
 
 def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int, list[str]]:
-    """Return words of lines, the usual number of columns, and a warning of shorter lines, left as
-    NaN.
-
-    An empty column at the end does not count beyond the ``least`` number of columns.
-    """
+    """Return words of lines, their usual number, and a warning of shorter lines, left as NaN."""
     counts = np.array([len(line.strip(" ").split(form.separator)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
