@@ -2,19 +2,19 @@
 
 `judged` closes a joint with a solver that shows every state it brings to rest to
 `assert_at_rest`. Walls here may have profiles that are straight but for rounding, which
-`studies.verification.oracle.judge` takes as they are: so forces are held against the
+`jointclosure.engine.oracle.judge` takes as they are: so forces are held against the
 interval of curvatures that rounding leaves.
 """
 
 import numpy as np
 
 import jointclosure as jc
+from jointclosure.engine import oracle
+from jointclosure.engine.judging import JudgedSolver
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import height_datum, simulate_by
 from jointclosure.solvers.registry import solver_named
-from studies.verification import oracle
-from studies.verification.hard_cases import JudgedSolver
 
 EPSILON = np.finfo(float).eps
 

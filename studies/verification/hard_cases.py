@@ -2,7 +2,7 @@
 
 A case is an entry of ``hard_cases.yaml``, merged with that file's defaults. `run_case`
 closes its joint with a solver that passes every state at rest to the oracle
-(`studies.verification.oracle`), and lists every requirement that does not hold.
+(`jointclosure.engine.oracle`), and lists every requirement that does not hold.
 """
 
 import copy
@@ -18,6 +18,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine import oracle
+from jointclosure.engine.judging import Judge, JudgedSolver
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
@@ -27,18 +29,11 @@ from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, rock_of
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
-from jointclosure.solvers.joint import CONVERGED, Joint, Settled
 from jointclosure.solvers.registry import solver_named
 from studies.frame.config.schema import problems
-from studies.verification import oracle
 from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys, hard_walls
-from studies.verification.requirements import EXTRA, broken_requirements, limits_of
+from studies.verification.requirements import EXTRA, broken_requirements
 
-_LARGEST_JUDGED = 2500
-"""Number of contacts above which only every tenth state is judged, because the oracle is dense."""
-_LARGEST_CURVE = 20_000
-"""Number of cells above which only the first, middle and last point of an elastic curve are
-judged."""
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
@@ -52,83 +47,7 @@ class Outcome(NamedTuple):
     message: str
     seconds: float
     warned: list[str]
-    judge: "Judge"
-
-
-class Judge:
-    """Oracle applied to many states of one joint.
-
-    ``worst`` stores, for each field of `oracle.Verdict`, the value closest to its limit or furthest
-    beyond it, and ``limits`` this limit: both may differ from state to state. ``states`` counts the
-    judged states.
-    """
-
-    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
-        self._given, self._tolerances = given, tolerances
-        self.worst: dict[str, float] = {}
-        self.limits: dict[str, float] = {}
-        self.states = 0
-
-    def __call__(self, state: oracle.State) -> None:
-        verdict = oracle.judge(self._given, state)
-        numbers = verdict._asdict()
-        limits = limits_of(verdict, self._given.effects, self._tolerances)
-        for name, value in numbers.items():
-            limit = limits.get(name, 0.0)
-            if name not in self.worst or _closer(value, limit, self.worst[name], self.limits[name]):
-                self.worst[name], self.limits[name] = value, limit
-        self.states += 1
-
-
-def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
-    """Return whether a value is worse relative to its limit than another one."""
-    if np.isinf(limit):  # only reported
-        return value > worst
-    if limit > 0.0 and its_limit > 0.0:
-        return not value / limit <= worst / its_limit
-    return not value - limit <= worst - its_limit
-
-
-class JudgedSolver:
-    """Solver whose states at rest are all judged."""
-
-    def __init__(self, inner, judge: Judge):
-        self._inner, self._show = inner, judge
-        self._seen = 0
-        self.elastic_curve = self._elastic_curve if inner.elastic_curve else None
-        self.predict = inner.predict
-
-    def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Settle as the solver, and judge the state."""
-        settled = self._inner.settle(joint, closure, breakage_step)
-        self._judge(joint, settled)
-        return settled
-
-    def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
-        # a curve keeps only the forces of its last point: each point is solved again, and judged
-        # with closure and total force of the whole curve; only a few points of large joints
-        settled = self._inner.elastic_curve(joint, targets)
-        self._judge(joint, settled[-1])
-        last = joint.force.copy()
-        parts = list(range(1, len(settled)))
-        if joint.upper.size > _LARGEST_CURVE:
-            parts = sorted({1, targets.size // 2} & set(parts))
-        for part in parts:
-            self._inner.elastic_curve(joint, targets[:part])
-            self._judge(joint, settled[part - 1])
-        joint.force[:] = last
-        return settled
-
-    def _judge(self, joint: Joint, settled: Settled) -> None:
-        self._seen += 1
-        large = settled.contacts > _LARGEST_JUDGED and self._seen % 10 != 1
-        if settled.outcome != CONVERGED or large:
-            return
-        self._show(
-            oracle.State(
-                joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
-            )
-        )
+    judge: Judge
 
 
 def merged_cases(study: dict) -> dict[str, dict]:

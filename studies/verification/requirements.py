@@ -10,15 +10,6 @@ from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUM
 LARGEST_UNBREAKABLE_SHARE = 0.1
 """Share of the force on cells that cannot break above which a remark is required; independent of
 the protocol's constant."""
-VOLUME_TOLERANCE = 1e-12
-STRENGTH_TOLERANCE = 1e-6
-"""Allowed relative excess over strength of a contact at rest, due to the last change of the
-interaction."""
-LOAD_TOLERANCE = 1e-12
-ROUNDINGS = 16.0
-"""Allowed error of an overlap, in units in the last place of the heights."""
-SOLVED = 1.01
-"""Allowed residual over a solver's tolerance; the solver sums its residual in another order."""
 
 
 def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
@@ -39,26 +30,6 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
     elif "max_closure" in outcome.dataset and np.isfinite(outcome.dataset.max_closure[-1]):
         failed.append("a failed simulation has a last closure")
     return failed
-
-
-def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
-    """Return the limits of the numbers of an `oracle.Verdict`, by name; others are 0.
-
-    Forces may have the error of the solver's tolerance plus the effect of the last digits of the
-    heights. ``rounding`` and, if broken material vanishes, ``volume`` are only reported.
-    """
-    digits = ROUNDINGS * verdict.rounding
-    solved = SOLVED * tolerances["residual"] + digits
-    lost = effects.breakage and not effects.gouge
-    return {
-        "residual": solved,
-        "without_overlap": solved,
-        "without_force": solved,
-        "rounding": np.inf,
-        "load": LOAD_TOLERANCE,
-        "volume": np.inf if lost else VOLUME_TOLERANCE if effects.breakage else 0.0,
-        "strength": STRENGTH_TOLERANCE + tolerances["strength"] + digits,
-    }
 
 
 def _judged(outcome) -> list[str]:

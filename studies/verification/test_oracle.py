@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine import oracle
+from jointclosure.engine.judging import Judge
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
-from studies.verification import oracle
-from studies.verification.hard_cases import Judge
 from tests.joints import DOLERITE, SPACING
 
 NUMERICS = jc.Numerics(force_tolerance=1e-8)

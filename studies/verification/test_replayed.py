@@ -1,6 +1,6 @@
 """Cycles that are replayed are the elastic curve of the crushed walls, by a solver of its own.
 
-The solver is dense, and knows the model by `studies.verification.oracle` alone, which shares
+The solver is dense, and knows the model by `jointclosure.engine.oracle` alone, which shares
 no code with the package's solvers.
 """
 
@@ -9,7 +9,7 @@ import hypothesis.strategies as st
 import numpy as np
 
 import jointclosure as jc
-from studies.verification import oracle
+from jointclosure.engine import oracle
 from tests.joints import DOLERITE, SPACING
 
 SHAPE = (11, 13)

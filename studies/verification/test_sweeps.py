@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from jointclosure.engine import oracle
 from jointclosure.parameters import Choices, Effects
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
-from studies.verification import oracle, sweeps
+from studies.verification import sweeps
 from tests.joints import DOLERITE, SPACING
 
 HEIGHTS = 100.0  # closure of the hardest case over the range of heights

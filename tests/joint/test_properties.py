@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import given
 
 import jointclosure as jc
+from jointclosure.engine import oracle
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.walls.synthesis import Spectrum, gaussian_field
-from studies.verification import oracle
 from tests import invariants
 
 REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=40)

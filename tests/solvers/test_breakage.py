@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine import oracle
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.parameters import Choices, Effects, Numerics
@@ -18,7 +19,6 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from studies.verification import oracle
 from tests.joints import DOLERITE, SPACING
 
 CLOSURES = np.arange(1, 25) * 12.5e-6

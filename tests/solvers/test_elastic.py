@@ -5,9 +5,9 @@ import pytest
 import scipy.optimize
 
 import jointclosure as jc
+from jointclosure.engine import oracle
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers import elastic
-from studies.verification import oracle
 from tests.joints import DOLERITE, SPACING, bump
 
 SCENES = {

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine import oracle
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.parameters import Choices, Effects
 from jointclosure.solvers.cells import overlapping_cells, peak_map
@@ -17,7 +18,6 @@ from jointclosure.solvers.interaction_operator import (
     mean_displacement,
 )
 from jointclosure.solvers.registry import SOLVERS
-from studies.verification import oracle
 from tests.joints import DOLERITE, SPACING, bump
 
 ELASTIC = jc.Effects(breakage=False, gouge=False)

@@ -1,7 +1,7 @@
 """Oracle: a joint's state recomputed by code that shares nothing with the solvers.
 
-It uses only numpy and scipy, dense and simple, and imports nothing from jointclosure (a contract of
-the layers checks this). SI units; fields are (y, x). A rock has ``youngs_modulus``,
+It uses only numpy and scipy, dense and simple, and imports no part of the model (a contract of the
+layers checks this). SI units; fields are (y, x). A rock has ``youngs_modulus``,
 ``poisson_ratio`` and ``compressive_strength``; a joint has one rock, or a pair of (upper, lower).
 """
 
