@@ -1,10 +1,11 @@
-"""Results of many studies at once, judged as in the paper by point estimates.
+"""The paper's claims: statements on closures and their criteria, for a model and for studies.
 
 Studies are those of `jointclosure.statistics.drawn_studies.draw_studies`: lengths and means of R
 repetitions. A real study is a study with R = 1, judged by the same rules.
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,55 +29,33 @@ class Findings(NamedTuple):
     drawn: dict[tuple[str, str], DrawnResponse]
     names: tuple[tuple[str, int], ...]
 
-    def rocks(self) -> list[str]:
-        """Return the names of the rocks, in order."""
-        return list(dict.fromkeys(rock for rock, _ in self.drawn))
+    def rocks(self, parameters: tuple[str, ...]) -> list[str]:
+        """Return the rocks, in order, of which all these parameters are varied."""
+        rocks = dict.fromkeys(rock for rock, _ in self.drawn)
+        return [rock for rock in rocks if all((rock, one) in self.drawn for one in parameters)]
 
-    def parameters(self, rock: str) -> list[str]:
-        """Return the parameters of a rock that are varied."""
-        return [parameter for name, parameter in self.drawn if name == rock]
-
-    def percents(self, rock: str, cycle: int, variable: str = TARGET) -> dict[str, np.ndarray]:
+    def percents(self, rock: str, cycle: int, variable: str) -> dict[str, np.ndarray]:
         """Return lengths (R,) in percent of the rock's value, by parameter; infinite if no root."""
-        target = self.names.index((variable, cycle))
         return {
-            parameter: 100.0 * response.lengths[:, target] / abs(response.base)
-            for parameter in self.parameters(rock)
-            if (response := self.drawn[rock, parameter]).base != 0.0
+            parameter: 100.0 * self.lengths(parameter, rock, cycle, variable) / abs(response.base)
+            for (name, parameter), response in self.drawn.items()
+            if name == rock and response.base != 0.0
         }
 
-    def lengths(self, rock: str, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
+    def lengths(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
         """Return lengths (R,) [SI]."""
         return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
 
-    def means(self, rock: str, parameter: str, variable: str, cycle: int) -> np.ndarray:
+    def means(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
         """Return means (R, levels)."""
         return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
 
-    def base_means(self, rock: str, variable: str, cycle: int) -> np.ndarray:
+    def base_means(self, rock: str, cycle: int, variable: str) -> np.ndarray:
         """Return means (R,) of the base case of the rock."""
-        parameter = self.parameters(rock)[0]
-        response = self.drawn[rock, parameter]
-        at_base = int(np.flatnonzero(response.levels == response.base)[0])
-        return self.means(rock, parameter, variable, cycle)[:, at_base]
-
-
-def widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Return whether no other interval is longer, and some are finite."""
-    every = np.array(list(percents.values()))
-    return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
-
-
-def in_place(percents: dict[str, np.ndarray], parameter: str, place: int) -> np.ndarray:
-    """Return whether ``place`` other intervals are shorter, and this one is finite."""
-    every = np.array(list(percents.values()))
-    shorter = (every < percents[parameter]).sum(axis=0)
-    return (shorter == place) & np.isfinite(percents[parameter])
-
-
-def monotone(means: np.ndarray, sign: int) -> np.ndarray:
-    """Return whether means (R, levels) rise (sign 1) or fall (-1) at every step of the levels."""
-    return np.all(sign * np.diff(means, axis=1) > 0.0, axis=1)
+        parameter = next(parameter for name, parameter in self.drawn if name == rock)
+        levels, base, *_ = self.drawn[rock, parameter]
+        at_base = int(np.flatnonzero(levels == base)[0])
+        return self.means(parameter, rock, cycle, variable)[:, at_base]
 
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
@@ -93,60 +72,50 @@ best; such a change then changes the closure by less than `NEGLIGIBLE`."""
 
 Value = Any
 """Number, or array of numbers."""
-Margins = Mapping[str, Value]
-"""Margins by name: numbers, or arrays of equal shape."""
-
-
 Model = Any
 """Model of a rock: `studies.paper.judged_claims.ClosedModel`, or its `Elasticities` alone."""
 
 
 class Elasticities(NamedTuple):
-    """Elasticities by (parameter, cycle), as known from some studies of a rock.
-
-    ``bases``: the rock's values of the parameters.
-    """
+    """Elasticities by (parameter, cycle) of one variable, and the rock's values of parameters."""
 
     by_cycle: Mapping[tuple[str, int], Value]
     bases: Mapping[str, float]
 
-    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
-        """Return d ln(closure)/d ln(parameter) at the rock's value; only one variable is known."""
+    def elasticity(self, parameter: str, cycle: int, variable: str) -> Value:
+        """Return d ln(closure)/d ln(parameter) at the rock's value."""
         return self.by_cycle[parameter, cycle]
 
-    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
+    def slopes(self, parameter: str, cycle: int, variable: str) -> list[Value]:
         """Return the elasticity itself in place of those between levels."""
-        return [self.elasticity(parameter, cycle, variable)]
+        return [self.by_cycle[parameter, cycle]]
 
     def change(self, parameter: str, cycle: int, change: float) -> Value:
         """Return the relative change of the closure with a change, by a power of the parameter."""
-        return (1.0 + change / self.bases[parameter]) ** self.elasticity(parameter, cycle) - 1.0
+        return (1.0 + change / self.bases[parameter]) ** self.by_cycle[parameter, cycle] - 1.0
 
 
 class Statement(NamedTuple):
     """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
-    ``number`` and ``text`` do not depend on the cycle. ``parameters`` must vary. ``margins``
-    (model, cycle, variable) are those of a model; ``finds`` (studies, rock, cycle, variable)
-    returns for each study (R,) whether it confirms the statement. The statement is true if all
-    margins exceed ``above``. ``alike`` is the largest difference that counts as none, for
-    comparisons; a statement that is no comparison is false below ``above``. ``within``: the
-    statement is true if all margins lie within +-``above`` instead. ``before``: it compares with
-    the cycle before. ``of_elasticities``: it depends only on elasticities and the rock's values.
-    ``reads``: `LOOP` or `EXCESS` of the base case, if it is judged by that.
+    ``parameters`` must vary. ``margins`` (model, cycle, variable) are those of a model by name;
+    ``finds`` (studies, rock, cycle, variable) returns which studies (R,) confirm the statement. It
+    is true if all margins exceed ``above``, or lie ``within`` +-``above``. ``alike`` is the largest
+    difference that counts as none, for comparisons; a statement that is no comparison is false
+    below ``above``. ``before``: it compares with the cycle before. ``of_elasticities``: it depends
+    only on elasticities and the rock's values.
     """
 
     number: str
     text: str
     parameters: tuple[str, ...]
-    margins: Callable[..., Margins]
+    margins: Callable[[Model, int, str], Mapping[str, Value]]
     finds: Callable[[Findings, str, int, str], np.ndarray]
     above: float = TOLERANCE
     alike: float | None = None
     within: bool = False
     before: bool = False
     of_elasticities: bool = True
-    reads: str = ""
 
     def cycles(self, cycle: int) -> tuple[int, ...]:
         """Return the cycles that the statement needs."""
@@ -160,10 +129,7 @@ class Statement(NamedTuple):
         return np.min(margins, axis=0)
 
     def least_interval(self, intervals: list[Interval]) -> Interval:
-        """Return the confidence interval of the smallest margin from simultaneous intervals.
-
-        With ``within`` it is the interval of the distance to the bound.
-        """
+        """Return the interval of the `least` margin from simultaneous intervals of margins."""
         if self.within:
             intervals = [
                 Interval(self.above - max(abs(low), abs(high)), self.above - max(low, -high, 0.0))
@@ -172,27 +138,44 @@ class Statement(NamedTuple):
         return Interval(*(min(ends) for ends in zip(*intervals, strict=True)))
 
     def true_above(self) -> float:
-        """Smallest margin for which the statement is true."""
+        """Smallest `least` margin for which the statement is true."""
         return 0.0 if self.within else self.above
 
 
-def _size(model: Model, parameter: str, cycle: int, variable: str) -> Value:
-    return np.abs(model.elasticity(parameter, cycle, variable))
+Percents = dict[str, np.ndarray]
+"""Lengths of studies (R,) in percent of the rock's value, by parameter."""
 
 
-def _less(first: str, second: str) -> str:
-    return f"|e({SYMBOLS[first]})| - |e({SYMBOLS[second]})|"
+def _shortest(percents: Percents, parameter: str, place: int = 0) -> np.ndarray:
+    """Return whether ``place`` other intervals are shorter, and this one is finite."""
+    every = np.array(list(percents.values()))
+    shorter = (every < percents[parameter]).sum(axis=0)
+    return (shorter == place) & np.isfinite(percents[parameter])
 
 
-def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callable) -> Statement:
+_second = partial(_shortest, place=1)
+
+
+def _widest(percents: Percents, parameter: str) -> np.ndarray:
+    """Return whether no other interval is longer, and some are finite."""
+    every = np.array(list(percents.values()))
+    return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
+
+
+def _ranked(
+    number: str, text: str, pairs: list[tuple[str, str]], parameter: str, finds: Callable
+) -> Statement:
     """Make the statement that closure is more sensitive to the first of each pair."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
-        size = {name: _size(model, name, cycle, variable) for name in PROPERTIES}
-        return {_less(one, other): size[one] - size[other] for one, other in pairs}
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
+        size = {name: np.abs(model.elasticity(name, cycle, variable)) for name in PROPERTIES}
+        return {
+            f"|e({SYMBOLS[one]})| - |e({SYMBOLS[other]})|": size[one] - size[other]
+            for one, other in pairs
+        }
 
-    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return finds(studies.percents(rock, cycle, variable))
+    def confirms(studies: Findings, *at: Any) -> np.ndarray:
+        return finds(studies.percents(*at), parameter)
 
     return Statement(number, text, PROPERTIES, margins, confirms, alike=TOLERANCE)
 
@@ -200,14 +183,15 @@ def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callabl
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
-        before, here = (_size(model, parameter, c, variable) for c in (cycle - 1, cycle))
-        of = f"|e({SYMBOLS[parameter]})| of cycle"
-        pair = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
-        return {f"{of} {pair[0]} - {pair[1]}": sign * (here - before)}
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
+        before, here = (
+            np.abs(model.elasticity(parameter, c, variable)) for c in (cycle - 1, cycle)
+        )
+        more, less = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
+        return {f"|e({SYMBOLS[parameter]})| of cycle {more} - {less}": sign * (here - before)}
 
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        before, here = (studies.lengths(rock, parameter, c, variable) for c in (cycle - 1, cycle))
+        before, here = (studies.lengths(parameter, rock, c, variable) for c in (cycle - 1, cycle))
         return here < before if sign > 0 else here > before
 
     return Statement(number, text, (parameter,), margins, confirms, alike=TOLERANCE, before=True)
@@ -215,15 +199,14 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statem
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that closure rises (sign 1) or falls (-1) with a parameter."""
-    word = "rise" if sign > 0 else "fall"
+    name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
-        name = f"{word} with {SYMBOLS[parameter]}"
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
         slopes = model.slopes(parameter, cycle, variable)
         return {f"{name}, step {i + 1}": sign * slope for i, slope in enumerate(slopes)}
 
-    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return monotone(studies.means(rock, parameter, variable, cycle), sign)
+    def confirms(studies: Findings, *at: Any) -> np.ndarray:
+        return np.all(sign * np.diff(studies.means(parameter, *at), axis=1) > 0.0, axis=1)
 
     return Statement(number, text, (parameter,), margins, confirms)
 
@@ -231,14 +214,14 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
 def _no_effect(number: str, text: str, parameter: str, change: float) -> Statement:
     """Make the statement that this change of a parameter has a negligible effect on the closure."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
         return {
             f"change with {SYMBOLS[parameter]} {by:+g}": model.change(parameter, cycle, by)
             for by in (-change, change)
         }
 
-    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return studies.lengths(rock, parameter, cycle, variable) >= change
+    def confirms(studies: Findings, *at: Any) -> np.ndarray:
+        return studies.lengths(parameter, *at) >= change
 
     return Statement(number, text, (parameter,), margins, confirms, NEGLIGIBLE, within=True)
 
@@ -247,49 +230,42 @@ def _significant(number: str, text: str, parameter: str, percent: float) -> Stat
     """Make the statement that this change of a parameter is significant in a study."""
     name = f"change with {percent:g} % of {SYMBOLS[parameter]}, over a significant one"
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
         change = 0.01 * percent * np.abs(model.elasticity(parameter, cycle, variable))
         return {name: change / model.significant(cycle)}
 
-    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return studies.percents(rock, cycle, variable)[parameter] <= percent
+    def confirms(studies: Findings, *at: Any) -> np.ndarray:
+        return studies.percents(*at)[parameter] <= percent
 
     return Statement(number, text, (parameter,), margins, confirms, 1.0, of_elasticities=False)
 
 
 def _positive(number: str, text: str, reads: str) -> Statement:
-    """Make the statement that `LOOP` or `EXCESS` is positive."""
+    """Make the statement that `LOOP` or `EXCESS` of the base case is positive."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Margins:
+    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
         return {f"{reads} over closure": model.share(reads, cycle)}
 
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return studies.base_means(rock, reads, cycle) > 0.0
+        return studies.base_means(rock, cycle, reads) > 0.0
 
-    return Statement(
-        number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False, reads=reads
-    )
+    return Statement(number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False)
 
 
 NU_LEAST = _ranked(
-    "1a",
-    "Poisson's ratio matters least",
-    [(name, NU) for name in (E, STRENGTH, JRC)],
-    lambda percents: widest(percents, NU),
+    "1a", "Poisson's ratio matters least", [(one, NU) for one in (E, STRENGTH, JRC)], NU, _widest
 )
 NU_NO_EFFECT = _no_effect("1b", "No effect of a change of Poisson's ratio by 0.1", NU, 0.1)
 E_MOST = _ranked(
-    "2a",
-    "Young's modulus matters most",
-    [(E, name) for name in (NU, STRENGTH, JRC)],
-    lambda percents: in_place(percents, E, 0),
+    "2a", "Young's modulus matters most", [(E, one) for one in (NU, STRENGTH, JRC)], E, _shortest
 )
 E_RISES = _with_the_cycle("2c", "Young's modulus matters more than on the cycle before", E, 1)
 STRENGTH_NEXT = _ranked(
     "3",
     "Compressive strength matters next after Young's modulus",
     [(E, STRENGTH), (STRENGTH, NU), (STRENGTH, JRC)],
-    lambda percents: in_place(percents, STRENGTH, 1),
+    STRENGTH,
+    _second,
 )
 STRENGTH_RISES = _with_the_cycle(
     "3b", "Compressive strength matters more than on the cycle before", STRENGTH, 1
@@ -304,6 +280,8 @@ RISES_WITH_JRC = _trend("5c", "Closure falls when JRC falls", JRC, 1)
 HYSTERESIS = _positive("6a", "Unloading shows hysteresis", LOOP)
 SOFT_AT_FIRST = _positive("6b", "Low stresses close more than high ones", EXCESS)
 
+UNJUDGED = _positive("8", "No sensitivity study can judge it", "")
+"""Statement of a claim on no cycle, whose margins are never computed."""
 
 OURS = "ours"
 """Source of a claim that is a variant added here and not in the paper."""
@@ -313,8 +291,8 @@ TABLE_3 = "table 3"
 class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
-    ``section``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
-    sensitivity study can judge; ``remark`` states the reason, or what its verdict rests on.
+    ``section``: sections of the paper, or `OURS`. ``statement``: `UNJUDGED`, on no cycle, if
+    no sensitivity study can judge it; ``remark``: the reason, or what its verdict rests on.
     ``shown``: where the paper has numbers for it, `TABLE_3` for entries of ``parameter``.
     ``negated``: the claim is that the statement is *not* true in every rock.
     """
@@ -322,7 +300,7 @@ class Claim(NamedTuple):
     number: str
     text: str
     section: str
-    statement: Statement | None
+    statement: Statement
     cycles: tuple[int, ...]
     shown: str = TABLE_3
     parameter: str = ""
@@ -330,44 +308,20 @@ class Claim(NamedTuple):
     negated: bool = False
     remark: str = ""
 
-    @property
-    def judged_by(self) -> Statement:
-        """Statement of the claim."""
-        if self.statement is None:
-            raise ValueError(f"claim {self.number}: {self.remark}")
-        return self.statement
-
     def verdict(self, least: tuple[float, float]) -> str:
         """Return the verdict from the confidence interval of the smallest margin in all rocks."""
-        word = verdict(least, self.judged_by.true_above(), self.judged_by.alike)
+        word = verdict(least, self.statement.true_above(), self.statement.alike)
         return {STANDS: FALLS, FALLS: STANDS}.get(word, word) if self.negated else word
 
     def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
         """Return cycles with all targets (variable, cycle) that the statement needs."""
-        if self.statement is None:
-            return []
         cycles = {cycle for variable, cycle in names if variable == self.variable}
-        return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
-
-    def margins(self, model: Model, cycles: list[int]) -> dict[tuple[str, int], Value]:
-        """Return the margins of the statement by name and cycle."""
-        return {
-            (name, cycle): value
-            for cycle in cycles
-            for name, value in self.judged_by.margins(model, cycle, self.variable).items()
-        }
+        return [c for c in self.cycles if cycles.issuperset(self.statement.cycles(c))]
 
     def found_in(self, studies: Findings) -> np.ndarray | None:
         """Return whether studies (R,) confirm it for all rocks; None if no rock can be judged."""
         cycles = self.cycles_among(studies.names)
-        if self.statement is None or not cycles:
-            return None
-        rocks = [
-            rock
-            for rock in studies.rocks()
-            if set(self.statement.parameters) <= set(studies.parameters(rock))
-        ]
-        if not rocks:
+        if not cycles or not (rocks := studies.rocks(self.statement.parameters)):
             return None
         by_rock = [
             self.statement.finds(studies, rock, cycle, self.variable)
@@ -430,12 +384,12 @@ CLAIMS = (
           SOFT_AT_FIRST, (2,), _FIG_5, remark="by construction of a stiffening contact, "
           f"{HERTZ_EXCESS:.2f} of the closure for Hertz's; the measured curves are not available"),
     Claim("8", "The model fits Bandis' curves, dolerite worst, second cycles worse", "Section 5",
-          None, (), _FIG_5, remark="the measured curves are not available"),
+          UNJUDGED, (), _FIG_5, remark="the measured curves are not available"),
 )  # fmt: skip
 """All claims, in the order in which they are shown."""
 
 
 def statements_of_elasticities() -> list[Statement]:
     """Return the distinct statements that depend only on elasticities."""
-    by_number = {claim.statement.number: claim.statement for claim in CLAIMS if claim.statement}
+    by_number = {claim.statement.number: claim.statement for claim in CLAIMS}
     return [statement for statement in by_number.values() if statement.of_elasticities]

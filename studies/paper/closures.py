@@ -1,6 +1,6 @@
 """Tables of closures: means and scatter of every case, correlations, elasticities, with errors."""
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -43,15 +43,17 @@ CLOSURES = (
     "residual_closure",
     "residual_closure_seated_net",
 )
+PAIRED, UNPAIRED = "paired", "unpaired"
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
-_COEFFICIENTS = (*_OF_MEAN, *_OF_DEVIATION)
-_CORRELATION: tuple[str, ...] = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
-_CORRELATION += tuple(f"{name}_standard_error" for name in _COEFFICIENTS)
-_CORRELATION += ("lack_of_fit_p",)
+_COEFFICIENTS = [*_OF_MEAN, *_OF_DEVIATION]
 _UNKNOWN = Estimate(np.nan, np.nan)
-_WHAT = ("", "_standard_error", "_shown")
-_SUFFIXES = ("", "_net", "_adjusted")
+_RESPONSE = ["rock", "parameter", "cycle"]
+
+
+def estimate_columns(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
+    """Return the columns of a number and of its standard error, in the unit of the table."""
+    return {name: scale * estimate.value, f"{name}_standard_error": scale * estimate.standard_error}
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
@@ -80,15 +82,15 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
     """Return mean and standard deviation [mm] of a target, and their standard errors."""
-    several = values.size > 1
-    mean = Estimate(values.mean() if values.size else np.nan, np.nan)
-    row = _columns(f"{target}_mean_mm", mean_of(values) if several else mean)
-    deviation = deviation_of(values) if several else _UNKNOWN
-    row |= _columns(f"{target}_standard_deviation_mm", deviation)
-    if target == TARGET:
-        varies = several and mean.value != 0.0
-        row |= _columns("variation", variation_of(values) if varies else _UNKNOWN)
-    return row
+    mean, deviation, variation = Estimate(np.nan, np.nan), _UNKNOWN, _UNKNOWN
+    if values.size > 1:
+        mean, deviation = mean_of(values), deviation_of(values)
+        variation = variation_of(values) if mean.value != 0.0 else _UNKNOWN
+    elif values.size:
+        mean = Estimate(values.mean(), np.nan)
+    row = estimate_columns(f"{target}_mean_mm", mean)
+    row |= estimate_columns(f"{target}_standard_deviation_mm", deviation)
+    return row | (estimate_columns("variation", variation) if target == TARGET else {})
 
 
 def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, float]:
@@ -99,13 +101,9 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, fl
         mean = adjusted_means(values[None], of_surfaces, known, paired=False).estimate(0)
         both = adjusted_deviations(values, of_surfaces[0], known, tell_scatter)
         deviation = Estimate(*map(float, both))
-    return _columns(f"{TARGET}_adjusted_mean_mm", mean) | _columns(
+    return estimate_columns(f"{TARGET}_adjusted_mean_mm", mean) | estimate_columns(
         f"{TARGET}_adjusted_standard_deviation_mm", deviation
     )
-
-
-def _columns(name: str, estimate: Estimate) -> dict[str, float]:
-    return {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
@@ -116,14 +114,15 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
     """
     rows = []
     for response in responses(study, TARGET):
-        if response.samples.shape[1] < 2:
+        surfaces, unit = response.samples.shape[1], PROPERTIES[response.parameter]
+        if surfaces < 2:
             continue
-        unit = PROPERTIES[response.parameter]
-        about: dict[str, object] = {"rock": response.rock, "parameter": response.parameter}
-        about |= {"unit": unit.unit}
-        about |= {"cycle": response.cycle, "samples": response.samples.shape[1]}
-        rows.append(about | _coefficients(response, unit.size))
-    return pd.DataFrame(rows, columns=_CORRELATION)
+        row: dict = {"rock": response.rock, "parameter": response.parameter, "unit": unit.unit}
+        row |= {"cycle": response.cycle, "samples": surfaces}
+        rows.append(row | _coefficients(response, unit.size))
+    columns = ["rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS]
+    columns += [f"{name}_standard_error" for name in _COEFFICIENTS]
+    return pd.DataFrame(rows, columns=[*columns, "lack_of_fit_p"])
 
 
 def _coefficients(response: Response, size: float) -> dict:
@@ -139,11 +138,18 @@ def _coefficients(response: Response, size: float) -> dict:
         errors = quadratic_errors(levels, covariance, base).in_parameter
         row |= {f"{name}_standard_error": e for name, e in zip(names, errors, strict=True)}
     if paired:
-        row["lack_of_fit_p"] = paired_lack_of_fit(levels, samples)
-    else:
-        fit = fit_quadratic(levels, means, base)
-        row["lack_of_fit_p"] = lack_of_fit(levels, means, deviations, samples.shape[1], fit)
-    return row
+        return row | {"lack_of_fit_p": paired_lack_of_fit(levels, samples)}
+    fit = fit_quadratic(levels, means, base)
+    return row | {"lack_of_fit_p": lack_of_fit(levels, means, deviations, samples.shape[1], fit)}
+
+
+def _responses(
+    ensemble: xr.Dataset, covariates: Covariates | None
+) -> Iterator[tuple[dict, Response, Response]]:
+    """Generate what names a response, and the response of gross and of net closure."""
+    both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
+    for gross, net in zip(*both, strict=True):
+        yield {name: getattr(gross, name) for name in _RESPONSE}, gross, net
 
 
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
@@ -154,40 +160,33 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
     ``adjusted`` are adjusted by the ensemble's covariates, NaN without covariates.
     """
     rows = []
-    both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
-    for gross, net in zip(*both, strict=True):
-        row = {"rock": gross.rock, "parameter": gross.parameter, "cycle": gross.cycle}
+    for row, gross, net in _responses(ensemble, covariates):
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
-        by_suffix = dict.fromkeys(_SUFFIXES, _UNKNOWN)
+        estimates = dict.fromkeys(("", "_net", "_adjusted"), _UNKNOWN)
         for suffix, response in (("", gross), ("_net", net)):
             if response.samples.shape[1] > 1 and response.base != 0.0:
-                by_suffix[suffix] = elasticity(
+                estimates[suffix] = elasticity(
                     response.levels, response.samples, response.base, response.paired
                 )
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
             means = adjusted_means(gross.samples, values, known, gross.paired)
-            by_suffix["_adjusted"] = elasticity_of(gross.levels, *means, gross.base)
-        for suffix, estimate in by_suffix.items():
-            row |= _columns(f"elasticity{suffix}", estimate)
+            estimates["_adjusted"] = elasticity_of(gross.levels, *means, gross.base)
+        for suffix, estimate in estimates.items():
+            row |= estimate_columns(f"elasticity{suffix}", estimate)
             row[f"elasticity{suffix}_shown"] = rounded(*estimate)
         rows.append(row)
-    columns = ["rock", "parameter", "cycle", "samples", "paired"]
-    columns += [f"elasticity{suffix}{what}" for suffix in _SUFFIXES for what in _WHAT]
+    columns = [*_RESPONSE, "samples", "paired"]
+    for name in ("elasticity", "elasticity_net", "elasticity_adjusted"):
+        columns += [name, f"{name}_standard_error", f"{name}_shown"]
     return pd.DataFrame(rows, columns=columns)
 
 
-PAIRED, UNPAIRED = "paired", "unpaired"
-
-_ROW = ("rock", "parameter", "cycle", "unit", "base", "samples", "test")
-_FOUND = ["length", "percent", "root", "extrapolated", "status", "length_low", "length_high"]
-_FOUND += ["standard_error", "share_without_root", "linear_length"]
-_FOUND += ["unpaired_length", "unpaired_percent"]
+_INTERVAL = ["length", "percent", "root", "extrapolated", "status", "length_low", "length_high"]
+_INTERVAL += ["standard_error", "share_without_root", "linear_length"]
+_INTERVAL += ["unpaired_length", "unpaired_percent"]
 """Columns of an interval; those with the suffix ``_net`` are net of bulk indentation."""
-_ENDS = ("p_of_ends", "unpaired_p_of_ends")
-_ADJUSTED = tuple(
-    f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")
-)
+_ADJUSTED = [f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")]
 
 
 def indifference_table(
@@ -200,41 +199,43 @@ def indifference_table(
     level, and ``adjusted_length`` from means and deviations adjusted by the covariates.
     """
     rows = []
-    both = (responses(study, target, covariates) for target in (TARGET, NET))
-    for gross, net in zip(*both, strict=True):
+    for row, gross, net in _responses(study, covariates):
         unit = PROPERTIES[gross.parameter]
-        row = {
-            "rock": gross.rock,
-            "parameter": gross.parameter,
-            "cycle": gross.cycle,
-            "unit": unit.unit,
-            "base": gross.base / unit.size,
-            "samples": gross.samples.shape[1],
-            "test": PAIRED if gross.paired else UNPAIRED,
-        }
+        row |= {"unit": unit.unit, "base": gross.base / unit.size}
+        row |= {"samples": gross.samples.shape[1], "test": PAIRED if gross.paired else UNPAIRED}
         if gross.samples.shape[1] < 2:
             rows.append(row | {"status": "too few successful realisations"})
             continue
         for suffix, response in (("", gross), ("_net", net)):
-            row |= _interval(response, unit.size, statistics, root_seed, suffix)
+            interval = _interval(response, unit.size, statistics, root_seed, suffix)
+            row |= {f"{name}{suffix}": value for name, value in interval.items()}
         ends = gross.samples[0], gross.samples[-1]
         row["p_of_ends"] = p_of_difference(*ends, paired=gross.paired)
         row["unpaired_p_of_ends"] = p_of_difference(*ends, paired=False)
-        row |= _adjusted_interval(gross, unit.size, statistics, root_seed)
-        rows.append(row)
-    columns = [*_ROW, *(f"{name}{suffix}" for suffix in ("", "_net") for name in _FOUND), *_ENDS]
-    columns += _ADJUSTED
-    return pd.DataFrame(rows, columns=columns)
+        rows.append(row | _adjusted_interval(gross, unit.size, statistics, root_seed))
+    columns = [*_RESPONSE, "unit", "base", "samples", "test", *_INTERVAL]
+    columns += [*(f"{name}_net" for name in _INTERVAL), "p_of_ends", "unpaired_p_of_ends"]
+    return pd.DataFrame(rows, columns=columns + _ADJUSTED)
 
 
 def _interval(
     response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
 ) -> dict:
-    """Return the columns of an interval by the table's test, and by the unpaired test."""
+    """Return an interval by the table's test with its bootstrap interval, and by the unpaired."""
     unpaired = _tested(response._replace(paired=False), size, statistics.significance)
     row = _tested(response, size, statistics.significance) if response.paired else unpaired
-    resampled = _bootstrap(response, statistics, root_seed, suffix)
-    row = row | {
+    name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
+    resampled = bootstrap_length(
+        response.levels,
+        response.samples,
+        generator(seed_of(root_seed, *name)),
+        base=response.base,
+        resamples=statistics.bootstrap_resamples,
+        confidence=statistics.bootstrap_confidence,
+        significance=statistics.significance,
+        paired=response.paired,
+    )
+    return row | {
         "length_low": resampled.low / size,
         "length_high": resampled.high / size,
         "standard_error": resampled.standard_error / size,
@@ -242,21 +243,6 @@ def _interval(
         "unpaired_length": unpaired["length"],
         "unpaired_percent": unpaired["percent"],
     }
-    return {f"{name}{suffix}": value for name, value in row.items()}
-
-
-def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffix: str):
-    """Compute the bootstrap interval of the length by the table's test."""
-    name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
-    settings: dict[str, Any] = {
-        "base": response.base,
-        "resamples": statistics.bootstrap_resamples,
-        "confidence": statistics.bootstrap_confidence,
-        "significance": statistics.significance,
-        "paired": response.paired,
-    }
-    random = generator(seed_of(root_seed, *name))
-    return bootstrap_length(response.levels, response.samples, random, **settings)
 
 
 def _adjusted_interval(
@@ -279,13 +265,9 @@ def _adjusted_interval(
         significance=statistics.significance,
         tell_scatter=tell_scatter,
     )
-    return {
-        "adjusted_length": length / size,
-        "adjusted_percent": 100.0 * length / response.base,
-        "adjusted_low": scatter.low / size,
-        "adjusted_high": scatter.high / size,
-        "adjusted_standard_error": scatter.standard_error / size,
-    }
+    low, high, _, error = scatter
+    numbers = (length / size, 100.0 * length / response.base)
+    return dict(zip(_ADJUSTED, (*numbers, low / size, high / size, error / size), strict=True))
 
 
 def _tested(response: Response, size: float, significance: float) -> dict:

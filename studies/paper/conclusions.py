@@ -14,7 +14,7 @@ ONLY_CONFIGURED = {
 """Conclusions for which no reading of all rocks and no choice was tried, which is no agreement."""
 JUDGED_ELSEWHERE = "judged elsewhere"
 """Conclusion that a sensitivity study cannot judge."""
-UNJUDGED = frozenset(claim.number for claim in CLAIMS if claim.statement is None)
+UNJUDGED = frozenset(claim.number for claim in CLAIMS if not claim.cycles)
 """Numbers of claims that a sensitivity study cannot judge."""
 
 NEARLY_ALL = 0.9
@@ -124,7 +124,7 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
 
 def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
     """Return the rows of a claim in a table of the study of global sensitivity."""
-    if table is None or claim.statement is None:
+    if table is None:
         return pd.DataFrame(columns=["rock", "cycle", "title", *SHARES])
     here = (table.number == claim.statement.number) & (table.response == claim.variable)
     return table[here & table.cycle.isin(claim.cycles)]

@@ -1,11 +1,11 @@
 """Judgement of the paper's claims: their truth in the model, and confirmation by a study.
 
-True of the model: margins (`studies.paper.claims`) with confidence intervals, from
-surfaces on which all cases are closed (the pool, or the study itself if it has none). A claim
-*stands* if all margins are in the range where it is true, in all rocks, and *falls* if one is
-outside. For a comparison there is *no difference* if the smallest margin is within the tolerance.
-Otherwise the verdict is *undecided*. The intervals of one claim are simultaneous with a
-confidence of 95 % (Bonferroni).
+True of the model: margins (`studies.paper.claims`) with confidence intervals, from surfaces on
+which all cases are closed (the pool, or the study itself if it has none). A claim *stands* if all
+margins are in the range where it is true, in all rocks, and *falls* if one is outside. For a
+comparison there is *no difference* if the smallest margin is within the tolerance. Otherwise the
+verdict is *undecided*. The intervals of one claim are simultaneous with a confidence of 95 %
+(Bonferroni).
 
 Confirmed by a study: the share of repetitions of the study, with n independent draws at every
 level, in which the claim is true for all rocks by point estimates, as in the paper.
@@ -39,15 +39,12 @@ from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivi
 
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
-COLUMNS = (
-    "number", "claim", "section", "paper", "paper_finds", "verdict", "remark",
-    "found_here", "found_share", "found_error", "found_low", "found_high",
-)  # fmt: skip
-OF_PAPER = ("section", "paper", "paper_finds")
+COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark"]
+COLUMNS += ["found_here", "found_share", "found_error", "found_low", "found_high"]
+OF_PAPER = ["section", "paper", "paper_finds"]
 """Columns that are left out in a study of other rocks."""
-MARGIN_COLUMNS = (
-    "number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high", "decides",
-)  # fmt: skip
+MARGIN_COLUMNS = ["number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high"]
+MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
@@ -66,19 +63,6 @@ class Evidence(NamedTuple):
     resampled_pools: int = RESAMPLED_POOLS
 
 
-class _Judged(NamedTuple):
-    """Rocks of the pool with their margins by claim, and frequencies of confirmation.
-
-    ``study`` and ``paper`` are the real study and the paper's table.
-    """
-
-    samples: list[RockSample]
-    margins: dict[str, dict[str, dict[tuple[str, int], Estimate]]]
-    confirmed: dict[str, Frequency]
-    study: Findings
-    paper: Findings
-
-
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Judge all claims by both criteria, and return the margins that decide them.
 
@@ -87,39 +71,36 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     `OF_PAPER` and claims that cannot be judged are left out. Intervals of margins are simultaneous
     for a claim; the smallest margin of a rock ``decides``.
     """
-    judged = _judged(evidence, paper)
-    rows, margins = [], []
-    for claim in CLAIMS:
-        row: dict = {"number": claim.number, "claim": claim.text, "section": claim.section}
-        row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
-        word, claim_margins = _true(claim, judged)
-        row |= {"verdict": word} | _found(claim, judged)
-        if claim.shown == TABLE_3 and claim.section != OURS:
-            row["paper_finds"] = _yes(claim.found_in(judged.paper))
-        rows.append(row)
-        margins += claim_margins
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
-    of_model = pd.DataFrame(margins, columns=list(MARGIN_COLUMNS))
-    if not judged.paper.drawn:
-        table = table[table.number.isin(of_model.number)].reset_index(drop=True)
-        table = table.drop(columns=list(OF_PAPER))
-    return table, of_model
-
-
-def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
     samples, design = _samples(evidence.pool), evidence.design
-    return _Judged(
-        samples,
-        {sample.rock: _margins(sample, design.critical_change) for sample in samples},
-        _frequencies(evidence, samples),
-        as_found(_samples(evidence.study), design.significance),
-        _paper_as_study(paper, samples),
-    )
+    margins = {sample.rock: _margins(sample, design.critical_change) for sample in samples}
+    often = _frequencies(evidence, samples)
+    study = as_found(_samples(evidence.study), design.significance)
+    published = _paper_as_study(paper, samples)
+    sizes = {sample.rock: sample.values.shape[-1] for sample in samples}
+    rows, margin_rows = [], []
+    for claim in CLAIMS:
+        asked = {rock: of[claim.number] for rock, of in margins.items() if claim.number in of}
+        verdict, of_model = _true(claim, asked, sizes)
+        row: dict = {"number": claim.number, "claim": claim.text, "section": claim.section}
+        row |= {"paper": _papers_figures(claim, paper, set(sizes)), "remark": claim.remark}
+        row |= {"verdict": verdict, "found_here": _yes(claim.found_in(study))}
+        if claim.number in often:
+            row |= zip(COLUMNS[-4:], often[claim.number], strict=True)
+        if claim.shown == TABLE_3 and claim.section != OURS:
+            row["paper_finds"] = _yes(claim.found_in(published))
+        rows.append(row)
+        margin_rows += of_model
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    of_models = pd.DataFrame(margin_rows, columns=MARGIN_COLUMNS)
+    if not published.drawn:
+        table = table[table.number.isin(of_models.number)].reset_index(drop=True)
+        table = table.drop(columns=OF_PAPER)
+    return table, of_models
 
 
 def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
     """Return how often repetitions confirm each claim that can be judged, with the pool's error."""
-    pools = sensitivities([sample for sample in samples if sample.levels])
+    pools = sensitivities(samples)
     names = samples[0].names if samples else ()
 
     def confirmed(drawn) -> dict[str, np.ndarray]:
@@ -151,24 +132,18 @@ def _samples(dataset: xr.Dataset) -> list[RockSample]:
 
 def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return `LOOP` and `EXCESS` of each case, at the stored stress next to half the maximum."""
-    parts: dict[str, list[xr.DataArray]] = {LOOP: [], EXCESS: []}
+    parts = []
     for case in dataset.case.values:
         one = dataset.sel(case=[case])
         most = float(one.max_normal_stress[0])
         half = one.closure.sel(stress=0.5 * most, method="nearest")
-        up, down = half.sel(branch="loading"), half.sel(branch="unloading")
-        parts[LOOP].append(loop_between(up, down))
-        since_start = up.drop_vars("stress") - one.closure.isel(stress=0, drop=True).sel(
-            branch="loading"
-        )
-        parts[EXCESS].append(since_start - float(half.stress) / most * one[TARGET])
-    return {
-        name: xr.concat(
-            [part.drop_vars(["stress", "branch"], errors="ignore") for part in of_cases],
-            "case", coords="minimal", compat="override",
-        )
-        for name, of_cases in parts.items()
-    }  # fmt: skip
+        stress, half = float(half.stress), half.drop_vars("stress")
+        up, down = (half.sel(branch=name, drop=True) for name in ("loading", "unloading"))
+        start = one.closure.isel(stress=0, drop=True).sel(branch="loading", drop=True)
+        excess = up - start - stress / most * one[TARGET]
+        parts.append(xr.Dataset({LOOP: loop_between(up, down), EXCESS: excess}))
+    joined = xr.concat(parts, "case", coords="minimal", compat="override")
+    return {name: joined[name] for name in (LOOP, EXCESS)}
 
 
 def _with_squares(sample: RockSample) -> RockSample:
@@ -183,22 +158,23 @@ def _with_squares(sample: RockSample) -> RockSample:
     )
 
 
-def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, int], Estimate]]:
+def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estimate]]:
     """Return the margins of a rock by claim, and by name and cycle, for properties that vary."""
     asked = {
         claim: cycles
         for claim in CLAIMS
         if (cycles := claim.cycles_among(sample.names))
-        and set(claim.judged_by.parameters) <= set(sample.levels)
+        and set(claim.statement.parameters) <= set(sample.levels)
     }
     whole = _with_squares(sample)
 
     def numbers(means: np.ndarray) -> dict[tuple, float]:
         model = ClosedModel(whole, means, critical)
         return {
-            (claim.number, *name): value
+            (claim.number, name, cycle): value
             for claim, cycles in asked.items()
-            for name, value in claim.margins(model, cycles).items()
+            for cycle in cycles
+            for name, value in claim.statement.margins(model, cycle, claim.variable).items()
         }
 
     by_claim: dict[str, dict] = {}
@@ -207,59 +183,29 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, i
     return by_claim
 
 
-def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
-    """Return the verdict on the model, and the margins of all rocks."""
-    by_rock = judged.margins.items()
-    asked = {rock: claims[claim.number] for rock, claims in by_rock if claim.number in claims}
+def _true(
+    claim: Claim, asked: dict[str, dict[tuple, Estimate]], sizes: dict[str, int]
+) -> tuple[str, list[dict]]:
+    """Return the verdict on the model, and rows of the margins of all rocks.
+
+    Of each rock the smallest margin, in standard errors, decides.
+    """
     if not asked:
         return UNDECIDED, []
+    statement = claim.statement
     confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(margins) for margins in asked.values())
-    sizes = {sample.rock: sample.values.shape[-1] for sample in judged.samples}
     rows, intervals = [], []
-    for rock, estimates in asked.items():
-        of_rock = [t_interval(margin, sizes[rock], confidence) for margin in estimates.values()]
-        intervals += of_rock
-        rows += _margin_rows(claim, rock, estimates, of_rock)
-    least = claim.judged_by.least_interval(intervals)
-    return claim.verdict(least), rows
-
-
-def _margin_rows(
-    claim: Claim, rock: str, estimates: dict[tuple[str, int], Estimate], intervals: list[Interval]
-) -> list[dict]:
-    """Return margins of a rock; the smallest, in standard errors, decides."""
-    inside = [
-        (claim.judged_by.least_interval([Interval(margin.value, margin.value)]).low
-         - claim.judged_by.true_above())
-        for margin in estimates.values()
-    ]  # fmt: skip
-    errors = [margin.standard_error for margin in estimates.values()]
-    least = np.argmin(
-        [
-            far / error if error else np.copysign(np.inf, far)
-            for far, error in zip(inside, errors, strict=True)
-        ]
-    )
-    return [
-        {
-            "number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity,
-            "value": estimate.value, "standard_error": estimate.standard_error,
-            "low": interval.low, "high": interval.high, "decides": i == least,
-        }
-        for i, (((quantity, cycle), estimate), interval) in enumerate(
-            zip(estimates.items(), intervals, strict=True)
-        )
-    ]  # fmt: skip
-
-
-def _found(claim: Claim, judged: _Judged) -> dict:
-    """Return how often repetitions confirm the claim, and whether the study does."""
-    row: dict = {"found_here": _yes(claim.found_in(judged.study))}
-    often = judged.confirmed.get(claim.number)
-    if often is not None:
-        row |= {"found_share": often.share, "found_error": often.standard_error}
-        row |= {"found_low": often.low, "found_high": often.high}
-    return row
+    for rock, margins in asked.items():
+        far = []
+        for (quantity, cycle), margin in margins.items():
+            intervals.append(interval := t_interval(margin, sizes[rock], confidence))
+            at = statement.least_interval([Interval(margin.value, margin.value)]).low
+            inside, error = at - statement.true_above(), margin.standard_error
+            far.append(inside / error if error else np.copysign(np.inf, inside))
+            row = {"number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity}
+            rows.append(row | margin._asdict() | interval._asdict() | {"decides": False})
+        rows[int(np.argmin(far)) - len(far)]["decides"] = True
+    return claim.verdict(statement.least_interval(intervals)), rows
 
 
 def _yes(finds: np.ndarray | None) -> str | None:
@@ -270,18 +216,14 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
     """Return a real study as one of many: its means, and lengths as published."""
     drawn = {}
     for sample in samples:
-        for parameter, levels in sample.levels.items():
-            values = sample.values[:, levels.cases]
+        for parameter, (levels, cases, base) in sample.levels.items():
+            values = sample.values[:, cases]
             means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
-            lengths = indifference_lengths(
-                levels.values, means, deviations, values.shape[2], significance, levels.base
-            )
+            n = values.shape[2]
+            lengths = indifference_lengths(levels, means, deviations, n, significance, base)
+            lengths = np.where(np.isnan(lengths), np.inf, lengths)
             drawn[sample.rock, parameter] = DrawnResponse(
-                levels.values,
-                levels.base,
-                means[None],
-                deviations[None],
-                np.where(np.isnan(lengths), np.inf, lengths)[None],
+                levels, base, means[None], deviations[None], lengths[None]
             )
     return Findings(drawn, samples[0].names if samples else ())
 
@@ -291,26 +233,23 @@ def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
     cycles = sorted({int(cycle) for cycle in paper.cycle})
     drawn = {}
     for sample in samples:
-        for parameter, levels in sample.levels.items():
+        for parameter, (levels, _, base) in sample.levels.items():
             part = paper[(paper.rock == sample.rock) & (paper.parameter == parameter)]
             if part.empty:
                 continue
             lengths = part.set_index("cycle").paper_length.reindex(cycles).to_numpy(dtype=float)
             lengths = np.where(np.isnan(lengths), np.inf, lengths * PROPERTIES[parameter].size)
-            nothing = np.full((1, len(cycles), levels.values.size), np.nan)
-            drawn[sample.rock, parameter] = DrawnResponse(
-                levels.values, levels.base, nothing, nothing, lengths[None]
-            )
+            none = np.full((1, len(cycles), levels.size), np.nan)
+            drawn[sample.rock, parameter] = DrawnResponse(levels, base, none, none, lengths[None])
     return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))
 
 
-def _papers_figures(claim: Claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
+def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
     """Return entries of the paper's Table 3 on a claim, or where else the paper shows it."""
     if claim.shown != TABLE_3:
         return claim.shown
-    rocks = {sample.rock for sample in samples}
     part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
-    needed = {c for cycle in claim.cycles for c in claim.judged_by.cycles(cycle)}
+    needed = {c for cycle in claim.cycles for c in claim.statement.cycles(cycle)}
     part = part[part.cycle.isin(needed)]
     return "; ".join(
         f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
@@ -326,37 +265,33 @@ def _entry(row) -> str:
 
 SQUARE = "squared deviation"
 """Target whose mean is the variance of the maximum closure, ddof 1 [m2]."""
-
-Means = np.ndarray
-"""Means (targets, cases) of a `RockSample`."""
 Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel:
-    """Mean closures of all cases of a rock.
+    """Mean closures (targets, cases) of all cases of a rock.
 
     ``critical`` is t sqrt(2/n) of a study's test: the smallest significant change of a mean in
     standard deviations of a closure.
     """
 
-    def __init__(self, sample: RockSample, means: Means, critical: float) -> None:
+    def __init__(self, sample: RockSample, means: np.ndarray, critical: float) -> None:
         self.sample = sample
         self.means = means
         self.critical = critical
         self._fits: dict[tuple[str, int, str], Quadratic] = {}
 
-    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> float:
+    def elasticity(self, parameter: str, cycle: int, variable: str) -> float:
         """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
         return self._fit(parameter, cycle, variable).elasticity()
 
-    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[float]:
+    def slopes(self, parameter: str, cycle: int, variable: str) -> list[float]:
         """Return the elasticities between neighbouring levels, about their middle."""
-        levels, target = self.sample.levels[parameter], self.sample.target(variable, cycle)
-        means = self.means[target, levels.cases]
+        levels, means, _ = self._means(parameter, cycle, variable)
         return [
             float((after - before) / (after + before) * (upper + lower) / (upper - lower))
             for before, after, lower, upper in zip(
-                means, means[1:], levels.values, levels.values[1:], strict=False
+                means, means[1:], levels, levels[1:], strict=False
             )
         ]
 
@@ -370,24 +305,25 @@ class ClosedModel:
 
     def significant(self, cycle: int) -> float:
         """Return the relative change of a mean that is significant with the scatter of the rock."""
-        return float(
-            self.critical * np.sqrt(self._at_base(SQUARE, cycle)) / self._at_base(TARGET, cycle)
-        )
+        scatter = self.critical * np.sqrt(self._at_base(SQUARE, cycle))
+        return float(scatter / self._at_base(TARGET, cycle))
 
     def _at_base(self, variable: str, cycle: int) -> float:
         return self.means[self.sample.target(variable, cycle), 0]
 
-    def _fit(self, parameter: str, cycle: int, variable: str) -> Quadratic:
-        key = parameter, cycle, variable
-        if key not in self._fits:
-            levels, target = self.sample.levels[parameter], self.sample.target(variable, cycle)
-            means = self.means[target, levels.cases]
-            self._fits[key] = fit_quadratic(levels.values, means, levels.base)
-        return self._fits[key]
+    def _means(self, parameter: str, cycle: int, variable: str) -> tuple:
+        """Return levels (k,), means (k,) of the closure there, and the rock's value."""
+        levels, cases, base = self.sample.levels[parameter]
+        return levels, self.means[self.sample.target(variable, cycle), cases], base
+
+    def _fit(self, *of) -> Quadratic:
+        if of not in self._fits:
+            self._fits[of] = fit_quadratic(*self._means(*of))
+        return self._fits[of]
 
 
 def estimated(
-    numbers: Callable[[Means], Mapping[Name, float]], sample: RockSample
+    numbers: Callable[[np.ndarray], Mapping[Name, float]], sample: RockSample
 ) -> dict[Name, Estimate]:
     """Return numbers that depend on means, with their standard errors.
 

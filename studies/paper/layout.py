@@ -23,10 +23,8 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
     rows = []
     for name, rock in rocks.items():
         row: dict[str, object] = {"rock": name, "title": rock.title}
-        row |= {
-            key_of(field): in_unit(getattr(rock.intact, field), PROPERTIES[field].unit)
-            for field in Rock._fields
-        }
+        for field in Rock._fields:
+            row[key_of(field)] = in_unit(getattr(rock.intact, field), PROPERTIES[field].unit)
         if not rock.walls:
             row["jrc"] = in_unit(rock.jrc, "1")
         row["max_normal_stress_MPa"] = in_unit(rock.max_normal_stress, "MPa")
@@ -52,12 +50,12 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
             base = base_case(name, rock).property(parameter)
             for level, value in zip(level_names(levels, base), levels, strict=True):
-                about = {"rock": name, "parameter": parameter, "level": level}
-                row = about | {"value": in_unit(value, unit), "unit": unit}
+                row: dict[str, object] = {"rock": name, "parameter": parameter, "level": level}
                 of = BASE if level == BASE else parameter
+                row |= {"value": in_unit(value, unit), "unit": unit}
                 rows.append(row | _closures_of(closures, name, of, level))
-    columns = ["rock", "parameter", "level", "value", "unit"]
-    return pd.DataFrame(rows, columns=None if rows else columns)
+    columns = None if rows else ["rock", "parameter", "level", "value", "unit"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level: str) -> dict:
@@ -72,17 +70,10 @@ def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Add the paper's lengths to intervals, and whether it has that row.
-
-    A table of other rocks only is returned without such columns.
-    """
+    """Add the paper's lengths to intervals, and whether it has that row; none for other rocks."""
     keys = ["rock", "parameter", "cycle"]
-    beside = intervals.merge(
-        paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True),
-        on=keys,
-        how="left",
-        validate="1:1",
-    )
+    published = paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True)
+    beside = intervals.merge(published, on=keys, how="left", validate="1:1")
     beside["in_paper"] = beside.in_paper.eq(True)
     return beside if beside.in_paper.any() else intervals
 
@@ -90,10 +81,9 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
 def interval_text(
     length: float, percent: float, mark: str = "", standard_error: float = float("nan")
 ) -> str:
-    """Format an interval as in the paper: number and percentage, and a mark.
+    """Format an interval as in the paper: number, rounded to its standard error, mark, percentage.
 
-    The number is rounded to its standard error, which is shown; to three digits without an error,
-    and to two if the error is infinite.
+    Without an error the number has three digits, with an infinite one two.
     """
     if pd.isna(length):
         return "–"
@@ -104,10 +94,10 @@ def interval_text(
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Return the mark of an interval: asterisk, dagger or double dagger.
+    """Return the marks of an interval.
 
-    Asterisk for a root outside the levels, dagger for a negative fitted deviation, double dagger
-    for a confidence interval without upper end.
+    Asterisk: the root is outside the levels; dagger: the fitted deviation is negative; double
+    dagger: the confidence interval has no upper end.
     """
     if column in ("paper_", "unpaired_"):
         return ""
@@ -134,21 +124,22 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
     """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks."""
-    length, percent = (
-        (f"{column}length", f"{column}percent")
-        if column.endswith("_")
-        else (f"length{column}", f"percent{column}")
-    )
+    before, after = (column, "") if column.endswith("_") else ("", column)
     texts = [
         interval_text(
-            row[length],
-            row[percent],
+            row[f"{before}length{after}"],
+            row[f"{before}percent{after}"],
             _mark(row, column),
             row.get(f"standard_error{column}", float("nan")),
         )
         for _, row in table.iterrows()
     ]
     return _by_cycle_and_rock(table.assign(text=texts), titles)
+
+
+def _shown(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
+    """Return the titles of the rocks that a table has."""
+    return {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
 
 
 def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFrame:
@@ -166,15 +157,6 @@ def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFr
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) -> list[str]:
-    """Return lines of a table of elasticities with standard errors, rocks and cycles as columns."""
-    of = {rock: title for rock, title in titles.items() if (elasticities.rock == rock).any()}
-    frame = _by_cycle_and_rock(elasticities.assign(text=elasticities.elasticity_shown), of)
-    lines = ["**Elasticities**", "", *markdown_rows(frame), ""]
-    lines.append("d ln(mean maximum closure)/d ln(property), with standard errors.")
-    return [*lines, ""]
-
-
 def table_3_markdown(
     table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
 ) -> str:
@@ -186,22 +168,22 @@ def table_3_markdown(
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
     test = test_name(table)
-    parts = [(f"This study, {test}", ""), (f"This study, net of bulk indentation, {test}", "_net")]
+    parts = {f"This study, {test}": ("", table)}
     lines = []
     if is_paired(table):
         if elasticities is not None and len(elasticities):
-            lines += elasticities_markdown(elasticities, titles)
+            shown = elasticities.assign(text=elasticities.elasticity_shown)
+            rows = markdown_rows(_by_cycle_and_rock(shown, _shown(shown, titles)))
+            about = "d ln(mean maximum closure)/d ln(property), with standard errors."
+            lines += ["**Elasticities**", "", *rows, "", about, ""]
         lines += [PAIRED_NOTE, ""]
-        parts.insert(1, (f"This study, {UNPAIRED_TEST} formula on common surfaces", "unpaired_"))
-    parts.append((f"The paper, {UNPAIRED_TEST}", "paper_"))
-    for heading, column in parts:
-        shown = table
-        if column == "paper_":
-            if "paper_length" not in table:
-                continue
-            shown = table[table.in_paper]
-        of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
-        lines += [f"**{heading}**", "", *markdown_rows(table_3(shown, of, column)), ""]
+        parts[f"This study, {UNPAIRED_TEST} formula on common surfaces"] = ("unpaired_", table)
+    parts[f"This study, net of bulk indentation, {test}"] = ("_net", table)
+    if "paper_length" in table:
+        parts[f"The paper, {UNPAIRED_TEST}"] = ("paper_", table[table.in_paper])
+    for heading, (column, part) in parts.items():
+        rows = markdown_rows(table_3(part, _shown(part, titles), column))
+        lines += [f"**{heading}**", "", *rows, ""]
     lines.append(_note(table, "√"))
     return "\n".join(lines) + "\n"
 
@@ -219,7 +201,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """Return Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
     if table.empty:
         return "% No parameter is varied in this study: there is no indifference interval.\n"
-    titles = {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
+    titles = _shown(table, titles)
     frame = table_3(table, titles)
     why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
     cycles = sorted({cycle for cycle, _ in frame.columns})
@@ -229,10 +211,10 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
         for c in cycles
     )
     names = " & ".join(_plain_latex(title) for _, title in frame.columns)
-    body = []
-    for parameter, row in frame.iterrows():
-        cells = [_latex(cell) for cell in row]
-        body.append(f"{PROPERTIES[parameter].latex} & " + " & ".join(cells) + r" \\")
+    body = [
+        rf"{PROPERTIES[parameter].latex} & {' & '.join(row).translate(_LATEX_SIGNS)} \\"
+        for parameter, row in frame.iterrows()
+    ]
     return "\n".join(
         [
             r"\begin{table}",
@@ -251,13 +233,21 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     )
 
 
+_LATEX_SIGNS = str.maketrans(
+    {"±": r"$\pm$", "%": r"\%", "–": "--", "*": "$^*$", "†": r"$^\dagger$", "‡": r"$^\ddagger$"}
+)
+_LATEX_SPECIAL = str.maketrans(
+    {
+        **{character: f"\\{character}" for character in "&%$#_{}"},
+        **{"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\\": r"\textbackslash{}"},
+        **{"|": r"\textbar{}", "<": r"\textless{}", ">": r"\textgreater{}"},
+    }
+)
+
+
 def _plain_latex(title: str) -> str:
     """Escape a title for LaTeX."""
-    special = {character: f"\\{character}" for character in "&%$#_{}"}
-    special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-    special |= {"\\": r"\textbackslash{}", "|": r"\textbar{}"}
-    special |= {"<": r"\textless{}", ">": r"\textgreater{}"}
-    return "".join(special.get(character, character) for character in _one_line(title))
+    return _one_line(title).translate(_LATEX_SPECIAL)
 
 
 def _plain_markdown(title: str) -> str:
@@ -274,19 +264,6 @@ def _plain_csv(cell):
 
 def _one_line(title: str) -> str:
     return " ".join(title.split())
-
-
-def _latex(cell: str) -> str:
-    for plain, coded in (
-        ("±", r"$\pm$"),
-        ("%", r"\%"),
-        ("–", "--"),
-        ("*", "$^*$"),
-        ("†", r"$^\dagger$"),
-        ("‡", r"$^\ddagger$"),
-    ):
-        cell = cell.replace(plain, coded)
-    return cell
 
 
 PAIRED_NOTE = (

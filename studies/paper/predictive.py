@@ -5,7 +5,6 @@ level, independently, as in the paper. The null model is a rock whose parameters
 every level draws from the base case.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,6 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,
-    DrawnResponse,
     draw_studies,
     pool_error,
     repetitions_of_pool,
@@ -41,11 +39,10 @@ Lengths = dict[Entry, np.ndarray]
 
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
 """Parameters whose first-cycle entries are tested together for any effect beyond noise."""
-
-
 AGAIN = 16
 """Sets of further repetitions from the pool itself, for the scatter of p by repetitions. Eight of
 them have as many repetitions as the first set."""
+_TEST = ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error")
 
 
 class Predictive(NamedTuple):
@@ -62,13 +59,8 @@ class Predictive(NamedTuple):
     null: list[Lengths]
     bases: dict[Entry, float]
     pool: dict[str, int]
-    twice: Sequence[Lengths] = ()
-    same: Sequence[Lengths] = ()
-
-    @property
-    def lengths(self) -> Lengths:
-        """Lengths of the model from the pool itself."""
-        return self.model[0]
+    twice: list[Lengths]
+    same: list[Lengths]
 
 
 def predictive(
@@ -84,7 +76,11 @@ def predictive(
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
 
     def drawn(which, times: int, random: np.random.Generator) -> Lengths:
-        return entries(draw_studies(which, design, times, random), cycles)
+        return {  # the first targets are maximum closures by cycle
+            (*key, cycle): response.lengths[:, i]
+            for key, response in draw_studies(which, design, times, random).items()
+            for i, cycle in enumerate(cycles)
+        }
 
     def stream(name: str) -> np.random.Generator:
         return generator(seed_of(root_seed, "predictive", name))
@@ -97,14 +93,10 @@ def predictive(
         model.append(drawn(sample, times, random))
         null.append(drawn(without_effect(sample), times, random))
         twice.append(drawn(sample, times, again))
-    return Predictive(
-        model,
-        null,
-        {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles},
-        {sample.rock: sample.values.shape[-1] for sample in samples},
-        twice,
-        [drawn(pool, times, again) for _ in range(AGAIN if pools else 0)],
-    )
+    bases = {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles}
+    sizes = {sample.rock: sample.values.shape[-1] for sample in samples}
+    same = [drawn(pool, times, again) for _ in range(AGAIN if pools else 0)]
+    return Predictive(model, null, bases, sizes, twice, same)
 
 
 def median_pool_error(lengths: Predictive, entry: Entry) -> float:
@@ -113,9 +105,9 @@ def median_pool_error(lengths: Predictive, entry: Entry) -> float:
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
-def _with_pool(error: float, shares: list[float], repetitions: int) -> float:
+def _with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
     """Return the standard error of a probability, due to the repetitions and the pool."""
-    of_pool = float(pool_error(shares, repetitions)) if len(shares) > 1 else 0.0
+    of_pool = float(pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
 
 
@@ -127,29 +119,19 @@ def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
     return [sample for sample in samples if sample.levels and sample.values.shape[-1] > 1]
 
 
-def entries(drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]) -> Lengths:
-    """Return lengths (R,) by entry of Table 3; the first targets are maximum closures by cycle."""
-    return {
-        (rock, parameter, cycle): response.lengths[:, i]
-        for (rock, parameter), response in drawn.items()
-        for i, cycle in enumerate(cycles)
-    }
-
-
 def lengths_dataset(lengths: Predictive) -> xr.Dataset:
     """Return all drawn lengths (entry, repetition) in percent of the rock's value, for figures.
 
     ``percent`` is that of the model, ``null_percent`` that of the null model; infinite for no root.
     """
-    keys = list(lengths.lengths)
+    keys = list(lengths.bases)
     variables = {}
     for name, drawn, text in (
-        ("percent", lengths.lengths, "length of the indifference interval"),
+        ("percent", lengths.model[0], "length of the indifference interval"),
         ("null_percent", lengths.null[0], "the same where no parameter has an effect"),
     ):
         rows = [100.0 * drawn[key] / abs(lengths.bases[key]) for key in keys]
-        repetitions = next(iter(drawn.values())).size if keys else 0
-        values = np.array(rows).reshape(len(keys), repetitions).astype(np.float32)
+        values = np.array(rows, dtype=np.float32) if rows else np.empty((0, 0), dtype=np.float32)
         about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
         variables[name] = (("entry", "repetition"), values, about)
     columns = zip(*keys, strict=True) if keys else ((), (), ())
@@ -169,26 +151,21 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
     """
     published = _published(paper)
     rows = []
-    for entry, lengths in lengths_of_studies.lengths.items():
+    for entry, lengths in lengths_of_studies.model[0].items():
         rock, parameter, cycle = entry
         unit, base = PROPERTIES[parameter], lengths_of_studies.bases[entry]
         summary = length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
-        row["test"] = UNPAIRED
-        row |= {
-            "base": base / unit.size,
-            "pool": lengths_of_studies.pool[rock],
-            "repetitions": lengths.size,
-        }
+        row |= {"test": UNPAIRED, "base": base / unit.size}
+        row |= {"pool": lengths_of_studies.pool[rock], "repetitions": lengths.size}
         row |= {name: value / unit.size for name, value in summary.items()}
         row["median_percent"] = 100.0 * summary["median"] / base if base else np.nan
         row["median_error"] = _median_error(lengths) / unit.size
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
-        resampled = [lengths[entry] for lengths in lengths_of_studies.model[1:]]
-        shares = [float(np.isinf(lengths).mean()) for lengths in resampled]
-        times = resampled[0].size if resampled else 0
-        error = _with_pool(_error(share, lengths.size), shares, times)
+        resampled = [drawn[entry] for drawn in lengths_of_studies.model[1:]]
+        shares = [float(np.isinf(drawn).mean()) for drawn in resampled]
+        error = _with_pool(_error(share, lengths.size), shares, resampled)
         row |= {"share_without_root": share, "share_error": error}
         row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
         if entry in published:
@@ -207,8 +184,7 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
         p = probability(of_pool, length * size)
         again = [probability(lengths, length * size) for lengths in resampled]
         error = sides * _error(p / sides, of_pool.size)
-        row[f"{prefix}p"] = p
-        row[f"{prefix}p_error"] = _with_pool(error, again, resampled[0].size if again else 0)
+        row |= {f"{prefix}p": p, f"{prefix}p_error": _with_pool(error, again, resampled)}
     return row
 
 
@@ -222,46 +198,33 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
     binomial, which is taken for ``null_p``. The table is empty without rocks of the paper.
     """
     published = {
-        entry: length
+        entry: length * PROPERTIES[entry[1]].size
         for entry, length in _published(paper).items()
-        if entry in lengths_of_studies.lengths
+        if entry in lengths_of_studies.bases
     }
     rows = []
     for group, chosen in _groups(list(published)).items():
-        observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
+        observed = np.array([published[entry] for entry in chosen])
         row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
-        for prefix, drawn, drawn_twice, drawn_same in (
-            ("", lengths_of_studies.model, lengths_of_studies.twice, lengths_of_studies.same),
-            ("null_", lengths_of_studies.null, (), ()),
-        ):
-            (lengths, *resampled), twice, same = (
-                _tables(sets, chosen) for sets in (drawn, drawn_twice, drawn_same)
-            )
+        model, null, _, _, twice, same = lengths_of_studies
+        for prefix, *drawn in (("", model, twice, same), ("null_", null, [], [])):
+            (lengths, *resampled), further, again = (_tables(sets, chosen) for sets in drawn)
             if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
                 continue
             test = joint_test(lengths, observed)
-            shares, again = (_p_of_tables(sets, observed) for sets in (resampled, twice))
+            shares, twice_p = (_p_of_tables(sets, observed) for sets in (resampled, further))
             times = len(resampled[0]) if resampled else 0
-            of_pool = float(pool_error(shares, times, again)) if len(shares) > 1 else 0.0
-            of_repetitions = _error_of_repetitions(test.p, len(lengths), same, observed)
-            row |= {
-                f"{prefix}log_likelihood": test.log_likelihood,
-                f"{prefix}log_likelihood_error": test.standard_error,
-                f"{prefix}p": test.p,
-                f"{prefix}p_error": float(np.hypot(of_repetitions, of_pool)),
-                f"{prefix}p_pool_error": of_pool,
-            }
+            of_pool = float(pool_error(shares, times, twice_p)) if len(shares) > 1 else 0.0
+            of_repetitions = _error_of_repetitions(test.p, len(lengths), again, observed)
+            error = float(np.hypot(of_repetitions, of_pool))
+            numbers = (test.log_likelihood, test.standard_error, test.p, error, of_pool)
+            row |= {f"{prefix}{name}": x for name, x in zip(_TEST, numbers, strict=True)}
         rows.append(row)
-    columns = ["entries", "number", "dashes"]
-    columns += [
-        f"{prefix}{name}"
-        for prefix in ("", "null_")
-        for name in ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error")
-    ]
+    columns = ["entries", "number", "dashes", *_TEST, *(f"null_{name}" for name in _TEST)]
     return pd.DataFrame(rows, columns=columns)
 
 
-def _tables(drawn: Sequence[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
+def _tables(drawn: list[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
     return [np.stack([lengths[entry] for entry in chosen], axis=1) for lengths in drawn]
 
 
@@ -281,15 +244,15 @@ def _error_of_repetitions(
 
 
 def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
-    groups: dict[str, list[Entry]] = {"all": published}
     cycles = sorted({cycle for _, _, cycle in published})
-    for cycle in cycles:
-        groups[f"cycle {cycle}"] = [e for e in published if e[2] == cycle]
-    groups["cycle 1 without JRC"] = [e for e in published if e[2] == 1 and e[1] in _NOISY]
-    for parameter in PROPERTIES:
+    groups = {"all": published}
+    groups |= {f"cycle {c}": [entry for entry in published if entry[2] == c] for c in cycles}
+    noisy = [entry for entry in published if entry[2] == 1 and entry[1] in _NOISY]
+    groups["cycle 1 without JRC"] = noisy
+    for parameter, about in PROPERTIES.items():
         for cycle in cycles:
-            name = f"{PROPERTIES[parameter].title}, cycle {cycle}"
-            groups[name] = [e for e in published if e[1:] == (parameter, cycle)]
+            chosen = [entry for entry in published if entry[1:] == (parameter, cycle)]
+            groups[f"{about.title}, cycle {cycle}"] = chosen
     return {name: chosen for name, chosen in groups.items() if chosen}
 
 

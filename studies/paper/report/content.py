@@ -1,6 +1,7 @@
 """Content of the page: values for the template, from a study and its tables."""
 
 import json
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from jointclosure.statistics.verdicts import (
 from studies.frame.config.configuration import resolved
 from studies.frame.config.model import Configuration
 from studies.paper.claims import OURS, TOLERANCE
+from studies.paper.closures import estimate_columns
 from studies.paper.report import tables
 
 FIRST_PICTURES = {
@@ -40,9 +42,8 @@ class Material(NamedTuple):
     """Material of a page: the dataset, whose curves are read case by case, and its tables.
 
     Tables that a study need not have are None. ``paper``: the paper's Table 3. ``default`` and
-    ``schema``: the paper's configuration, and descriptions of keys. ``benchmarks``: those of the
-    workflow's jobs. ``measured``: fits of measured curves. ``accuracy``: the table of `make
-    accuracy`, ``presets``: errors of the presets of the numerics.
+    ``schema``: the paper's configuration, and descriptions of keys. ``benchmarks``: the times of
+    jobs. ``measured``: fits of measured curves. ``accuracy``, ``presets``: `make accuracy`'s.
     """
 
     study: xr.Dataset
@@ -76,14 +77,11 @@ def content(material: Material) -> dict:
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_sheet(study, material.closures, titles)
     counts = outcome(study)
+    drawn = FIRST_PICTURES[configuration.study.draws]
     return {
         "finding": finding(numbers, material.elasticities, configuration),
         "validity": validity(configuration, counts),
-        "first_pictures": [
-            picture
-            for picture in material.pictures
-            if picture.name in FIRST_PICTURES[configuration.study.draws]
-        ],
+        "first_pictures": [picture for picture in material.pictures if picture.name in drawn],
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
@@ -98,7 +96,7 @@ def content(material: Material) -> dict:
         "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
         "job_time": duration(float(material.benchmarks.s.sum())),
-        "sheets": _sheets(material, titles, of_paper, rows) | {numbers.name: numbers},
+        "sheets": {sheet.name: sheet for sheet in (*_sheets(material, titles, rows), numbers)},
     }
 
 
@@ -125,43 +123,43 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
     return claims[~ours].verdict.value_counts(sort=False).to_dict()
 
 
-def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame) -> dict:
-    """Return all tables of the page by name."""
-    study, intervals, compared = material.study, material.intervals, bool(of_paper)
-    keys = json.loads(study.attrs["configuration"])
-    sheets = [
-        tables.closure_sheet(material.closures, titles),
-        tables.check_sheet(material.checks),
-        tables.preset_sheet(material.presets, keys, material.default),
-        tables.status_sheet(study, titles),
-        tables.failure_sheet(study),
-        tables.simulation_time_sheet(study, titles),
-        tables.job_time_sheet(material.benchmarks),
-        setting_sheet(rows),
-    ]
-    if (claims := material.claims) is not None:
-        sheets.append(tables.claim_sheet(claims, compared))
+def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> Iterator[Sheet]:
+    """Generate all tables of the page."""
+    study, claims, intervals = material.study, material.claims, material.intervals
+    keys, of_paper = (
+        json.loads(study.attrs["configuration"]),
+        set(titles) & set(material.paper.rock),
+    )
+    compared = bool(of_paper)
+    yield tables.closure_sheet(material.closures, titles)
+    yield tables.check_sheet(material.checks)
+    yield tables.preset_sheet(material.presets, keys, material.default)
+    yield tables.status_sheet(study, titles)
+    yield tables.failure_sheet(study)
+    yield tables.simulation_time_sheet(study, titles)
+    yield tables.job_time_sheet(material.benchmarks)
+    yield setting_sheet(rows)
+    if claims is not None:
+        yield tables.claim_sheet(claims, compared)
         if material.margins is not None:
-            sheets.append(tables.evidence_sheet(claims, material.margins, titles, compared))
-    if (conclusions := material.conclusions) is not None:
-        sheets += [tables.conclusion_sheet(conclusions), tables.moved_sheet(conclusions)]
-    if material.flow is not None:
-        sheets.append(tables.flow_sheet(material.flow, titles))
-    if material.measured is not None:
-        sheets.append(tables.measured_sheet(material.measured, titles))
+            yield tables.evidence_sheet(claims, material.margins, titles, compared)
     if intervals is not None and len(intervals) and "percent" in intervals:
-        sheets.append(tables.layout_sheet(intervals, titles, of_paper))
-        sheets.append(tables.interval_sheet(intervals, titles, of_paper))
-    if material.predictive is not None and len(material.predictive):
-        sheets.append(tables.predictive_sheet(material.predictive, titles, compared))
-    if material.joint is not None and len(material.joint):
-        sheets.append(tables.joint_sheet(material.joint))
-    if (elasticities := material.elasticities) is not None and len(elasticities):
-        sheets.append(tables.ranking_sheet(elasticities, titles))
-        sheets.append(tables.elasticity_sheet(elasticities, titles))
-    if material.accuracy is not None:
-        sheets.append(tables.accuracy_sheet(material.accuracy))
-    return {sheet.name: sheet for sheet in sheets}
+        yield tables.layout_sheet(intervals, titles, of_paper)
+        yield tables.interval_sheet(intervals, titles, of_paper)
+    optional: list[tuple] = [
+        (material.conclusions, tables.conclusion_sheet),
+        (material.conclusions, tables.moved_sheet),
+        (material.flow, tables.flow_sheet, titles),
+        (material.measured, tables.measured_sheet, titles),
+        (material.predictive, tables.predictive_sheet, titles, compared),
+        (material.joint, tables.joint_sheet),
+        (material.elasticities, tables.ranking_sheet, titles),
+        (material.elasticities, tables.elasticity_sheet, titles),
+        (material.accuracy, tables.accuracy_sheet),
+    ]
+    for table, make, *about in optional:
+        if table is not None and len(table):
+            yield make(table, *about)
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
@@ -175,17 +173,16 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
         stays = ratio_of_means(
             first.residual_closure_seated_net.values, first.max_closure_seated_net.values
         )
-        row = {"rock": titles[rock]} | _estimated("stays", stays, 100.0)
+        row = {"rock": titles[rock]} | estimate_columns("stays", stays, 100.0)
         for cycle, means in of_rock.set_index("cycle").iterrows():
             name = "max_closure_seated_net_mean_mm"
             closure = Estimate(means[name], means[f"{name}_standard_error"])
             stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
-            row |= _estimated(f"closure_{cycle}", closure)
-            row |= _estimated(f"kn_{cycle}", stiffness, 1e-9)
+            row |= estimate_columns(f"closure_{cycle}", closure)
+            row |= estimate_columns(f"kn_{cycle}", stiffness, 1e-9)
         rows.append(row)
     cycles = [int(cycle) for cycle in study.cycle.values]
-    columns = {"rock": "Rock"}
-    columns |= {f"closure_{cycle}": _CLOSURE.format(cycle) for cycle in cycles}
+    columns = {"rock": "Rock"} | {f"closure_{cycle}": _CLOSURE.format(cycle) for cycle in cycles}
     columns |= {"stays": STAYS}
     columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
     caption = (
@@ -196,22 +193,15 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
     return sheet("in-short", caption, pd.DataFrame(rows), columns)
 
 
-def _estimated(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
-    """Return the columns of a number and of its standard error, in the unit of the table."""
-    return {name: scale * estimate.value, f"{name}_standard_error": scale * estimate.standard_error}
-
-
 def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
     """Describe closures of the first and last cycle, and their sensitivity, in sentences."""
     named = dict(zip(numbers.titles, zip(*numbers.rows, strict=True), strict=True))
     rocks = named.pop("Rock")
     ranges = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
     stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
-    who = (
-        f"Joints of {rocks[0].text.lower()}" if len(rocks) == 1 else f"Joints of {len(rocks)} rocks"
-    )
+    who = rocks[0].text.lower() if len(rocks) == 1 else f"{len(rocks)} rocks"
     first = ranges[_CLOSURE.format(1)]
-    text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
+    text = f"Joints of {who} close {first} mm when they are first loaded to {stresses} MPa"
     if _CLOSURE.format(2) in ranges:
         text += f", and {ranges[_CLOSURE.format(2)]} mm when they are loaded again"
     text += f" (net of the half-spaces, since {1e-6 * configuration.seating_stress:g} MPa)"
@@ -252,19 +242,18 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
     count as equal.
     """
     lows, highs = [], []
-    differences = len(elasticities) - elasticities.rock.nunique()
-    confidence = 1.0 - 0.05 / differences
+    confidence = 1.0 - 0.05 / (len(elasticities) - elasticities.rock.nunique())
     for _, of_rock in elasticities.groupby("rock"):
         of_rock = of_rock.set_index("parameter")
         if parameter not in of_rock.index:
             return UNDECIDED
-        first, others = of_rock.loc[parameter], of_rock.drop(parameter)
-        for other in others.itertuples():
+        first = of_rock.loc[parameter]
+        for other in of_rock.drop(parameter).itertuples():
             error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
             difference = abs(first.elasticity) - abs(other.elasticity)
-            interval = t_interval((difference, error), int(first.samples), confidence)
-            lows.append(interval.low)
-            highs.append(interval.high)
+            low, high = t_interval((difference, error), int(first.samples), confidence)
+            lows.append(low)
+            highs.append(high)
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
 
 
@@ -314,15 +303,9 @@ def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame
     rows = []
     for key, (value, meaning) in _leaves(chosen, schema, ""):
         known = key in theirs
-        rows.append(
-            {
-                "key": key,
-                "value": _shown(value),
-                "paper": _shown(theirs[key][0]) if known else "",
-                "differs": not known or theirs[key][0] != value,
-                "meaning": meaning,
-            }
-        )
+        row = {"key": key, "value": _shown(value), "meaning": meaning}
+        row["paper"] = _shown(theirs[key][0]) if known else ""
+        rows.append(row | {"differs": not known or theirs[key][0] != value})
     return pd.DataFrame(rows)
 
 

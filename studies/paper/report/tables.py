@@ -33,16 +33,9 @@ MOST_FAILURES = 500
 """Largest number of failed simulations that are listed."""
 _PROPERTY = {name: about.title for name, about in PROPERTIES.items()}
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
-_HEADS = {
-    "rock": "Rock",
-    "parameter": "Parameter",
-    "cycle": "Cycle",
-    "samples": "Joints used (n)",
-    "number": "No.",
-    "claim": "Claim",
-    "section": "Place in the paper",
-    "found": "Studies that find it",
-}
+_HEADS = {"rock": "Rock", "parameter": "Parameter", "cycle": "Cycle", "samples": "Joints used (n)"}
+_HEADS |= {"number": "No.", "claim": "Claim", "section": "Place in the paper"}
+_HEADS |= {"found": "Studies that find it"}
 """Headings that several tables have."""
 
 
@@ -50,9 +43,16 @@ def _heads(*columns: str) -> dict[str, str]:
     return {column: _HEADS[column] for column in columns}
 
 
+def _titled(table: pd.DataFrame, titles: Titles, parameters: dict = _PROPERTY) -> pd.DataFrame:
+    """Replace names of rocks, and of properties, by their titles."""
+    table = table.assign(rock=table.rock.map(titles))
+    if "parameter" in table:
+        table["parameter"] = table.parameter.map(parameters)
+    return table
+
+
 def closure_sheet(closures: pd.DataFrame, titles: Titles) -> Sheet:
     """Maximum closure of each rock's base case."""
-    base = closures[closures.parameter == "base"]
     columns = _heads("rock", "cycle", "samples") | {
         "max_closure_mean_mm": "Maximum closure, mean (mm)",
         "max_closure_adjusted_mean_mm": "Mean, adjusted (mm)",
@@ -61,13 +61,12 @@ def closure_sheet(closures: pd.DataFrame, titles: Titles) -> Sheet:
     columns |= headings(
         "max_closure_net_mean_mm", "max_closure_seated_mean_mm", "residual_closure_mean_mm"
     )
-    return sheet(
-        "closures",
+    caption = (
         "Maximum closure of each rock's base case, from the start of the cycle; residual closure "
-        "is from first touch; ± standard error",
-        base.assign(rock=base.rock.map(titles)),
-        columns,
+        "is from first touch; ± standard error"
     )
+    base = closures[closures.parameter == "base"]
+    return sheet("closures", caption, _titled(base, titles), columns)
 
 
 def flow_sheet(flow: pd.DataFrame, titles: Titles) -> Sheet:
@@ -77,23 +76,19 @@ def flow_sheet(flow: pd.DataFrame, titles: Titles) -> Sheet:
     most = loading.groupby(by, sort=False).samples.transform("max")
     reached = loading[loading.samples == most]
     at = reached.loc[reached.groupby(by, sort=False).stress_MPa.idxmax()]
-    columns = _heads("rock", "cycle") | {
-        "direction": "Flow along",
-        "stress_MPa": "Stress (MPa)",
-        "samples": "Joints (n)",
-        "blocked": "Of these blocked",
+    columns = _heads("rock", "cycle") | {"direction": "Flow along", "stress_MPa": "Stress (MPa)"}
+    columns |= {"samples": "Joints (n)", "blocked": "Of these blocked"}
+    columns |= {
         "mean_aperture_mean_mm": "Mechanical aperture (mm)",
         "hydraulic_aperture_mean_mm": "Hydraulic aperture (mm)",
         "hydraulic_aperture_standard_deviation_mm": "Its standard deviation (mm)",
         "ratio_mean": "Hydraulic / mechanical",
     }
-    return sheet(
-        "flow",
+    caption = (
         "Hydraulic aperture of each rock's base case, by Reynolds' equation, at the largest stress "
-        "of loading that all of its joints reach; means over the joints",
-        at.assign(rock=at.rock.map(titles)),
-        columns,
+        "of loading that all of its joints reach; means over the joints"
     )
+    return sheet("flow", caption, _titled(at, titles), columns)
 
 
 def ranking_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
@@ -106,14 +101,12 @@ def ranking_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
             for row in part.loc[order].itertuples()
         ]
         rows.append({"rock": titles[rock], "cycle": cycle, "ranked": ", ".join(ranked)})
-    columns = _heads("rock", "cycle") | {"ranked": "Elasticities, the largest first"}
-    return sheet(
-        "ranking",
+    caption = (
         "Elasticities of the mean maximum closure, with standard errors: change in % for a change "
-        "of the property by 1 %. The claims state which differences are significant",
-        pd.DataFrame(rows, columns=list(columns)),
-        columns,
+        "of the property by 1 %. The claims state which differences are significant"
     )
+    columns = _heads("rock", "cycle") | {"ranked": "Elasticities, the largest first"}
+    return sheet("ranking", caption, pd.DataFrame(rows), columns)
 
 
 def layout_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
@@ -138,56 +131,38 @@ def layout_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) ->
 
 def interval_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
     """Every indifference interval with its confidence interval, and the paper's."""
-    table = intervals.assign(
-        rock=intervals.rock.map(titles),
-        base=intervals.base.map(given),
-        parameter=intervals.parameter.map(_WITH_UNITS),
-    )
-    columns = _heads("rock", "parameter", "cycle", "samples") | {
-        "base": "The rock's value",
-        "length": "Length",
-        "length_low": "From",
-        "length_high": "To",
-        "percent": "% of the rock's value",
-        "length_net": "Net of bulk indentation",
-    }
+    table = _titled(intervals, titles, _WITH_UNITS).assign(base=intervals.base.map(given))
+    columns = _heads("rock", "parameter", "cycle", "samples") | {"base": "The rock's value"}
+    columns |= {"length": "Length", "length_low": "From", "length_high": "To"}
+    columns |= {"percent": "% of the rock's value", "length_net": "Net of bulk indentation"}
     paired = is_paired(intervals)
     if paired:
         columns["unpaired_length"] = "By the unpaired t test"
     if of_paper:
+        none = {True: Cell("no real root", ""), False: cell(None)}
         table["paper"] = [
-            cell(None) if row.rock not in of_paper
-            else Cell("no real root", "") if pd.isna(row.paper_length)
-            else given(row.paper_length)
+            none[row.rock in of_paper] if pd.isna(row.paper_length) else given(row.paper_length)
             for row in intervals.itertuples()
-        ]  # fmt: skip
+        ]
         columns["paper"] = "The paper's length (unpaired)"
         if not paired:  # no ratio of lengths by different tests
             table["ratio"] = intervals.length / intervals.paper_length
             columns["ratio"] = "This study over the paper"
-    columns["status"] = "Remark"
-    return sheet(
-        "intervals",
+    caption = (
         f"Indifference intervals, {test_name(intervals)}, with their bootstrap confidence "
-        "intervals (from, to)",
-        table,
-        columns,
+        "intervals (from, to)"
     )
+    return sheet("intervals", caption, table, columns | {"status": "Remark"})
 
 
 def measured_sheet(fits: pd.DataFrame, titles: Titles) -> Sheet:
     """Fit of the joints to the measured curves."""
-    columns = _heads("rock", "cycle") | {
-        "points": "Points measured",
-        "largest_closure_mm": "Largest closure measured (mm)",
-        "samples": "Joints used (n)",
-        "best_realization": "Joint that fits best",
-        "misfit_mm": "Its misfit (mm)",
-        "misfit_percent": "Its misfit (%)",
-        "median_misfit_mm": "Median misfit (mm)",
-    }
+    columns = _heads("rock", "cycle") | {"points": "Points measured"}
+    columns |= {"largest_closure_mm": "Largest closure measured (mm)", **_heads("samples")}
+    columns |= {"best_realization": "Joint that fits best", "misfit_mm": "Its misfit (mm)"}
+    columns |= {"misfit_percent": "Its misfit (%)", "median_misfit_mm": "Median misfit (mm)"}
     caption = "Measured closure curves: the joint that fits best, and its misfit"
-    return sheet("measured", caption, fits.assign(rock=fits.rock.map(titles)), columns)
+    return sheet("measured", caption, _titled(fits, titles), columns)
 
 
 def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
@@ -202,8 +177,9 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
 
 def _judged(claims: pd.DataFrame) -> list[dict]:
     """Rows of claims with texts of the share of studies that confirm them and of the verdict."""
+    remarks = {claim.number: f" ({claim.remark})" for claim in CLAIMS if claim.remark}
     return [
-        row | {"found": found_text(row), "verdict": verdict_text(row)}
+        row | {"found": found_text(row), "verdict": row["verdict"] + remarks.get(row["number"], "")}
         for row in claims.to_dict("records")
     ]
 
@@ -215,14 +191,10 @@ def evidence_sheet(
     rows = []
     for claim in claims.itertuples():
         about = {"number": claim.number, "verdict": claim.verdict}
-        deciding = margins[(margins.number == claim.number) & margins.decides]
-        rows += [
-            about
-            | {"by": "the model", "where": titles[row.rock], "cycle": row.cycle}
-            | {"quantity": row.quantity}
-            | {"value": Cell(rounded(row.value, row.standard_error), row.value)}
-            for row in deciding.itertuples()
-        ]
+        for row in margins[(margins.number == claim.number) & margins.decides].itertuples():
+            value = Cell(rounded(row.value, row.standard_error), row.value)
+            of = {"by": "the model", "where": titles[row.rock], "cycle": row.cycle}
+            rows.append(about | of | {"quantity": row.quantity, "value": value})
         if compared and isinstance(getattr(claim, "paper", None), str):
             paper = {"by": "the paper", "where": "", "cycle": "", "value": claim.paper}
             rows.append(about | paper)  # not NaN, which would make fractions of the cycles
@@ -241,20 +213,19 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
         "choices": "True for so many open choices",
         "conclusion": "Conclusion",
     }
-    shown = [
-        row
-        | {kind: _tried([row[f"{kind}_{name}"] for name in COUNTS])
-           for kind in ("readings", "partial")}
-        | {"choices": NOT_TRIED if pd.isna(row["choices_share"]) else _choices(row)}
-        for row in _judged(conclusions)
-    ]  # fmt: skip
+    shown = []
+    for row in _judged(conclusions):
+        for kind in ("readings", "partial"):
+            row[kind] = _tried([row[f"{kind}_{name}"] for name in COUNTS])
+        row["choices"] = NOT_TRIED
+        if not pd.isna(row["choices_share"]):
+            share, low, high = (
+                percent(row[f"choices_share{end}"]) for end in ("", "_low", "_high")
+            )
+            row["choices"] = f"{share} ({low} to {high})"
+        shown.append(row)
     caption = "Conclusion on each claim under readings and choices that the paper leaves open"
     return sheet("conclusions", caption, pd.DataFrame(shown), columns)
-
-
-def _choices(row: Mapping) -> str:
-    share, low, high = (percent(row[f"choices_share{end}"]) for end in ("", "_low", "_high"))
-    return f"{share} ({low} to {high})"
 
 
 def _tried(counts: list[float]) -> str:
@@ -266,9 +237,8 @@ def _tried(counts: list[float]) -> str:
 def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
     """Readings and inputs that change the verdict on claims."""
     widest = conclusions.jrc_half_width.max()
-    columns = {
-        "number": "No.",
-        "verdict": "As configured",
+    columns = _heads("number") | {"verdict": "As configured"}
+    columns |= {
         "opposed_by": "Contradicted by the reading",
         "opened_by": "Left open by the readings",
         "moved_by": "Over the open choices it varies most with",
@@ -299,12 +269,6 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
     return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
 
 
-def verdict_text(row: Mapping) -> str:
-    """Format the verdict on a claim, with what it rests on where the claim has such a remark."""
-    remark = next((claim.remark for claim in CLAIMS if claim.number == row["number"]), "")
-    return f"{row['verdict']} ({remark})" if remark else row["verdict"]
-
-
 def found_text(row: Mapping, prefix: str = "") -> str:
     """Format the share of studies that confirm a claim, from `FOUND` of a table's row."""
     return percent_text(*(row[f"{prefix}{name}"] for name in FOUND))
@@ -313,50 +277,34 @@ def found_text(row: Mapping, prefix: str = "") -> str:
 def _with_errors(table: pd.DataFrame, names: Iterable[str], shown: Callable) -> pd.DataFrame:
     """Replace columns by cells of their numbers and errors (columns with the suffix _error)."""
     return table.assign(
-        **{
-            name: [shown(*pair) for pair in zip(table[name], table[f"{name}_error"], strict=True)]
-            for name in names
-        }
+        **{name: list(map(shown, table[name], table[f"{name}_error"])) for name in names}
     )
 
 
 def predictive_sheet(predictive: pd.DataFrame, titles: Titles, compared: bool) -> Sheet:
     """Each entry of Table 3 over repetitions of the study, with the paper's value."""
-    table = predictive.assign(
-        rock=predictive.rock.map(titles),
-        parameter=predictive.parameter.map(_WITH_UNITS),
-        none=[
-            Cell(percent_text(row.share_without_root, row.share_error), row.share_without_root)
-            for row in predictive.itertuples()
-        ],
-    )
-    columns = _heads("rock", "parameter", "cycle") | {"median": "Median"}
-    columns |= {"low_95": "2.5 %", "low_90": "5 %", "high_90": "95 %", "high_95": "97.5 %"}
-    columns["none"] = "No real root"
+    shares = zip(predictive.share_without_root, predictive.share_error, strict=True)
+    none = [Cell(percent_text(share, error), share) for share, error in shares]
+    table = _titled(predictive, titles, _WITH_UNITS).assign(none=none)
+    columns = _heads("rock", "parameter", "cycle") | {"median": "Median", "low_95": "2.5 %"}
+    columns |= {"low_90": "5 %", "high_90": "95 %", "high_95": "97.5 %", "none": "No real root"}
     if compared and "p" in table:
         columns |= {"paper_length": "The paper", "p": "Its p", "null_p": "p without effect"}
         table = _with_errors(table, ("p", "null_p"), probability)
-    return sheet(
-        "predictive",
+    caption = (
         "Predicted results of repetitions of this study, lengths by the unpaired t test on "
         "independent draws; p: of the paper's entry, two-sided; without "
-        "effect: probability that noise alone gives a length as short",
-        table,
-        columns,
+        "effect: probability that noise alone gives a length as short"
     )
+    return sheet("predictive", caption, table, columns)
 
 
 def joint_sheet(joint: pd.DataFrame) -> Sheet:
     """Joint tests of whether the paper's entries are a draw of this model, or of noise."""
-    columns = {
-        "entries": "Entries",
-        "number": "Number",
-        "dashes": "Dashes in the paper",
-        "p": "p of this model",
-        "null_p": "p without any effect",
-        "log_likelihood": "Log-likelihood, this model",
-        "null_log_likelihood": "Without any effect",
-    }
+    columns = {"entries": "Entries", "number": "Number", "dashes": "Dashes in the paper"}
+    columns |= {"p": "p of this model", "null_p": "p without any effect"}
+    columns |= {"log_likelihood": "Log-likelihood, this model"}
+    columns |= {"null_log_likelihood": "Without any effect"}
     table = _with_errors(joint, ("p", "null_p"), probability)
     likelihoods = ("log_likelihood", "null_log_likelihood")
     table = _with_errors(table, likelihoods, lambda *pair: Cell(rounded(*pair), pair[0]))
@@ -370,45 +318,32 @@ def joint_sheet(joint: pd.DataFrame) -> Sheet:
 
 def elasticity_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
     """Elasticities of the mean maximum closure, with their standard errors."""
-    table = elasticities.assign(
-        rock=elasticities.rock.map(titles), parameter=elasticities.parameter.map(_PROPERTY)
-    )
-    columns = _heads("rock", "parameter", "cycle", "samples") | {
-        "elasticity_shown": "Elasticity",
-        "elasticity_adjusted_shown": "Adjusted",
-        "elasticity_net_shown": "Net of bulk indentation",
-    }
-    return sheet(
-        "elasticities",
+    columns = _heads("rock", "parameter", "cycle", "samples")
+    columns |= {"elasticity_shown": "Elasticity", "elasticity_adjusted_shown": "Adjusted"}
+    columns |= {"elasticity_net_shown": "Net of bulk indentation"}
+    caption = (
         "Elasticities, d ln(mean closure)/d ln(property): change in % for a change of the property "
-        "by 1 %",
-        table,
-        columns,
+        "by 1 %"
     )
+    return sheet("elasticities", caption, _titled(elasticities, titles), columns)
 
 
 def check_sheet(checks: pd.DataFrame) -> Sheet:
     """Checks of the results."""
     verdict = np.where(checks.passed, "passed", "FAILED")
     verdict = np.where(checks.required == "reported only", "reported only", verdict)
-    columns = {name: name.capitalize() for name in ("ensemble", "check", "required", "found")}
-    columns["verdict"] = "Verdict"
+    names = ("ensemble", "check", "required", "found", "verdict")
+    columns = {name: name.capitalize() for name in names}
     return sheet("checks", "Checks of the results", checks.assign(verdict=verdict), columns)
 
 
 def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
     """Error and time of each setting of `make accuracy`."""
-    columns = {
-        "scene": "Variant of the model",
-        "rock": "Rock",
-        "knob": "Setting",
-        "value": "Value",
-        "cycle": "Cycle",
-        "mean_error_percent": "Error of the mean closure (%)",
-        "mean_low": "From",
-        "mean_high": "To",
-        "relative_time": "Time over the variant's base",
-    }
+    columns = {"scene": "Variant of the model", "rock": "Rock", "knob": "Setting"}
+    columns |= {"value": "Value", "cycle": "Cycle"}
+    columns |= {"mean_error_percent": "Error of the mean closure (%)"}
+    columns |= {"mean_low": "From", "mean_high": "To"}
+    columns |= {"relative_time": "Time over the variant's base"}
     return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
 
 
@@ -421,35 +356,26 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     radius = configuration["choices"]["largest_radius_mm"]
     bounded = np.array([radius_of(scene) == radius for scene in rows.scene], dtype=bool)
     same = rows.numerics.map(json.loads).map(lambda numerics: numerics == changed)
-    errors = ["error_percent", "bound_percent", "relative_time"]
-    columns = {
-        "scene": "Radii",
-        "preset": "Preset",
+    numbers = {
         "error_percent": "Error of the mean closure (%)",
         "bound_percent": "At most, by its confidence interval (%)",
         "relative_time": "Time over the paper's steps",
-        "mine": "This study's",
     }
-    return sheet(
-        "presets",
-        "Presets of the numerics, with their errors from the study of accuracy",
-        rows.assign(
-            scene=rows.scene.map(radii_words),
-            mine=np.where(bounded & same & breaks, "yes", ""),
-            **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in errors},
-        ),
-        columns,
+    table = rows.assign(
+        scene=rows.scene.map(radii_words),
+        mine=np.where(bounded & same & breaks, "yes", ""),
+        **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in numbers},
     )
+    columns = {"scene": "Radii", "preset": "Preset"} | numbers | {"mine": "This study's"}
+    caption = "Presets of the numerics, with their errors from the study of accuracy"
+    return sheet("presets", caption, table, columns)
 
 
 _IN_WORDS = {
-    "target_jumped": "Jumped over the target",
     "outside_model_range": "Outside of the model's range",
-    "not_converged": "Not converged",
+    "target_jumped": "Jumped over the target",
     "breakage_not_at_rest": "Breakage did not come to rest",
     "rigid_contact": "Contact without compliance",
-    "stress_not_reached": "Stress not reached",
-    "too_many_steps": "Too many steps",
 }
 
 
@@ -496,17 +422,9 @@ def failure_sheet(study: xr.Dataset) -> Sheet:
     seeds = study.seed.transpose("case", "realization").values
     failed = np.argwhere(statuses >= FAILURE)
     for i, j in failed[:MOST_FAILURES]:
-        status = int(statuses[i, j])
-        rows.append(
-            {
-                "case": study.case.values[i],
-                "realization": int(study.realization.values[j]),
-                "status": ", ".join(
-                    in_words(name) for mask, name in flags.items() if status & mask
-                ),
-                "seed": str(seeds[i, j]),
-            }
-        )
+        words = [in_words(name) for mask, name in flags.items() if int(statuses[i, j]) & mask]
+        row = {"case": study.case.values[i], "realization": int(study.realization.values[j])}
+        rows.append(row | {"status": ", ".join(words), "seed": str(seeds[i, j])})
     columns = {"case": "Case", "realization": "Realisation", "status": "Status"}
     columns["seed"] = "Seed of its walls"
     caption = "Failed simulations"
@@ -517,18 +435,16 @@ def failure_sheet(study: xr.Dataset) -> Sheet:
 
 def simulation_time_sheet(study: xr.Dataset, titles: Titles) -> Sheet:
     """Wall-clock time of the simulations of each rock."""
-    rows = []
-    for rock, title in titles.items():
-        seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
-        least, low, middle, high, most = np.quantile(seconds, (0.0, 0.05, 0.5, 0.95, 1.0))
-        rows.append(
-            {"rock": title, "count": seconds.size, "median": middle, "least": least, "low": low}
-            | {"high": high, "most": most, "total": seconds.sum()}
-        )
     columns = {"rock": "Rock", "count": "Simulations", "median": "Median (s)"}
     columns |= {"least": "Least (s)", "low": "5 % (s)", "high": "95 % (s)", "most": "Most (s)"}
     columns["total"] = "In all (s)"
-    return sheet("simulation-times", "Time of a simulation", pd.DataFrame(rows), columns)
+    rows = []
+    for rock, title in titles.items():
+        seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
+        quantiles = np.quantile(seconds, (0.5, 0.0, 0.05, 0.95, 1.0))
+        rows.append((title, seconds.size, *quantiles, seconds.sum()))
+    frame = pd.DataFrame(rows, columns=list(columns))
+    return sheet("simulation-times", "Time of a simulation", frame, columns)
 
 
 def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
