@@ -29,13 +29,10 @@ _ROOT_OF_2, _ROOT_OF_4 = 1.2599210498948732, 1.5874010519681996
 def cube_root(x):
     """Compute x^(1/3), x >= 0, so that the result for 8^k x is exactly 2^k times as large.
 
-    A joint scaled by a power of 64 therefore breaks identically.
-
-    Notes
-    -----
-    The mantissa m, from 1/2 to 1, has the start u(m) and the step of third order u (u^3 + 2 m) /
-    (2 u^3 + m) of the GNU C library (s_cbrt.c, version 2.36), correct to one unit in the last
-    place. Written out they have the same bits with every library, and no call.
+    A joint scaled by a power of 64 therefore breaks identically. The mantissa m, from 1/2 to 1, has
+    the start u(m) and the step of third order u (u^3 + 2 m) / (2 u^3 + m) of the GNU C library
+    (s_cbrt.c, version 2.36), correct to one unit in the last place. Written out they have the same
+    bits with every library, and no call.
     """
     bits = np.float64(x).view(np.int64)
     if not 0 < bits >> 52 < 2047:  # zero, subnormal, infinite or NaN
@@ -70,12 +67,8 @@ def equivalent_modulus(upper_modulus, lower_modulus):
 def substrate_compliance(base_radius, equivalent_modulus):
     """Compute A = (delta_t + delta_b) / F [m/N] of both substrates, Eqs. (6) and (7).
 
-    Parameters
-    ----------
-    base_radius : float
-        Radius r of the asperities' bases [m].
-    equivalent_modulus : float
-        1 / (1/E_t* + 1/E_b*) of the rock, not of its peaks [Pa].
+    The base radius r is in [m]; the modulus 1 / (1/E_t* + 1/E_b*) [Pa] is that of the rock, not of
+    its peaks.
     """
     return 0.75 / (base_radius * equivalent_modulus)
 
@@ -84,12 +77,7 @@ def substrate_compliance(base_radius, equivalent_modulus):
 def asperity_compliance(curvature, asperity_modulus):
     """Compute B = delta_a / F^(2/3) [m N^(-2/3)] of the asperities, Eq. (5) inverted.
 
-    Parameters
-    ----------
-    curvature : float
-        kappa_a = 1/R_a = 1/R_at + 1/R_ab [1/m], Eq. (3).
-    asperity_modulus : float
-        E_a* of Eq. (4) [Pa].
+    The curvature is kappa_a = 1/R_a = 1/R_at + 1/R_ab [1/m], Eq. (3), the modulus E_a* [Pa].
     """
     return cube_root(9.0 * curvature / (16.0 * asperity_modulus * asperity_modulus))
 
@@ -103,26 +91,13 @@ def overlap_of_force(force, substrate, asperity):
 
 @kernel
 def force_of_overlap(overlap, substrate, asperity):
-    """Compute the force of one contact and its slope at a given overlap, Eqs. (10) to (12).
+    """Compute the force F [N] of one contact and dF/d(delta_S) [N/m], Eqs. (10) to (12).
 
-    Parameters
-    ----------
-    overlap : float
-        delta_S [m]; there is no contact unless it is positive.
-    substrate, asperity : float
-        Compliances A [m/N] and B [m N^(-2/3)].
-
-    Returns
-    -------
-    force, slope : float
-        F [N] and dF/d(delta_S) [N/m]. Both are infinite for a rigid contact
-        (A = B = 0), which callers refuse.
-
-    Notes
-    -----
-    With t = F^(1/3), f(t) = A t^3 + B t^2 - delta_S is convex for t > 0 and
-    has one root. The roots without one of the two terms are upper bounds; Newton's
-    method converges monotonically from there, in at most five steps.
+    There is no contact unless the overlap delta_S [m] is positive. Both are infinite for a rigid
+    contact, with compliances A = B = 0, which callers refuse. With t = F^(1/3), f(t) =
+    A t^3 + B t^2 - delta_S is convex for t > 0 and has one root. The roots without one of the two
+    terms are upper bounds; Newton's method converges monotonically from there, in at most five
+    steps.
     """
     t, exact = root_from(overlap, substrate, asperity, 0.0)
     for _ in range(MOST_ROOT_STEPS):

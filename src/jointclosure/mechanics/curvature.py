@@ -7,24 +7,12 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def gaussian_curvature(west, east, south, north, here, concave, spacing):
-    """Compute the inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
+    """Compute the inverse of the Gaussian radius of an asperity [1/m], 1/R = sqrt(1/(Rx Ry)).
 
-    Parameters
-    ----------
-    west, east, south, north, here : float
-        Heights of the four edge neighbours and of the cell [m].
-    concave : float
-        Weight of a concave profile: 1 as a convex one of the same size, 0 as a straight one.
-    spacing : float
-        Grid spacing h [m].
+    Heights are those of the four edge neighbours and of the cell [m]. ``concave`` is the weight of
+    a concave profile: 1 as a convex one of the same size, 0 as a straight one. The result is 0 if
+    either profile is straight, or counts as straight.
 
-    Returns
-    -------
-    float
-        1/R_at or 1/R_ab [1/m]; 0 if either profile is straight, or counts as straight.
-
-    Notes
-    -----
     Eqs. (1) and (2) in curvatures: those of the circles through three points in x
     and y by Menger's formula, 4 area / (product of the sides). Both are under one root,
     because this is the innermost operation of the breakage loop. A valley has the

@@ -26,12 +26,7 @@ def upper_share(upper_curvature, lower_curvature):
 def passed_share(share, total_upper, total_lower):
     """Return the upper wall's share if a wall without lower neighbours passes its share on.
 
-    Parameters
-    ----------
-    share : float
-        As from `upper_share`.
-    total_upper, total_lower : float
-        As from `drops`; a pair with both 0 is locked and does not break.
+    A pair with both totals of `drops` 0 is locked and does not break.
     """
     if total_upper == 0.0:
         return 0.0
@@ -49,24 +44,10 @@ def fall(here, there, tie_tolerance):
 
 @kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Compute height differences to the lower neighbours.
+    """Compute height differences (8,) [m] to the lower neighbours: their sum and the smallest.
 
-    Parameters
-    ----------
-    height : float
-        Height of the cell [m].
-    neighbours : array (8,)
-        Heights of its neighbours [m].
-    tie_tolerance : float
-        Differences up to this do not count as lower [m].
-    out : array (8,)
-        Receives the differences [m], 0 for neighbours that are not lower.
-
-    Returns
-    -------
-    total, least : float
-        Sum of the differences and the smallest of them [m]; 0 and infinite
-        for a cell without a lower neighbour.
+    ``out`` receives them, 0 for neighbours that are not lower by more than the tolerance; without a
+    lower neighbour the sum is 0 and the smallest infinite.
     """
     least = math.inf
     for k in range(8):
@@ -78,22 +59,10 @@ def drops(height, neighbours, tie_tolerance, out):
 
 @kernel
 def shed(neighbours, loss, differences, total, least):
-    """Distribute the loss of a cell on its lower neighbours, in proportion to the drop.
+    """Distribute the loss [m] of a cell on its lower neighbours (8,), in proportion to the drop.
 
-    Parameters
-    ----------
-    neighbours : array (8,)
-        Heights [m], raised in place.
-    loss : float
-        Height that the cell should lose [m], positive.
-    differences, total, least
-        As from `drops`, total positive.
-
-    Returns
-    -------
-    float
-        The loss [m], limited so that no neighbour is raised above the lowered cell:
-        at the limit the closest one, ``least`` below, is level with it.
+    Return the loss, limited so that no neighbour is raised above the lowered cell: at the limit the
+    closest one, ``least`` below, is level with it. The other arguments are those of `drops`.
     """
     if loss * (total + least) > least * total:
         rate = least / (total + least)

@@ -7,20 +7,10 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def far_field_factor(ratio):
-    """Compute the displacement by a Hertz pressure over that by a point force.
+    """Compute the displacement by a Hertz pressure over that by a point force, E* pi zeta u / F.
 
-    Parameters
-    ----------
-    ratio : float
-        r/zeta, base radius over distance, between 0 and 1.
+    The ratio is r/zeta, base radius over distance; the result 1 far away, 3 pi/8 at the rim.
 
-    Returns
-    -------
-    float
-        E* pi zeta u / F: 1 far away, 3 pi/8 at the rim.
-
-    Notes
-    -----
     Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are
     the hypergeometric series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The printed form
     subtracts nearly equal numbers far away, and the series has positive terms only.
@@ -47,13 +37,6 @@ def far_field_factor(ratio):
 def interaction_displacement(distance, base_radius, equivalent_modulus):
     """Compute the approach of both half-spaces per unit force [m/N], Eqs. (17) to (20).
 
-    Parameters
-    ----------
-    distance : float
-        zeta >= base_radius [m].
-    base_radius : float
-        r [m].
-    equivalent_modulus : float
-        1 / (1/E_t* + 1/E_b*) of the rock [Pa].
+    The distance zeta [m] is at least the base radius r [m]; the modulus [Pa] is that of the rock.
     """
     return far_field_factor(base_radius / distance) / (math.pi * equivalent_modulus * distance)

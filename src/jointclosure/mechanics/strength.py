@@ -7,15 +7,7 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def von_mises_on_axis(depth, poisson_ratio):
-    """Compute the equivalent stress over p0 on the axis of a Hertz pressure, Eq. (21).
-
-    Parameters
-    ----------
-    depth : float
-        z/a >= 0, depth over the radius of contact.
-    poisson_ratio : float
-        Poisson's ratio.
-    """
+    """Compute the equivalent stress over p0 at a depth z/a under a Hertz pressure, Eq. (21)."""
     angle = math.atan2(1.0, depth)
     return 1.5 / (1.0 + depth**2) - (1.0 + poisson_ratio) * (1.0 - depth * angle)
 
@@ -28,41 +20,21 @@ def strength_factor(poisson_ratio):
 
 @kernel
 def critical_indentation(pressure_limit, asperity_modulus):
-    """Compute the indentation ratio q = delta_break / R_a at which p0_a reaches its limit.
+    """Compute the indentation ratio q = delta_break / R_a at which p0_a reaches its limit [Pa].
 
-    From Eq. (22), p0_a = 2/pi E_a* sqrt(delta_a / R_a).
-
-    Parameters
-    ----------
-    pressure_limit : float
-        The smaller sigma_c / c(nu) of the two walls [Pa].
-    asperity_modulus : float
-        E_a* [Pa].
+    From Eq. (22), p0_a = 2/pi E_a* sqrt(delta_a / R_a). The limit is the smaller sigma_c / c(nu) of
+    the two walls.
     """
     return (0.5 * math.pi * pressure_limit / asperity_modulus) ** 2
 
 
 @kernel
 def is_overstressed(overlap, curvature, critical, breaking_force, substrate):
-    """Return whether a pair at this overlap exceeds its strength, Eqs. (5), (10), (22).
+    """Return whether a pair at overlap delta_S [m] exceeds its strength, Eqs. (5), (10), (22).
 
-    Parameters
-    ----------
-    overlap : float
-        delta_S [m].
-    curvature : float
-        kappa_a [1/m].
-    critical : float
-        q of `critical_indentation`.
-    breaking_force : float
-        4/3 E_a* q^(3/2) [Pa]: the breaking force times kappa_a^2.
-    substrate : float
-        A [m/N].
-
-    Notes
-    -----
-    delta_break = q/kappa and F_break = 4/3 E_a* q^(3/2)/kappa^2 give the
-    overlap at breakage. Multiplied by kappa^2 the condition needs neither root nor
-    division, and a flat contact (kappa = 0) never breaks.
+    ``critical`` is q of `critical_indentation`, ``breaking_force`` 4/3 E_a* q^(3/2) [Pa].
+    delta_break = q/kappa and F_break = 4/3 E_a* q^(3/2)/kappa^2 give the overlap at breakage.
+    Multiplied by kappa^2 the condition needs neither root nor division, and a flat contact (kappa =
+    0) never breaks.
     """
     return overlap * curvature * curvature > critical * curvature + substrate * breaking_force
