@@ -15,7 +15,7 @@ from jointclosure.engine.joints import close_case
 from jointclosure.engine.quantities import OF_FLOW
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.curves import curve_table, cycle_table
-from jointclosure.joint.history import first_crossing
+from jointclosure.joint.history import crossing
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.ensemble.cases import block_settings, cases_of
@@ -78,7 +78,7 @@ def test_a_study_reads_its_apertures_off_the_joints_history(studies):
             case="slate-base", realization=0, direction=direction, cycle=1, branch="loading"
         )
         at = int(np.flatnonzero(np.isclose(stored.stress, level))[0])
-        assert float(stored[at]) == first_crossing(stress, along, level)
+        assert float(stored[at]) == crossing(stress, along, level)
 
 
 def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(studies):

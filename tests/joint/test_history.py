@@ -1,63 +1,63 @@
-import numpy as np
+"""Closures and stresses read from a history of a few steps."""
 
-from jointclosure.joint.history import (
-    closure_at_stresses,
-    first_crossing,
-    last_crossing,
-    unloading_excess,
-)
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.joint.history import crossing, unloading_excess, values_at_stresses
 
 STRESS = np.array([0.0, 1.0, 3.0, 2.0, 4.0])
 CLOSURE = np.array([0.0, 10.0, 20.0, 30.0, 40.0])
+UP, LOAD = [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0]
 
 
-def test_loading_takes_the_first_crossing_and_unloading_the_last():
-    assert first_crossing(STRESS, CLOSURE, 2.0) == 15.0
-    assert last_crossing(STRESS[::-1], CLOSURE[::-1], 2.5) == 17.5 - 0.0
-    assert first_crossing(STRESS, CLOSURE, 0.0) == 0.0
+def history(closure, stress, steps):
+    """A history whose numbers of steps of loading and unloading alternate."""
+    cycle = np.repeat(np.arange(len(steps)) // 2 + 1, steps)
+    branch = np.repeat([("loading", "unloading")[i % 2] for i in range(len(steps))], steps)
+    along = {"closure": closure, "normal_stress": stress, "cycle": cycle, "branch": branch}
+    return xr.Dataset({name: ("step", np.array(values)) for name, values in along.items()})
 
 
-def test_a_level_that_was_not_reached_is_nan():
-    assert np.isnan(first_crossing(STRESS, CLOSURE, 5.0))
-    assert np.isnan(last_crossing(STRESS, CLOSURE, 5.0))
+@pytest.mark.parametrize("level", [2.0, 0.0, 5.0])
+def test_loading_takes_the_first_crossing_and_unloading_the_last(level):
+    first = crossing(STRESS, CLOSURE, level)
+    last = crossing(STRESS[::-1], CLOSURE[::-1], level, "unloading")
+    expected = {2.0: 15.0, 0.0: 0.0, 5.0: np.nan}[level]
+    np.testing.assert_array_equal([first, last], [expected] * 2)
 
 
-def test_curves_are_read_per_cycle_and_branch():
-    closure = np.array([0.0, 1.0, 2.0, 1.5, 0.5, 1.5, 2.5, 0.7])
-    stress = np.array([0.0, 1.0, 2.0, 1.0, 0.0, 1.0, 2.0, 0.0])
-    cycle = np.array([1, 1, 1, 1, 1, 2, 2, 2])
-    branch = np.array(["loading"] * 3 + ["unloading"] * 2 + ["loading"] * 2 + ["unloading"])
-    found = closure_at_stresses(closure, stress, cycle, branch, 2, np.array([0.0, 1.0, 2.0]))
+@pytest.mark.parametrize("tolerance", [0.0, 1e-3])
+def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
+    closure = [0.0, 1.0, 2.0, 1.5, 0.5, 1.5, 2.5, 0.7]
+    stress = [0.0, 1.0, 2.0 / (1.0 + 0.5 * tolerance), 1.0, 0.0, 1.0, 2.0, 0.0]
+    levels = np.array([0.0, 1.0, 2.0])
+    closed = history(closure, stress, [3, 2, 2, 1])
+    found = values_at_stresses(closed, closed.closure.values, 2, levels, tolerance)
     np.testing.assert_allclose(found[0], [[0.0, 1.0, 2.0], [0.5, 1.5, 2.0]])
     np.testing.assert_allclose(found[1], [[0.5, 1.5, 2.5], [0.7, 1.6, 2.5]])
+    partly = history([0.0, 2.0, 1.5, 3.0], [0.0, 4.0, 2.001, 6.0], [2, 1, 1])
+    levels = np.array([1.0, 2.0, 3.0])
+    found = values_at_stresses(partly, partly.closure.values, 2, levels, 1e-3)
+    assert np.isnan([found[0, 1, 0], found[1, 0, 0]]).all()
+    assert found[0, 1, 1] == found[1, 0, 1] == 1.5  # landed on within the tolerance
+    assert np.isfinite(found[:, :, 2][[0, 0, 1], [0, 1, 0]]).all()
 
 
-def one_cycle(closure, stress):
-    """Arguments of `unloading_excess` for a cycle of four steps up and the rest down."""
-    branch = np.where(np.arange(len(closure)) < 4, "loading", "unloading")
-    return np.array(closure), np.array(stress), np.ones(len(closure), dtype=int), branch
-
-
-def test_the_excess_of_unloading_is_read_at_its_steps():
-    up, load = [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0]
-    higher = one_cycle([*up, 2.5, 1.5, 0.5], [*load, 2.75, 1.0, 0.0])
-    np.testing.assert_allclose(unloading_excess(*higher, [0.0, 0.0]), [0.25, np.nan])
-    lower = one_cycle([*up, 2.5, 1.5, 0.5], [*load, 2.25, 1.0, 0.0])
-    assert unloading_excess(*lower, [0.0]) == [0.0]
-
-
-def test_unloading_to_below_the_start_of_its_loading_counts_in_full():
-    up, load = [1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 3.0]
-    found = unloading_excess(*one_cycle([*up, 0.5, 0.0], [*load, 0.75, 0.0]), [0.0])
-    assert found == [0.75]
+@pytest.mark.parametrize(
+    ("up", "down", "relief", "excess"),
+    [
+        (UP, [2.5, 1.5, 0.5], [2.75, 1.0, 0.0], 0.25),
+        (UP, [2.5, 1.5, 0.5], [2.25, 1.0, 0.0], 0.0),
+        ([1.0, 2.0, 3.0, 4.0], [0.5, 0.0], [0.75, 0.0], 0.75),  # below the start it counts in full
+    ],
+)
+def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
+    closed = history([*up, *down], [*LOAD, *relief], [4, len(down)])
+    np.testing.assert_allclose(unloading_excess(closed, [0.0, 0.0]), [excess, np.nan])
 
 
 def test_convex_curves_that_are_one_have_no_excess_whatever_their_steps():
-    def force(closure):
-        return np.maximum(closure, 0.0) ** 1.5
-
-    up, down = np.linspace(0.0, 1.0, 30), np.linspace(0.98, 0.0, 17)
-    closure = np.concatenate([up, down])
-    branch = np.where(np.arange(closure.size) < up.size, "loading", "unloading")
-    cycle = np.ones(closure.size, dtype=int)
-    assert unloading_excess(closure, force(closure), cycle, branch, [0.0])[0] < 1e-4
+    closure = np.concatenate([np.linspace(0.0, 1.0, 30), np.linspace(0.98, 0.0, 17)])
+    closed = history(closure, closure**1.5, [30, 17])
+    assert unloading_excess(closed, [0.0])[0] < 1e-4

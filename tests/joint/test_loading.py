@@ -8,7 +8,6 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.joint.conditions import LoadCycle, load_cycles
 from jointclosure.joint.curves import cycle_table
-from jointclosure.joint.history import closure_at_stresses
 from jointclosure.joint.laws import law_curves
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
@@ -90,17 +89,6 @@ def test_breakage_remembers_the_largest_stress_only_through_the_walls():
     ratio = low_first.residual_closure.values[1] / at_once.residual_closure.values[0]
     assert ratio == pytest.approx(1.0, abs=0.1)
     assert low_first.residual_closure.values[0] < low_first.residual_closure.values[1]
-
-
-def test_no_closure_is_told_at_stresses_that_a_branch_did_not_pass():
-    closure, stress = np.array([0.0, 2.0, 1.5, 3.0]), np.array([0.0, 4.0, 2.001, 6.0])
-    cycle, branch = np.array([1, 1, 1, 2]), np.array(["loading", "loading", "unloading", "loading"])
-    levels = np.array([1.0, 2.0, 3.0])
-    found = closure_at_stresses(closure, stress, cycle, branch, 2, levels, tolerance=1e-3)
-    assert np.isnan(found[0, 1, 0])
-    assert np.isnan(found[1, 0, 0])
-    assert found[0, 1, 1] == found[1, 0, 1] == 1.5  # landed on within the tolerance
-    assert np.isfinite(found[:, :, 2][[0, 0, 1], [0, 1, 0]]).all()
 
 
 def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):

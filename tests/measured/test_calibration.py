@@ -36,8 +36,7 @@ def walls(number, wavelength):
 
 def curve_of(history):
     """A history as a laboratory would have measured it, the rock's deformation subtracted."""
-    cycle, branch = history.cycle.values, history.branch.values
-    steps = np.concatenate([branch_of(cycle, branch, 1, name) for name in (LOADING, UNLOADING)])
+    steps = np.concatenate([branch_of(history, 1, name) for name in (LOADING, UNLOADING)])
     stress, closure = history.normal_stress.values[steps], read_along(history)[steps]
     return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
 

@@ -86,7 +86,7 @@ def _last_from_seating(history: xr.Dataset, program: str) -> int:
     """Return the last cycle whose loading begins below the seating stress."""
     seating = float(history.attrs["seating_stress_Pa"])
     for cycle in np.unique(history.cycle.values)[::-1]:
-        here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+        here = branch_of(history, cycle, LOADING)
         if here.size > 1 and history.normal_stress.values[here].min() <= seating:
             return int(cycle)
     raise InputError(f"{program}: no loading begins at or below the seating stress, {seating:g} Pa")

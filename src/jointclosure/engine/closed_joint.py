@@ -9,7 +9,7 @@ import xarray as xr
 
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import net_responses
-from jointclosure.joint.history import closure_at_stresses
+from jointclosure.joint.history import values_at_stresses
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
 
@@ -49,16 +49,9 @@ class ClosedJoint:
 
     def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Read values of steps at stresses, over (cycle, branch, stress)."""
-        closed, given = self.closed, self.conditions
-        return closure_at_stresses(
-            values,
-            closed.normal_stress.values,
-            closed.cycle.values,
-            closed.branch.values,
-            given.cycle_count,
-            stresses,
-            given.numerics.stress_tolerance,
-        )
+        tolerance = self.conditions.numerics.stress_tolerance
+        cycles = self.conditions.cycle_count
+        return values_at_stresses(self.closed, values, cycles, stresses, tolerance)
 
     def hyperbola(self, name: str) -> np.ndarray:
         """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""

@@ -8,8 +8,8 @@ import numpy as np
 import scipy
 
 from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.joint.curves import cycle_table, hysteresis, seat_of
-from jointclosure.joint.history import ATTRIBUTES, loop_between
+from jointclosure.joint.curves import cycle_table, hysteresis
+from jointclosure.joint.history import ATTRIBUTES, loop_between, seat_of
 from jointclosure.joint.protocol import LOADING
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 

@@ -24,18 +24,13 @@ from jointclosure.parameters import (
 USUAL_CYCLES = 2
 SEATING_STRESS = 0.5e6
 """Usual stress [Pa] from which seated closures count, as laboratory curves do."""
-LARGEST_SEATING = 0.9
-"""Largest seating stress over the smallest maximum: from nearer to it, closures since seating are
-those of a step or two."""
-_SEATING_SHARE = 0.1
-"""The same by default, for joints that are loaded less far than the usual seating stress allows."""
+LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
+"""Largest seating stress over the smallest maximum, as closures since a larger one are those of a
+step or two; and the default share where the usual seating stress is too large."""
 
 
 class LoadCycle(NamedTuple):
-    """Loading to a maximum and unloading to a minimum, in one unit.
-
-    A minimum of 0 is last contact.
-    """
+    """Loading to a maximum and unloading to a minimum, in one unit; 0 is last contact."""
 
     maximum: float
     minimum: float = 0.0
@@ -50,33 +45,30 @@ def load_cycles(
         if cycles < 1:
             raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
     turns = _turns(max_normal_stress)
-    if turns is None:
-        maximum = cast(float, max_normal_stress)
-        check_number("max_normal_stress", maximum)
-        _check_maximum(maximum, f"{maximum!r} Pa")
-        number = USUAL_CYCLES if cycles is None else int(cycles)
-        return (LoadCycle(float(maximum)),) * number
-    turns_in_words = ", ".join(str(turn) for turn in turns)
-    if not turns:
+    history = turns is not None
+    given = [cast(float, max_normal_stress)] if turns is None else turns
+    if not given:
         raise InputError("max_normal_stress = []: a load history needs a maximum")
-    for turn in turns:
+    for turn in given:
         check_number("max_normal_stress", turn)
-    turns = [*map(float, turns), *([0.0] if len(turns) % 2 else [])]
-    maxima, minima = turns[::2], turns[1::2]
-    for maximum in maxima:
-        _check_maximum(maximum, f"[{turns_in_words}] Pa")
-    for number, minimum in enumerate(minima):
+    shown = f"[{', '.join(map(str, given))}] Pa" if history else f"{max_normal_stress!r} Pa"
+    stresses = [*map(float, given), *([0.0] if len(given) % 2 else [])]
+    maxima, minima = stresses[::2], stresses[1::2]
+    for number, (maximum, minimum) in enumerate(zip(maxima, minima, strict=True)):
+        if not 0.0 < maximum < math.inf:
+            raise InputError(f"max_normal_stress = {shown}: must be positive and finite")
         lowest = min(maxima[number : number + 2])
         if not 0.0 <= minimum < lowest:
             raise InputError(
-                f"max_normal_stress = [{turns_in_words}] Pa: maxima and minima alternate, and the "
-                f"minimum {minimum:g} must be at least 0 and below the maxima beside it "
-                f"({lowest:g})"
+                f"max_normal_stress = {shown}: maxima and minima alternate, and the minimum "
+                f"{minimum:g} must be at least 0 and below the maxima beside it ({lowest:g})"
             )
+    if not history:
+        return (LoadCycle(maxima[0]),) * (USUAL_CYCLES if cycles is None else int(cycles))
     if cycles is not None and cycles != len(maxima):
         raise InputError(
             f"cycles = {cycles!r}: must be {len(maxima)}, the number of cycles of the load "
-            f"history [{turns_in_words}] Pa, or left out"
+            f"history {shown}, or left out"
         )
     return tuple(map(LoadCycle, maxima, minima))
 
@@ -89,16 +81,14 @@ def usual_seating(least: float) -> float:
 
 def describe_load(max_normal_stress: float | Sequence[float], cycles: int) -> str:
     """Describe a load in words: its stresses in MPa, and its cycles."""
-    turns = _turns(max_normal_stress)
-    shown = [cast(float, max_normal_stress)] if turns is None else turns
+    shown = _turns(max_normal_stress) or [cast(float, max_normal_stress)]
     stresses = ", ".join(f"{1e-6 * stress:g}" for stress in shown)
     return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
 
 def largest_stress(max_normal_stress: float | Sequence[float]) -> float:
     """Return the largest stress of a maximum or a load history, unchecked."""
-    turns = _turns(max_normal_stress)
-    return cast(float, max_normal_stress) if turns is None else max(turns)
+    return max(_turns(max_normal_stress) or [cast(float, max_normal_stress)])
 
 
 def _turns(stress: float | Sequence[float]) -> list[float] | None:
@@ -107,11 +97,6 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
     if many or (isinstance(stress, np.ndarray) and stress.ndim == 1):
         return [*cast(Sequence[float], stress)]
     return None
-
-
-def _check_maximum(maximum: float, stress_in_words: str) -> None:
-    if not 0.0 < maximum < math.inf:
-        raise InputError(f"max_normal_stress = {stress_in_words}: must be positive and finite")
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])

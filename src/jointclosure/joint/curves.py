@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.history import GROSS, NET, at_seating, branch_of, cycle_closures, read_along
+from jointclosure.joint.history import GROSS, NET, branch_of, cycle_closures, read_along, seat_of
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.stiffness import landing_stress, secant_stiffness
 
@@ -30,7 +30,7 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
     rows = []
     for number in np.unique(history.cycle.values):
         for name in (LOADING, UNLOADING):
-            here = branch_of(history.cycle.values, history.branch.values, number, name)
+            here = branch_of(history, number, name)
             if here.size > 1:
                 rows.append(_branch_table(history, int(number), name, here))
     return pd.concat(rows, ignore_index=True)
@@ -87,42 +87,25 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
     return columns
 
 
-def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
-    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch."""
-    here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
-    seating = float(history.attrs["seating_stress_Pa"])
-    return at_seating(
-        read_along(history, of)[here], history.normal_stress.values[here], branch, seating
-    )
-
-
-def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
-    """Return closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`."""
-    stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
-    anywhere = np.full(int(cycle.max()), np.inf)  # any extent of unloading is accepted
-    seating = float(history.attrs["seating_stress_Pa"])
-    return cycle_closures(read_along(history, of), stress, cycle, branch, anywhere, seating)
-
-
 def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
     """Return the net closures and stiffness of each cycle, as a laboratory reports them."""
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.cycle.max())
-    net = closures_of_cycles(history)
+    net = cycle_closures(history)
     responses = {
         f"{name}_net": net[name]
         for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
     }
+    cycles = range(1, begun + 1)
     responses |= {
         "stiffness_net": np.array(
-            [secant_stiffness(history, i + 1, 0.5 * largest, largest) for i in range(begun)]
+            [secant_stiffness(history, cycle, 0.5 * largest, largest) for cycle in cycles]
         ),
-        "landing_stress": np.array([landing_stress(history, i + 1) for i in range(begun)]),
+        "landing_stress": np.array([landing_stress(history, cycle) for cycle in cycles]),
     }
+    missing = (0, completed.size - begun)
     return {
-        name: np.where(
-            completed, np.pad(values, (0, completed.size - begun), constant_values=np.nan), np.nan
-        )
+        name: np.where(completed, np.pad(values, missing, constant_values=np.nan), np.nan)
         for name, values in responses.items()
     }
 
@@ -133,8 +116,7 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     columns = {"cycle": numbers}
     for net, of in (("_net", NET), ("", GROSS)):
         closures = {
-            name: 1e3 * values[numbers - 1]
-            for name, values in closures_of_cycles(history, of).items()
+            name: 1e3 * values[numbers - 1] for name, values in cycle_closures(history, of).items()
         }
         since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
         columns[f"max_closure_seated{net}_mm"] = since
@@ -148,8 +130,7 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
 
 def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
     """Return apertures and contact of a row of `cycle_table`, by names of columns."""
-    cycles, branches = history.cycle.values, history.branch.values
-    at_max = branch_of(cycles, branches, cycle, UNLOADING)[:1]
+    at_max = branch_of(history, cycle, UNLOADING)[:1]
 
     def read(values: np.ndarray) -> float:
         return float(values[0]) if at_max.size else float("nan")
@@ -169,11 +150,9 @@ def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
 def hysteresis(closed: xr.Dataset) -> np.ndarray:
     """Compute the share (cycles,) of each cycle's work of loading lost on unloading."""
     closure, stress = closed.closure.values, closed.normal_stress.values
-    cycle, branch = closed.cycle.values, closed.branch.values
     shares = np.full(closed.max_closure.size, np.nan)
     for index in range(shares.size):
-        loading = branch_of(cycle, branch, index + 1, LOADING)
-        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        loading, unloading = (branch_of(closed, index + 1, name) for name in (LOADING, UNLOADING))
         if loading.size > 1 and unloading.size > 1:
             given = np.trapezoid(stress[loading], closure[loading])
             back = -np.trapezoid(stress[unloading], closure[unloading])
@@ -183,8 +162,7 @@ def hysteresis(closed: xr.Dataset) -> np.ndarray:
 
 def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
     """Return the slope [Pa/m] at each step (n,) by the chord of its neighbours, or NaN."""
-    before = np.concatenate([[0], np.arange(closure.size - 1)])
-    after = np.concatenate([np.arange(1, closure.size), [closure.size - 1]])
-    run = closure[after] - closure[before]
-    rise = stress[after] - stress[before]
+    steps = np.arange(closure.size)
+    before, after = np.maximum(steps - 1, 0), np.minimum(steps + 1, closure.size - 1)
+    run, rise = closure[after] - closure[before], stress[after] - stress[before]
     return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run != 0.0)

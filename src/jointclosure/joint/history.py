@@ -3,6 +3,7 @@
 The seating stress never changes the history, only how it is read.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,100 +30,77 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     return history[of].values
 
 
-def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:
+def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
     """Return indices of the steps (n,) on one branch of one cycle, including its start."""
-    here = np.flatnonzero((cycle == number) & (branch == name))
+    here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
     return here
 
 
-def _is_complete(
-    loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray, minimum: float
-) -> bool:
-    """Return whether a cycle was loaded, and then unloaded to its minimum [Pa]."""
-    return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) <= minimum
+def _whole_cycles(
+    history: xr.Dataset, minima: np.ndarray
+) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Generate index, loading and unloading of the cycles that were unloaded to a minimum [Pa]."""
+    stress = history.normal_stress.values
+    for index, minimum in enumerate(minima):
+        loading, unloading = (branch_of(history, index + 1, name) for name in (LOADING, UNLOADING))
+        if min(loading.size, unloading.size) > 1 and stress[unloading[-1]] <= minimum:
+            yield index, loading, unloading
 
 
-def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
-    """Return the closure [m] where the stress (n,) [Pa] first reaches a level; NaN if never."""
+def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str = LOADING) -> float:
+    """Return the value where the stress (n,) [Pa] first reaches a level; NaN if never.
+
+    On unloading it is where the stress was last at the level.
+    """
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
         return float("nan")
-    after = int(reached[0])
-    if after == 0:
-        return float(closure[0])
-    return _between(stress, closure, after - 1, after, level)
-
-
-def last_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
-    """Return the closure [m] where the stress (n,) [Pa] was last at a level; NaN if never."""
-    reached = np.flatnonzero(stress >= level)
-    if reached.size == 0:
-        return float("nan")
-    before = int(reached[-1])
-    if before == stress.size - 1:
-        return float(closure[-1])
-    return _between(stress, closure, before, before + 1, level)
-
-
-def _between(
-    stress: np.ndarray, closure: np.ndarray, before: int, after: int, level: float
-) -> float:
-    rise = stress[after] - stress[before]
+    at = int(reached[0 if branch == LOADING else -1])
+    before = at - 1 if branch == LOADING else at
+    if not 0 <= before < stress.size - 1:
+        return float(values[at])
+    rise = stress[before + 1] - stress[before]
     part = (level - stress[before]) / rise
-    return float(closure[before] + part * (closure[after] - closure[before]))
+    return float(values[before] + part * (values[before + 1] - values[before]))
 
 
-def at_seating(values: np.ndarray, stress: np.ndarray, branch: str, seating: float) -> float:
-    """Read values of a branch (n,) at the seating stress [Pa], in their unit."""
+def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
+    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch."""
+    here = branch_of(history, cycle, branch)
+    stress = history.normal_stress.values[here]
+    seating = float(history.attrs["seating_stress_Pa"])
     if stress.size and stress.min() > seating:
         return float("nan")
-    return (first_crossing if branch == LOADING else last_crossing)(stress, values, seating)
+    return crossing(stress, read_along(history, of)[here], seating, branch)
 
 
 def cycle_closures(
-    closure: np.ndarray,
-    stress: np.ndarray,
-    cycle: np.ndarray,
-    branch: np.ndarray,
-    minima: np.ndarray,
-    seating_stress: float,
+    history: xr.Dataset, of: str = NET, minima: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles."""
+    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles.
+
+    ``minima`` (cycles,) [Pa] are the stresses that a whole cycle was unloaded to, by default any.
+    """
+    closure = read_along(history, of)
+    minima = np.full(int(history.cycle.max()), np.inf) if minima is None else minima
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
     closures = {name: np.full(len(minima), np.nan) for name in names}
-    for index, minimum in enumerate(minima):
-        loading = branch_of(cycle, branch, index + 1, LOADING)
-        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if not _is_complete(loading, unloading, stress, minimum):
-            continue
-        seat, back = (
-            at_seating(closure[here], stress[here], name, seating_stress)
-            for here, name in ((loading, LOADING), (unloading, UNLOADING))
-        )
+    for index, loading, unloading in _whole_cycles(history, minima):
+        seat, back = (seat_of(history, index + 1, name, of) for name in (LOADING, UNLOADING))
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
-        closures["max_closure"][index] = maximum - closure[loading[0]]
-        closures["residual_closure"][index] = end
-        closures["max_closure_seated"][index] = maximum - seat
-        closures["residual_closure_seated"][index] = back - seat
+        values = maximum - closure[loading[0]], end, maximum - seat, back - seat
+        for name, value in zip(names, values, strict=True):
+            closures[name][index] = value
     return closures
 
 
-def unloading_excess(
-    closure: np.ndarray,
-    stress: np.ndarray,
-    cycle: np.ndarray,
-    branch: np.ndarray,
-    minima: np.ndarray,
-) -> np.ndarray:
+def unloading_excess(history: xr.Dataset, minima: np.ndarray) -> np.ndarray:
     """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa]."""
+    closure, stress = history.closure.values, history.normal_stress.values
     excess = np.full(len(minima), np.nan)
-    for index, minimum in enumerate(minima):
-        loading = branch_of(cycle, branch, index + 1, LOADING)
-        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if not _is_complete(loading, unloading, stress, minimum):
-            continue
+    for index, loading, unloading in _whole_cycles(history, minima):
         # keep the last of several steps at one closure
         at, last = np.unique(closure[loading][::-1], return_index=True)
         loaded = stress[loading][::-1][last]
@@ -139,33 +117,25 @@ def unloading_excess(
     return excess
 
 
-def closure_at_stresses(
-    closure: np.ndarray,
-    stress: np.ndarray,
-    cycle: np.ndarray,
-    branch: np.ndarray,
-    cycles: int,
-    levels: np.ndarray,
-    tolerance: float = 0.0,
+def values_at_stresses(
+    history: xr.Dataset, values: np.ndarray, cycles: int, levels: np.ndarray, tolerance: float = 0.0
 ) -> np.ndarray:
-    """Return closures (cycles, 2, levels) [m] on loading and unloading at given stresses."""
+    """Read values of steps, such as closures, at stresses of both branches (cycles, 2, levels)."""
     answer = np.full((cycles, 2, levels.size), np.nan)
-    for index in range(cycles):
-        for side, (name, crossing) in enumerate(
-            ((LOADING, first_crossing), (UNLOADING, last_crossing))
-        ):
-            here = branch_of(cycle, branch, index + 1, name)
-            if here.size < 2:
-                continue
-            maximum, minimum = stress[here].max(), stress[here].min()
-            for k, level in enumerate(levels):
-                if level < minimum <= level * (1.0 + 1.01 * tolerance):
-                    level = minimum
-                if level < minimum:
-                    continue
-                if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
-                    level = maximum
-                answer[index, side, k] = crossing(stress[here], closure[here], level)
+    for index, side in np.ndindex(cycles, 2):
+        branch = (LOADING, UNLOADING)[side]
+        here = branch_of(history, index + 1, branch)
+        if here.size < 2:
+            continue
+        stress = history.normal_stress.values[here]
+        maximum, minimum = stress.max(), stress.min()
+        for k, level in enumerate(levels):
+            if level < minimum <= level * (1.0 + 1.01 * tolerance):
+                level = minimum
+            if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
+                level = maximum
+            if level >= minimum:
+                answer[index, side, k] = crossing(stress, values[here], level, branch)
     return answer
 
 
@@ -178,53 +148,54 @@ def loop_between(loading: Any, unloading: Any) -> Any:
     return loop * (abs(loop) > _ROUNDING * abs(loading))
 
 
+_VARIABLES = (
+    ("closure", "m", "closure from first touch"),
+    ("normal_stress", "Pa", "nominal normal stress"),
+    ("contact_fraction", "1", "fraction of the cells in contact"),
+    ("bulk_indentation", "m", "mean displacement by the interaction"),
+    ("mean_aperture", "m", "mean distance of the deformed walls"),
+    ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
+    ("max_closure", "m", "maximum closure", "from the start of the cycle"),
+    ("residual_closure", "m", "residual closure", "from first touch"),
+    ("max_closure_seated", "m", "maximum closure since seating"),
+    ("residual_closure_seated", "m", "residual closure at seating"),
+    ("max_bulk_indentation", "m", "bulk indentation at the maximum stress"),
+    (
+        "unloading_excess",
+        "Pa",
+        "largest stress by which unloading exceeds loading at equal closure",
+    ),
+    ("least_force", "N", "least force on any cell at any step"),
+    ("locked_share", "1", "share of the force on locked contacts at the maximum stress"),
+    ("flat_share", "1", "share of the force on flat contacts at the maximum stress"),
+    ("upper_final", "m", "upper wall at the end, towards the lower"),
+    ("lower_final", "m", "lower wall at the end, towards the upper"),
+    ("settled_states", "1", "states brought to rest, those thrown away included"),
+    ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
+    ("newton_steps", "1", "steps of Newton's method"),
+    ("breakage_steps", "1", "breakage steps taken"),
+    ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
+    ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
+    (
+        "idle_displacement",
+        "1",
+        "largest displacement of a contact that was left out so, over the closure",
+    ),
+    ("locked_contacts", "1", "largest number of locked contacts at a step"),
+    ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
+    ("force", "N", "normal force of each contact"),
+    ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
+    ("interaction_displacement", "m", "displacement by all other contacts"),
+    (
+        "hydraulic_aperture",
+        "m",
+        "aperture of parallel plates that pass as much, 0 where flow is blocked",
+    ),
+    ("flow_imbalance", "1", "sum of the cells' mass balances over the inflow"),
+)
 ATTRIBUTES: dict[str, dict[str, Any]] = {
     name: {"long_name": text, "units": unit} | ({"comment": comment[0]} if comment else {})
-    for name, unit, text, *comment in (
-        ("closure", "m", "closure from first touch"),
-        ("normal_stress", "Pa", "nominal normal stress"),
-        ("contact_fraction", "1", "fraction of the cells in contact"),
-        ("bulk_indentation", "m", "mean displacement by the interaction"),
-        ("mean_aperture", "m", "mean distance of the deformed walls"),
-        ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
-        ("max_closure", "m", "maximum closure", "from the start of the cycle"),
-        ("residual_closure", "m", "residual closure", "from first touch"),
-        ("max_closure_seated", "m", "maximum closure since seating"),
-        ("residual_closure_seated", "m", "residual closure at seating"),
-        ("max_bulk_indentation", "m", "bulk indentation at the maximum stress"),
-        (
-            "unloading_excess",
-            "Pa",
-            "largest stress by which unloading exceeds loading at equal closure",
-        ),
-        ("least_force", "N", "least force on any cell at any step"),
-        ("locked_share", "1", "share of the force on locked contacts at the maximum stress"),
-        ("flat_share", "1", "share of the force on flat contacts at the maximum stress"),
-        ("upper_final", "m", "upper wall at the end, towards the lower"),
-        ("lower_final", "m", "lower wall at the end, towards the upper"),
-        ("settled_states", "1", "states brought to rest, those thrown away included"),
-        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
-        ("newton_steps", "1", "steps of Newton's method"),
-        ("breakage_steps", "1", "breakage steps taken"),
-        ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
-        ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
-        (
-            "idle_displacement",
-            "1",
-            "largest displacement of a contact that was left out so, over the closure",
-        ),
-        ("locked_contacts", "1", "largest number of locked contacts at a step"),
-        ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
-        ("force", "N", "normal force of each contact"),
-        ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
-        ("interaction_displacement", "m", "displacement by all other contacts"),
-        (
-            "hydraulic_aperture",
-            "m",
-            "aperture of parallel plates that pass as much, 0 where flow is blocked",
-        ),
-        ("flow_imbalance", "1", "sum of the cells' mass balances over the inflow"),
-    )
+    for name, unit, text, *comment in _VARIABLES
 }
 ATTRIBUTES["status"] = {
     "long_name": "status of the simulation: 0 success, below 16 success with a remark",

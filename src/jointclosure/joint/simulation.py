@@ -2,8 +2,8 @@
 
 import json
 import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,13 @@ from jointclosure.inputs import (
 from jointclosure.joint.conditions import Conditions, LoadCycle, conditions_from, takes_conditions
 from jointclosure.joint.foresight import check_foreseen
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.history import ATTRIBUTES, cycle_closures, unloading_excess
+from jointclosure.joint.history import (
+    ATTRIBUTES,
+    GROSS,
+    branch_of,
+    cycle_closures,
+    unloading_excess,
+)
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
     UNLOADING,
@@ -28,7 +34,7 @@ from jointclosure.joint.protocol import (
     run_cycles,
 )
 from jointclosure.joint.rocks import rocks_of_walls
-from jointclosure.joint.states import fields_of
+from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -42,14 +48,15 @@ from jointclosure.parameters import (
     check_usual,
     in_double,
 )
-from jointclosure.solvers.joint import Joint, Settled, Solver
+from jointclosure.solvers.joint import Joint, Solver
 from jointclosure.solvers.registry import solver_named
 
-if TYPE_CHECKING:
-    from jointclosure.joint.flow import FlowAlongHistory
-    from jointclosure.joint.states import Snapshots
-
-    Reader = FlowAlongHistory | Snapshots
+AT_MAXIMUM = {
+    "max_bulk_indentation": "mean_interaction",
+    "locked_share": "locked_share",
+    "flat_share": "flat_share",
+}
+"""Fields of `Settled` that are read at the maximum of each cycle, by variable."""
 
 
 @takes_conditions
@@ -164,7 +171,13 @@ def simulate_by(
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
     area = upper.size * spacing**2
-    observers = _observers(conditions.flow, snapshots, numerics.stress_tolerance, datums)
+    observers: list[Any] = []
+    if conditions.flow:
+        from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
+
+        observers.append(FlowAlongHistory())
+    if len(snapshots):
+        observers.append(Snapshots(snapshots, numerics.stress_tolerance, datums))
     history = run_cycles(
         joint,
         solver,
@@ -180,22 +193,6 @@ def simulate_by(
     for observer in observers:
         closed = observer.added_to(closed)
     return closed
-
-
-def _observers(
-    flow: bool, snapshots: Sequence[float], tolerance: float, datums: tuple[float, float]
-) -> "list[Reader]":
-    """Return the observers that are requested; their modules are imported only then."""
-    observers: list[Reader] = []
-    if flow:
-        from jointclosure.joint.flow import FlowAlongHistory
-
-        observers.append(FlowAlongHistory())
-    if len(snapshots):
-        from jointclosure.joint.states import Snapshots
-
-        observers.append(Snapshots(snapshots, tolerance, datums))
-    return observers
 
 
 def height_datum(wall: np.ndarray) -> float:
@@ -280,112 +277,82 @@ def equilibrium(
             f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "
             f"usual {largest_stress:g} Pa; is the unit right? {AS_IT_IS}"
         )
-    variables = {
-        "force": (("y", "x"), joint.force),
-        "overlap": (("y", "x"), fields.overlap),
-        "interaction_displacement": (("y", "x"), fields.displacement),
-        "normal_stress": ((), stress),
-        "equilibrium_residual": ((), run.residual),
-        "status": ((), status),
+    on_cells = {
+        "force": joint.force,
+        "overlap": fields.overlap,
+        "interaction_displacement": fields.displacement,
     }
-    return xr.Dataset(
-        {name: (*content, ATTRIBUTES[name]) for name, content in variables.items()},
-        coords=_grid(upper.shape, spacing),
-    )
+    once = {"normal_stress": stress, "equilibrium_residual": run.residual, "status": status}
+    return xr.Dataset(_variables((("y", "x"), on_cells), ((), once)), _grid(upper.shape, spacing))
 
 
 def _history_dataset(
-    joint: Joint,
-    history: History,
-    area: float,
-    load: Sequence[LoadCycle],
-    seating_stress: float,
+    joint: Joint, history: History, area: float, load: Sequence[LoadCycle], seating_stress: float
 ) -> xr.Dataset:
-    cycles = len(load)
     settled = [step.settled for step in history.steps]
-    closure = np.array([point.closure for point in settled])
-    stress = np.array([point.total_force for point in settled]) / area
     cycle = np.array([step.cycle for step in history.steps], dtype=np.int32)
     branch = np.array([step.branch for step in history.steps])
+    turns = [stress for turn in load for stress in turn]
+    repeated = load == (LoadCycle(load[0].maximum),) * len(load)
+    attributes = ({} if repeated else {"load_history_Pa": turns}) | {
+        "title": "closure of a rough joint",
+        "seating_stress_Pa": seating_stress,
+        "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
+        "choices": json.dumps(joint.choices._asdict()),
+        "numerics": json.dumps(joint.numerics._asdict()),
+    }
+    closure = np.array([point.closure for point in settled])
+    bulk = np.array([point.mean_interaction for point in settled])
+    heights = np.array([step.mean_height for step in history.steps])
     along_step = {
         "closure": closure,
-        "normal_stress": stress,
+        "normal_stress": np.array([point.total_force for point in settled]) / area,
         "contact_fraction": np.array([p.contacts for p in settled]) / joint.upper.size,
-        "bulk_indentation": np.array([p.mean_interaction for p in settled]),
+        "bulk_indentation": bulk,
         "equilibrium_residual": np.array([p.residual for p in settled]),
-    }
-    heights = np.array([step.mean_height for step in history.steps])
-    along_step["mean_aperture"] = (
-        joint.first_touch - heights - closure + along_step["bulk_indentation"]
-    )
-    reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    along_cycle = cycle_closures(closure, stress, cycle, branch, reached, seating_stress)
-    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, reached)
-    at_maximum = _at_maxima(settled, cycle, branch, cycles)
-    along_cycle |= {
-        "max_bulk_indentation": at_maximum("mean_interaction"),
-        "locked_share": at_maximum("locked_share"),
-        "flat_share": at_maximum("flat_share"),
-    }
-    once = {
-        "status": np.int16(history.status),
-        "least_force": min(point.least_force for point in settled),
-        "settled_states": history.effort.settled,
-        "equilibria": history.effort.rounds,
-        "newton_steps": history.effort.newton_steps,
-        "breakage_steps": history.effort.breakage_steps,
-        "replayed_cycles": history.replayed,
-        "idle_steps": history.idle_steps,
-        "idle_displacement": history.idle_displacement,
-        "locked_contacts": max(point.locked_contacts for point in settled),
-        "solver_iterations": history.effort.products,
-    }
-    walls = {"upper_final": joint.upper, "lower_final": joint.lower}
-    variables = {
-        name: (dimensions, value, ATTRIBUTES[name])
-        for dimensions, values in (
-            (("step",), along_step),
-            (("cycle",), along_cycle),
-            (("y", "x"), walls),
-            ((), once),
-        )
-        for name, value in values.items()
+        "mean_aperture": joint.first_touch - heights - closure + bulk,
     }
     coordinates = {
         "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
         "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
     }
-    turns = [stress for turn in load for stress in turn]
-    attributes = (
-        {} if load == (LoadCycle(load[0].maximum),) * cycles else {"load_history_Pa": turns}
+    coordinates |= _grid(joint.upper.shape, joint.law.spacing)
+    closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
+    reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
+    unloading = (branch_of(closed, number + 1, UNLOADING) for number in range(len(load)))
+    maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
+    along_cycle = cycle_closures(closed, GROSS, reached)
+    along_cycle["unloading_excess"] = unloading_excess(closed, reached)
+    for name, field in AT_MAXIMUM.items():
+        along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
+    effort = history.effort
+    once = {
+        "status": np.int16(history.status),
+        "least_force": min(point.least_force for point in settled),
+        "settled_states": effort.settled,
+        "equilibria": effort.rounds,
+        "newton_steps": effort.newton_steps,
+        "breakage_steps": effort.breakage_steps,
+        "replayed_cycles": history.replayed,
+        "idle_steps": history.idle_steps,
+        "idle_displacement": history.idle_displacement,
+        "locked_contacts": max(point.locked_contacts for point in settled),
+        "solver_iterations": effort.products,
+    }
+    walls = {"upper_final": joint.upper, "lower_final": joint.lower}
+    variables = _variables(
+        ("step", along_step), ("cycle", along_cycle), (("y", "x"), walls), ((), once)
     )
-    return xr.Dataset(
-        variables,
-        coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
-        attrs=attributes
-        | {
-            "title": "closure of a rough joint",
-            "seating_stress_Pa": seating_stress,
-            "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
-            "choices": json.dumps(joint.choices._asdict()),
-            "numerics": json.dumps(joint.numerics._asdict()),
-        },
-    )
+    return xr.Dataset(variables, closed.coords, attributes)
 
 
-def _at_maxima(
-    settled: list[Settled], cycle: np.ndarray, branch: np.ndarray, cycles: int
-) -> Callable[[str], np.ndarray]:
-    """Return a function that reads a field of `Settled` at the maxima (cycles,), or NaN."""
-    where = []
-    for number in range(1, cycles + 1):
-        unloading = np.flatnonzero((cycle == number) & (branch == UNLOADING))
-        where.append(unloading[0] - 1 if unloading.size else None)
-
-    def read(name: str) -> np.ndarray:
-        return np.array([np.nan if i is None else getattr(settled[i], name) for i in where])
-
-    return read
+def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, ...]]:
+    """Return values by name with the dimensions of their group, and their attributes."""
+    return {
+        name: (dimensions, value, ATTRIBUTES[name])
+        for dimensions, values in groups
+        for name, value in values.items()
+    }
 
 
 def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:

@@ -26,22 +26,19 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa]."""
-    cycles = int(history.cycle.max())
-    values = read_along(history, of)
-    closures = np.full((cycles, 2, levels.size), np.nan)
-    for number in range(1, cycles + 1):
-        for side, name in enumerate((LOADING, UNLOADING)):
-            here = branch_of(history.cycle.values, history.branch.values, number, name)
-            if here.size < 2:
-                continue
-            here = here if name == LOADING else here[::-1]
-            stress, closure = history.normal_stress.values[here], values[here]
-            rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
-            # a maximum within a percent below a level counts as reaching it
-            largest = float(stress.max())
-            reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
-            end = landing_stress(history, number) if name == LOADING else np.inf
-            closures[number - 1, side] = _between(stress[rises], closure[rises], reached, end)
+    closures = np.full((int(history.cycle.max()), 2, levels.size), np.nan)
+    for index, side in np.ndindex(closures.shape[:2]):
+        here = branch_of(history, index + 1, (LOADING, UNLOADING)[side])
+        if here.size < 2:
+            continue
+        here = here[::-1] if side else here
+        stress, closure = history.normal_stress.values[here], read_along(history, of)[here]
+        rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
+        # a maximum within a percent below a level counts as reaching it
+        largest = float(stress.max())
+        reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
+        end = np.inf if side else landing_stress(history, index + 1)
+        closures[index, side] = _between(stress[rises], closure[rises], reached, end)
     return closures
 
 
@@ -50,17 +47,14 @@ def _between(
 ) -> np.ndarray:
     """Return the closure at levels by monotone cubics, one up to the landing and one beyond."""
     result = np.full(levels.size, np.nan)
-    for part, asked in (
-        (stress <= landing, levels <= landing),
-        (stress >= landing, levels > landing),
-    ):
-        if part.sum() > 1 and asked.any():
-            curve = scipy.interpolate.PchipInterpolator(
-                stress[part], closure[part], extrapolate=False
-            )
-            result[asked] = curve(levels[asked])
-        elif part.any() and asked.any():  # a single step
-            result[asked] = np.where(levels[asked] == stress[part][0], closure[part][0], np.nan)
+    below = stress <= landing, levels <= landing
+    for part, asked in (below, (stress >= landing, levels > landing)):
+        known, values, at = stress[part], closure[part], levels[asked]
+        if known.size > 1 and at.size:
+            curve = scipy.interpolate.PchipInterpolator(known, values, extrapolate=False)
+            result[asked] = curve(at)
+        elif known.size and at.size:  # a single step
+            result[asked] = np.where(at == known[0], values[0], np.nan)
     return result
 
 
@@ -72,7 +66,7 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
     by_fixed_steps = numerics.get("breakage") == "fixed_step" and effects["breakage"]
     if not by_fixed_steps or numerics["target"] == "interpolate":
         return np.inf
-    here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+    here = branch_of(history, cycle, LOADING)
     stress = history.normal_stress.values
     former = stress[history.cycle.values < cycle].max(initial=0.0)
     within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both within the tolerance
@@ -87,7 +81,7 @@ def secant_stiffness(
     history: xr.Dataset, cycle: int, low: float, high: float, of: str = NET
 ) -> float:
     """Compute the normal stiffness [Pa/m] of a loading by the chord between two stresses."""
-    here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+    here = branch_of(history, cycle, LOADING)
     if here.size < 2:
         return np.nan
     reached = float(history.normal_stress.values[here].max())
@@ -99,31 +93,24 @@ def secant_stiffness(
 def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     """Compute normal stiffness by chords between evenly spaced stresses, by cycle and branch."""
     levels = stress_levels(history, count)
-    chords = {
-        name: _chords_between(levels, closures_at(history, levels, of))
-        for name, of in (
-            ("normal_stiffness_net_MPa_per_mm", NET),
-            ("normal_stiffness_gross_MPa_per_mm", GROSS),
-        )
-    }
+    net, gross = (_chords(levels, closures_at(history, levels, of)) for of in (NET, GROSS))
     rows = []
-    for cycle in range(1, int(history.cycle.max()) + 1):
-        landing = landing_stress(history, cycle)
-        for side, branch in enumerate((LOADING, UNLOADING)):
-            columns = {
-                "cycle": cycle,
-                "branch": branch,
-                "from_MPa": 1e-6 * levels[:-1],
-                "to_MPa": 1e-6 * levels[1:],
-                "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
-            }
-            columns |= {name: 1e-9 * values[cycle - 1, side] for name, values in chords.items()}
-            columns["landing"] = (branch == LOADING) & (levels[1:] > landing)
-            rows.append(pd.DataFrame(columns))
+    for index, side in np.ndindex(net.shape[:2]):
+        columns = {
+            "cycle": index + 1,
+            "branch": (LOADING, UNLOADING)[side],
+            "from_MPa": 1e-6 * levels[:-1],
+            "to_MPa": 1e-6 * levels[1:],
+            "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
+            "normal_stiffness_net_MPa_per_mm": 1e-9 * net[index, side],
+            "normal_stiffness_gross_MPa_per_mm": 1e-9 * gross[index, side],
+            "landing": (side == 0) & (levels[1:] > landing_stress(history, index + 1)),
+        }
+        rows.append(pd.DataFrame(columns))
     return pd.concat(rows, ignore_index=True)
 
 
-def _chords_between(levels: np.ndarray, closures: np.ndarray) -> np.ndarray:
+def _chords(levels: np.ndarray, closures: np.ndarray) -> np.ndarray:
     """Return stiffness (..., levels - 1) [Pa/m] from closures (..., levels) [m] at stresses."""
     run = np.diff(closures)
     rise = np.broadcast_to(np.diff(levels), run.shape)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import SPELT, InputError
-from jointclosure.joint.history import first_crossing
+from jointclosure.joint.history import crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.parameters.units import SI_FACTORS
 
@@ -53,7 +53,7 @@ class MeasuredCurve(NamedTuple):
     def since_seating(self, cycle: int, seating_stress: float):
         """Return (branch, stress [Pa], closure [m]) of a cycle, with closure since its seating."""
         branches = self.branches(cycle)
-        zero = first_crossing(*branches[LOADING], seating_stress)
+        zero = crossing(*branches[LOADING], seating_stress)
         for branch, (stress, closure) in branches.items():
             counts = stress > seating_stress if branch == LOADING else stress >= 0.0
             yield branch, stress[counts], closure[counts] - zero

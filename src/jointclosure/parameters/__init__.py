@@ -9,9 +9,6 @@ import numpy as np
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
 from jointclosure.parameters.units import Property, properties_of
 
-SMALLEST_TOLERANCE = 1e-14
-"""Smallest relative tolerance that can be met: about fifty rounding errors."""
-
 
 class Rock(NamedTuple):
     """Properties of the intact rock of a wall [SI].
@@ -23,10 +20,7 @@ class Rock(NamedTuple):
     youngs_modulus: Annotated[float, Property("Young's modulus", "GPa", "E", usual=(1e8, 3e11))]
     poisson_ratio: Annotated[float, Property("Poisson's ratio", "1", "nu", (0.0, 0.5))]
     compressive_strength: Annotated[
-        float,
-        Property(
-            "compressive strength", "MPa", "sigma_c", may_be_infinite=True, usual=(2.5e5, 1e9)
-        ),
+        float, Property("compressive strength", "MPa", "sigma_c", None, True, (2.5e5, 1e9))
     ]
 
 
@@ -145,14 +139,10 @@ class Numerics(NamedTuple):
 
     Attributes
     ----------
-    displacement_step : float
-        Displacement step of the first loading [m].
-    breakage_step : float
-        Height that each broken contact loses in a step of the first loading [m].
-    later_displacement_step : float
-        Displacement step of every later branch [m].
-    later_breakage_step : float
-        Height that each broken contact loses in a step of every later branch [m].
+    displacement_step, later_displacement_step : float
+        Displacement steps of the first loading, and of every later branch [m].
+    breakage_step, later_breakage_step : float
+        Height that each broken contact loses in a step, likewise [m].
     target : {"equilibrate", "interpolate"}
         How a loading meets its maximum: within ``stress_tolerance``, or by the linear interpolation
         of the paper.
@@ -176,12 +166,11 @@ class Numerics(NamedTuple):
     tolerance : float
         Accepted relative error of mean closures where breakage is resolved, in (0, 0.1]
         (docs/decisions.md#0010-resolved-breakage).
-    most_steps : float
-        Largest number of displacement steps. A simulation that exceeds it ends with a status that
-        says so, one that is foreseen to exceed it is refused; infinity is no bound. The defaults
-        of both bounds are about a thousand times what the joints of the paper need.
-    most_breakage_steps : float
-        Largest number of breakage steps over the number of cells, in the same way.
+    most_steps, most_breakage_steps : float
+        Largest numbers of displacement steps, and of breakage steps over the number of cells. A
+        simulation that exceeds one ends with a status that says so, one that is foreseen to exceed
+        it is refused; infinity is no bound. The defaults are about a thousand times what the joints
+        of the paper need.
     replay : bool
         Whether a cycle that repeats the load of the cycle before is copied from its unloading
         curve, if nothing broke on it (docs/decisions.md#0005-protocol).
@@ -213,15 +202,12 @@ _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
 
 def in_double(settings: _Settings) -> _Settings:
     """Convert the numbers of a `Rock`, `Choices` or `Numerics` to Python's float and int."""
-    kinds = {np.floating: float, np.integer: int}
-    return settings._replace(
-        **{
-            name: kinds[kind](value)
-            for name, value in settings._asdict().items()
-            for kind in kinds
-            if isinstance(value, kind)
-        }
-    )
+    numbers: dict[str, Any] = {
+        name: float(value) if isinstance(value, np.floating) else int(value)
+        for name, value in settings._asdict().items()
+        if isinstance(value, np.floating | np.integer)
+    }
+    return settings._replace(**numbers)
 
 
 def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
@@ -229,8 +215,7 @@ def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     pair = (rock, rock) if isinstance(rock, Rock) else rock
     if (
         not isinstance(pair, tuple | list)
-        or len(pair) != 2
-        or not all(isinstance(wall, Rock) for wall in pair)
+        or [isinstance(wall, Rock) for wall in pair] != [True] * 2
     ):
         raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
     for wall in pair:
@@ -283,19 +268,45 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
+_INTERVALS = {
+    "base_radius_in_cells": (
+        "(0, 1]",
+        "; with larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold",
+    ),
+    "peak_modulus_ratio": ("(0, 1]", ""),
+    "tie_tolerance": ("(0, 0.001)", ""),
+    "tolerance": ("(0, 0.1]", ""),
+    "idle_interaction": ("[0, 1)", ""),
+    "curve_points": ("[1, inf)", ""),
+    "most_steps": ("[1, inf]", ""),
+    "most_breakage_steps": ("[1, inf]", ""),
+    **dict.fromkeys(
+        ("stress_tolerance", "force_tolerance", "sweep_tolerance"),
+        ("[1e-14, 1)", "; rounding allows no less"),
+    ),
+}
+"""Interval of each number of `Choices` and `Numerics`, and its reason."""
+
+
+def _check_intervals(settings: NamedTuple) -> None:
+    """Raise `InputError` if a number of choices or numerics lies outside of its interval."""
+    for name, value in settings._asdict().items():
+        if name not in _INTERVALS:
+            continue
+        check_number(name, value, whole=name == "curve_points")
+        interval, reason = _INTERVALS[name]
+        low, high = (float(end) for end in interval[1:-1].split(","))
+        above = value > low or (value == low and interval[0] == "[")
+        below = value < high or (value == high and interval[-1] == "]")
+        if not (above and below):
+            raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
+
+
 def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     """Raise `InputError` if a choice is out of its range for a grid spacing [m]."""
     if not isinstance(choices, Choices):
         raise InputError(f"choices = {choices!r}: must be a Choices")
-    for name in ("base_radius_in_cells", "peak_modulus_ratio", "tie_tolerance"):
-        check_number(name, getattr(choices, name))
-    if not 0.0 < choices.base_radius_in_cells <= 1.0:
-        raise InputError(
-            f"base_radius_in_cells = {choices.base_radius_in_cells!r}: must lie in (0, 1]; with "
-            "larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold"
-        )
-    if not 0.0 < choices.peak_modulus_ratio <= 1.0:
-        raise InputError(f"peak_modulus_ratio = {choices.peak_modulus_ratio!r}: must be in (0, 1]")
+    _check_intervals(choices)
     check_one_of("concave", choices.concave, ("magnitude", "flat"))
     check_one_of("peaks", choices.peaks, ("pristine", "current"))
     if choices.largest_radius is not None:
@@ -305,8 +316,6 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
                 f"largest_radius = {choices.largest_radius!r} m: must be at least the grid "
                 f"spacing, {spacing!r} m, as an asperity is a cell (or None: unbounded)"
             )
-    if not 0.0 < choices.tie_tolerance < 1e-3:
-        raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
 
 
 SOLVER_NAMES = ("fast", "reference")
@@ -327,39 +336,17 @@ def check_numerics(numerics: Numerics) -> None:
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
                 f"{prefix}displacement_step = {step!r} m"
             )
-    check_number("curve_points", numerics.curve_points, whole=True)
-    if numerics.curve_points < 1:
-        raise InputError(f"curve_points = {numerics.curve_points!r}: must be at least 1")
+    _check_intervals(numerics)
     check_one_of("breakage", numerics.breakage, ("fixed_step", "resolved"))
-    check_number("tolerance", numerics.tolerance)
-    if not 0.0 < numerics.tolerance <= 0.1:
-        raise InputError(f"tolerance = {numerics.tolerance!r}: must lie in (0, 0.1]")
-    if numerics.breakage == "resolved" and numerics.solver != "fast":
-        raise InputError(
-            f"breakage = 'resolved': not with solver = {numerics.solver!r}, which is the loop of "
-            "the paper; use solver = 'fast'"
-        )
-    if numerics.breakage == "resolved" and numerics.target != "equilibrate":
-        raise InputError(
-            "breakage = 'resolved': not with target = 'interpolate'; use 'equilibrate'"
-        )
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
+    check_one_of("solver", numerics.solver, SOLVER_NAMES)
     if not isinstance(numerics.replay, bool | np.bool_):
         raise InputError(f"replay = {numerics.replay!r}: must be True or False")
-    check_number("idle_interaction", numerics.idle_interaction)
-    if not 0.0 <= numerics.idle_interaction < 1.0:
-        raise InputError(f"idle_interaction = {numerics.idle_interaction!r}: must lie in [0, 1)")
-    check_one_of("solver", numerics.solver, SOLVER_NAMES)
-    for name in ("most_steps", "most_breakage_steps"):
-        check_number(name, getattr(numerics, name))
-        if not getattr(numerics, name) >= 1.0:
-            raise InputError(f"{name} = {getattr(numerics, name)!r}: must be at least 1")
-    for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
-        check_number(name, getattr(numerics, name))
-        if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:
+    for name, needed in (("solver", "fast"), ("target", "equilibrate")):
+        if numerics.breakage == "resolved" and getattr(numerics, name) != needed:
             raise InputError(
-                f"{name} = {getattr(numerics, name)!r}: must lie in [{SMALLEST_TOLERANCE:g}, 1); "
-                "rounding allows no less"
+                f"breakage = 'resolved': not with {name} = {getattr(numerics, name)!r}, which is "
+                f"of the loop of the paper; use {needed!r}"
             )
 
 

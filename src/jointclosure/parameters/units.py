@@ -3,7 +3,7 @@
 import math
 import unicodedata
 from decimal import Decimal
-from functools import lru_cache
+from functools import cache
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -93,14 +93,8 @@ class Property(NamedTuple):
 
 def properties_of(fields: type) -> dict[str, Property]:
     """Return the properties of the fields of a named tuple, by name."""
-    properties = {}
-    for name, hint in get_type_hints(fields, include_extras=True).items():
-        annotations = getattr(hint, "__metadata__", ())
-        known = [item for item in annotations if isinstance(item, Property)]
-        if len(known) != 1:
-            raise TypeError(f"{fields.__name__}.{name}: must be annotated by one Property")
-        properties[name] = known[0]
-    return properties
+    hints = get_type_hints(fields, include_extras=True)
+    return {name: hint.__metadata__[0] for name, hint in hints.items()}
 
 
 def _greek(letter: str) -> str:
@@ -111,7 +105,7 @@ def _greek(letter: str) -> str:
         return ""
 
 
-@lru_cache(maxsize=None)
+@cache
 def name_and_unit(key: str) -> tuple[str, str]:
     """Return name and unit of a key: ("displacement_step", "um") of displacement_step_um; or ""."""
     name, _, unit = key.rpartition("_")
@@ -125,10 +119,8 @@ def to_si(settings: dict) -> dict:
         name, unit = name_and_unit(key)
         if isinstance(value, dict):
             converted[key] = to_si(value)
-        elif not unit:
-            converted[key] = value
-        elif value is None:
-            converted[name] = None
+        elif not unit or value is None:
+            converted[name] = value
         elif isinstance(value, list | tuple):
             converted[name] = [_in_si(key, item, unit) for item in value]
         else:

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, leading
-from jointclosure.joint.curves import curve_table, has_flow, seat_of
-from jointclosure.joint.history import GROSS, NET, branch_of, read_along
+from jointclosure.joint.curves import curve_table, has_flow
+from jointclosure.joint.history import GROSS, NET, branch_of, read_along, seat_of
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, law_words
 from jointclosure.joint.protocol import LOADING
 from jointclosure.joint.stiffness import stiffness_table
@@ -53,12 +53,11 @@ def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
     """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
-    cycle, branch = closed.cycle.values, closed.branch.values
-    values, numbers = read_along(closed, of), sorted(set(cycle.tolist()))
+    values, numbers = read_along(closed, of), sorted(set(closed.cycle.values.tolist()))
     for number in numbers:
         zero = _zero_of(closed, number, since, of)
         for name, style in BRANCH_LINES.items():
-            here = branch_of(cycle, branch, number, name)
+            here = branch_of(closed, number, name)
             closure, stress = values[here], closed.normal_stress.values[here]
             if since == "seating":
                 seat = seat_of(closed, number, name, of)
@@ -104,7 +103,7 @@ def _zero_of(closed: xr.Dataset, cycle: int, since: str, of: str) -> float:
     if since == "seating":
         return seat_of(closed, cycle, LOADING, of)
     if since == "cycle":
-        here = branch_of(closed.cycle.values, closed.branch.values, cycle, LOADING)
+        here = branch_of(closed, cycle, LOADING)
         return float(read_along(closed, of)[here[0]])
     return 0.0
 
