@@ -20,12 +20,7 @@ DIRECTIONS = ("x", "y")
 SIDES = ("closed", "periodic")
 """Sides along the flow: nothing passes, or what leaves at one enters at the other."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
-STATUSES = {
-    FLOWS: "flows",
-    BLOCKED: "blocked",
-    NOT_SOLVED: "not_solved",
-    AT_LEAST: "at_least",
-}
+STATUSES = ("flows", "blocked", "not_solved", "at_least")
 """Statuses of a flow: it is solved; no open cells connect inlet and outlet; it is not solved;
 `CLOSED` faces may pass a significant part of it, so that the result is a lower bound."""
 
@@ -42,7 +37,7 @@ class Flow(NamedTuple):
     """Flow along one direction.
 
     ``hydraulic_aperture`` [unit of the apertures]: aperture of parallel plates that pass the same
-    flow; 0 if blocked, NaN if not solved, a lower bound for `AT_LEAST`. ``status``: a key of
+    flow; 0 if blocked, NaN if not solved, a lower bound for `AT_LEAST`. ``status``: an index of
     `STATUSES`. ``imbalance``: sum of the mass balances of the cells over the inflow. ``pressure``
     (y, x): 1 at the inlet side, 0 at the outlet side, NaN in cells without flow.
     """
@@ -70,6 +65,11 @@ class _Network(NamedTuple):
         """Number of nodes."""
         return self.shape[0] * self.shape[1] + 2
 
+    def part(self, faces: np.ndarray) -> "_Network":
+        """Return the network of some of the faces."""
+        ends = self.first[faces], self.second[faces]
+        return _Network(*ends, self.conductance[faces], self.shape)
+
 
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
     """Compute the flow from one side of a joint to the opposite one.
@@ -86,11 +86,11 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
     nowhere = np.full(aperture.shape, np.nan)
     if not largest > 0.0:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
-    network, left_out = _networks((field / largest) ** 3, sides)
+    whole, is_open = _network((field / largest) ** 3, sides)
+    network, left_out = whole.part(is_open), whole.part(~is_open)
     joined = _joined(network)
     if joined is None:
-        status = BLOCKED if _joined(_together(network, left_out)) is None else AT_LEAST
-        return Flow(0.0, status, 0.0, nowhere)
+        return Flow(0.0, BLOCKED if _joined(whole) is None else AT_LEAST, 0.0, nowhere)
     try:
         pressures = _pressures(network, joined)
     except RuntimeError:  # from SuperLU, if rounding leaves a pivot of 0
@@ -107,8 +107,8 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
     return Flow(hydraulic, status, imbalance, shown if direction == "x" else shown.T)
 
 
-def _networks(transmissivity: np.ndarray, sides: str) -> tuple[_Network, _Network]:
-    """Return open faces between cells (y, x) and to inlet and outlet, and `CLOSED` ones."""
+def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarray]:
+    """Return the faces that conduct, between cells (y, x) and to both sides; which are open."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet, outlet = cells.size, cells.size + 1
@@ -128,22 +128,9 @@ def _networks(transmissivity: np.ndarray, sides: str) -> tuple[_Network, _Networ
     total = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     total[-2:] = 0.0
     is_open = conductance > CLOSED * np.maximum(total[first], total[second])
-    nearly = ~is_open & (conductance > 0.0)
-    opened, left_out = (
-        _Network(first[faces], second[faces], conductance[faces], (rows, columns))
-        for faces in (is_open, nearly)
-    )
-    return opened, left_out
-
-
-def _together(one: _Network, other: _Network) -> _Network:
-    """Return the faces of two networks of the same nodes."""
-    return _Network(
-        np.concatenate([one.first, other.first]),
-        np.concatenate([one.second, other.second]),
-        np.concatenate([one.conductance, other.conductance]),
-        one.shape,
-    )
+    conducts = conductance > 0.0
+    network = _Network(first, second, conductance, (rows, columns)).part(conducts)
+    return network, is_open[conducts]
 
 
 def _left_out_flow(
@@ -249,8 +236,8 @@ def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
 ATTRIBUTES: dict[str, dict[str, Any]] = OF_HISTORY | {
     "flow_status": {
         "long_name": "status of the flow",
-        "flag_values": np.array(list(STATUSES), dtype=np.int8),
-        "flag_meanings": " ".join(STATUSES.values()),
+        "flag_values": np.arange(len(STATUSES), dtype=np.int8),
+        "flag_meanings": " ".join(STATUSES),
     },
 }
 COORDINATE = {
@@ -266,9 +253,9 @@ class FlowAlongHistory:
     """`Observer` that computes the flow along x and along y at every step."""
 
     def __init__(self) -> None:
-        self._flows: list[tuple[Flow, ...]] = []
+        self._flows: list[list[Flow]] = []
         self._walls: tuple[np.ndarray, ...] = ()
-        self._of_walls: dict[float, tuple[Flow, ...]] = {}
+        self._of_walls: dict[float, list[Flow]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
         """Compute the flow at a step."""
@@ -277,15 +264,11 @@ class FlowAlongHistory:
             self._walls = joint.upper.copy(), joint.lower.copy()
             self._of_walls.clear()
         closure = step.settled.closure
-        flows = self._of_walls.get(closure)
-        if flows is None:
+        if closure not in self._of_walls:
             aperture = fields_of(joint, closure).aperture
-            flows = tuple(
-                flow_along(aperture, direction)._replace(pressure=np.empty(0))
-                for direction in DIRECTIONS
-            )
-            self._of_walls[closure] = flows
-        self._flows.append(flows)
+            flows = (flow_along(aperture, direction) for direction in DIRECTIONS)
+            self._of_walls[closure] = [flow._replace(pressure=np.empty(0)) for flow in flows]
+        self._flows.append(self._of_walls[closure])
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with the flow at its steps, along ``step`` and ``direction``."""

@@ -9,10 +9,9 @@ import xarray as xr
 from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
 from jointclosure.walls.plausibility import doubts
 
-_SAME_PLACE = 1e-6
-"""Largest allowed difference between the coordinates of the two walls, over their spacing."""
-_SAME_STEP = 1e-3
-"""Largest allowed difference between steps of coordinates and the spacing, over the spacing."""
+_SAME_PLACE, _SAME_STEP = 1e-6, 1e-3
+"""Largest allowed differences between the coordinates of the two walls, and between steps of
+coordinates and the spacing, over the spacing."""
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -39,13 +38,7 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
 
 def _aligned(upper, lower) -> tuple:
     """Return both walls with named dimensions in the same order."""
-    for name, wall in (("upper", upper), ("lower", lower)):
-        if isinstance(wall, xr.Dataset):
-            raise InputError(
-                f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be "
-                "an array, for example one of these variables"
-            )
-    upper, lower = (_by_names(wall) for wall in (upper, lower))
+    upper, lower = _by_names("upper", upper), _by_names("lower", lower)
     if not (isinstance(upper, xr.DataArray) and isinstance(lower, xr.DataArray)):
         return upper, lower
     if set(upper.dims) != set(lower.dims):
@@ -63,8 +56,13 @@ def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None
         warnings.warn(doubt, stacklevel=3)
 
 
-def _by_names(wall):
+def _by_names(name: str, wall):
     """Return a wall with dimensions (y, x), if it has dimensions of these names."""
+    if isinstance(wall, xr.Dataset):
+        raise InputError(
+            f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be an "
+            "array, for example one of these variables"
+        )
     if isinstance(wall, pd.DataFrame):
         labels = wall.index, wall.columns
         names = [str(label.name) for label in labels]
@@ -94,11 +92,9 @@ def _check_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
         except InputError as error:
             raise InputError(f"{name}: coordinate {axis}: {error}") from None
         if not (np.abs(steps - spacing) <= _SAME_STEP * spacing).all():
-            between = " to ".join(
-                f"{step:.6g}" for step in dict.fromkeys((steps.min(), steps.max()))
-            )
+            ends = dict.fromkeys(f"{step:.6g}" for step in (steps.min(), steps.max()))
             raise InputError(
-                f"{name}: its coordinate {axis} has steps of {between} m, and spacing = "
+                f"{name}: its coordinate {axis} has steps of {' to '.join(ends)} m, and spacing = "
                 f"{spacing:.6g} m; must be equal, or leave the coordinates out"
             )
 

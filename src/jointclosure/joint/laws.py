@@ -15,7 +15,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.joint.history import NET, read_along
+from jointclosure.joint.history import NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.stiffness import closures_at, stress_levels
 
@@ -75,15 +75,12 @@ def _guess_power(stress, closure, seating) -> tuple[float, ...]:
     return float(np.exp(c)), m
 
 
+_HYPERBOLIC = {
+    "kni_MPa_per_mm": ("initial stiffness kni", "MPa/mm"),
+    "vm_mm": ("largest closure Vm", "mm"),
+}
 LAWS = {
-    "hyperbolic": Law(
-        {
-            "kni_MPa_per_mm": ("initial stiffness kni", "MPa/mm"),
-            "vm_mm": ("largest closure Vm", "mm"),
-        },
-        _hyperbola,
-        _guess_hyperbola,
-    ),
+    "hyperbolic": Law(_HYPERBOLIC, _hyperbola, _guess_hyperbola),
     "semi_logarithmic": Law(
         {"p": ("p", "log10 MPa"), "q_per_mm": ("q", "1/mm")},
         _semi_logarithmic,
@@ -110,16 +107,11 @@ def law_curves(
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
             if not np.isfinite(closure).all():
                 continue
-            start = closure[0] if seating > 0.0 else _start(history, index + 1, name, of)
+            # without seating from where the branch begins, or where it ends on unloading
+            ends = read_along(history, of)[branch_of(history, index + 1, name)[[0, -1]]]
+            start = closure[0] if seating > 0.0 else ends[0 if name == LOADING else 1]
             curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
     return curves
-
-
-def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
-    """Return the closure [m] at which a branch without seating begins or ends."""
-    here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
-    first = here[0] - 1 if here[0] > 0 else here[0]
-    return float(read_along(history, of)[first if branch == LOADING else here[-1]])
 
 
 def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
@@ -139,17 +131,19 @@ def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
 
 def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     """Return parameters, their errors, and the quality of the fit of a law."""
-    nothing = np.full(len(law.parameters), np.nan)
+
+    def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
+        return law.closure(stress, seating, *parameters)
+
     names = _COLUMNS[-4:]
     try:
         start = law.guess(stress, closure, seating)
-        values, covariance = scipy.optimize.curve_fit(
-            lambda x, *parameters: law.closure(x, seating, *parameters),
-            stress, closure, start, maxfev=20_000,
-        )  # fmt: skip
+        fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, maxfev=20_000)
     except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
+        nothing = np.full(len(law.parameters), np.nan)
         return nothing, nothing, dict.fromkeys(names, np.nan)
-    miss = law.closure(stress, seating, *values) - closure
+    values, covariance = fitted
+    miss = predicted(stress, *values) - closure
     square = float(np.sum(miss**2))
     held = _longest(np.abs(miss) <= FAILS * closure.max())
     fit = (
@@ -183,10 +177,11 @@ def describe_law(fits: pd.DataFrame, cycle: int, branch: str) -> str:
         return f"cycle {cycle}, {branch}: no law could be fitted"
     best = rows[rows.rms_mm == rows.rms_mm.min()]
     first = best.iloc[0]
-    parts = []
-    for row in best.itertuples(index=False):
-        title, unit = LAWS[first.law].parameters[row.parameter]
-        parts.append(f"{title} = {row.value:.4g} {unit}".strip())
+    described = LAWS[first.law].parameters
+    parts = [
+        f"{described[name][0]} = {value:.4g} {described[name][1]}".strip()
+        for name, value in zip(best.parameter, best.value, strict=True)
+    ]
     return (
         f"cycle {cycle}, {branch}: {law_words(first.law)} ({', '.join(parts)}), rms error "
         f"{first.rms_mm:.2g} mm, valid from {first.holds_from_MPa:.3g} to "

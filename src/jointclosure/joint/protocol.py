@@ -37,11 +37,7 @@ FLAGS = {
 }
 """Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
 
-FLAG_OF_OUTCOME = {
-    NOT_CONVERGED: FAILURE,
-    NOT_AT_REST: 2 * FAILURE,
-    RIGID_CONTACT: 4 * FAILURE,
-}
+FLAG_OF_OUTCOME = {NOT_CONVERGED: FAILURE, NOT_AT_REST: 2 * FAILURE, RIGID_CONTACT: 4 * FAILURE}
 LARGEST_UNBREAKABLE_SHARE = 0.1
 """Largest share of the force on contacts that cannot break for which the model is valid."""
 
@@ -69,10 +65,9 @@ shorter steps stayed below it."""
 
 
 class Step(NamedTuple):
-    """One accepted point of the history, with its cycle and branch.
+    """One accepted point of the history, with its cycle, branch and mean height of the walls [m].
 
-    ``mean_height`` is the mean height of both walls together [m]. It falls if broken material
-    vanishes.
+    The mean height of both walls together falls if broken material vanishes.
     """
 
     cycle: int
@@ -117,14 +112,12 @@ class _Run:
         self.forces: list[np.ndarray] = []  # since the last maximum, for observers
         self.status = 0
         self.effort = Effort()
-        self.closure_limit = closure_limit(joint, max(cycle.maximum for cycle in cycles))
+        largest = max(cycle.maximum for cycle in cycles)
+        self.closure_limit = closure_limit(joint, largest)
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
-        self.leaves_interaction_out = (
-            joint.interaction_acts
-            and numerics.idle_interaction > 0.0
-            and _pays_without_interaction(joint, max(cycle.maximum for cycle in cycles))
-        )
+        share = numerics.idle_interaction if joint.interaction_acts else 0.0
+        self.leaves_interaction_out = share > 0.0 and _pays_without_interaction(joint, largest)
         if self.leaves_interaction_out:
             joint.interaction_acts = False
 
@@ -195,21 +188,14 @@ def run_cycles(
         return history
     run = _Run(joint, solver, numerics, cycles, report, observers)
     run.accept(1, LOADING, _untouched(joint))
-    elastic: _Loop | None = None
-    replayed = 0
+    elastic, replayed = False, 0
     for cycle, load in enumerate(cycles, start=1):
         run.target_force = load.maximum
         if elastic and numerics.replay and load == cycles[cycle - 2]:
-            _repeat_elastic(run, cycle, elastic)
+            _repeat_elastic(run, cycle)
             replayed += 1
             continue
-        first = cycle == 1
-        _load(
-            run,
-            cycle,
-            numerics.displacement_step if first else numerics.later_displacement_step,
-            numerics.breakage_step if first else numerics.later_breakage_step,
-        )
+        _load(run, cycle, *(numerics[:2] if cycle == 1 else numerics[2:4]))
         if run.failed:
             break
         _judge_range(run)
@@ -217,7 +203,7 @@ def run_cycles(
         _unload(run, cycle, load.minimum)
         if run.failed:
             break
-        elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
+        elastic = _is_elastic_from_here(run, broken)
         _note_held(run, cycle, maximum if elastic else -np.inf)
     idle = run.idle_steps, run.idle_displacement
     return History(run.steps, run.status, run.effort, replayed, *idle)
@@ -233,15 +219,11 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
     known = [start, *(curve[:-1] if failed else curve)]
     height = _mean_height(joint)
     steps, at = [Step(1, LOADING, start, height)], 0
-    turns = [
-        (cycle, branch, force)
-        for cycle, load in enumerate(cycles, start=1)
-        for branch, force in zip((LOADING, UNLOADING), load, strict=True)
-    ]
-    for cycle, branch, force in turns:
-        to = int(np.abs(forces - force).argmin())
-        way = range(at + 1, to + 1) if branch == LOADING else range(at - 1, to - 1, -1)
-        steps += [Step(cycle, branch, known[i], height) for i in way if i < len(known)]
+    for turn in range(2 * len(cycles)):
+        cycle, branch = turn // 2, (LOADING, UNLOADING)[turn % 2]
+        to = int(np.abs(forces - cycles[cycle][turn % 2]).argmin())
+        way = range(at - 1, to - 1, -1) if turn % 2 else range(at + 1, to + 1)
+        steps += [Step(cycle + 1, branch, known[i], height) for i in way if i < len(known)]
         if to >= len(known):  # the solution failed at a smaller force
             break
         at = to
@@ -249,10 +231,8 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
         joint.force[:] = 0.0
     elif not failed:
         solver.elastic_curve(joint, forces[at : at + 1])
-    effort = Effort()
-    for settled in curve:
-        effort = effort.plus(settled.effort)
-    return History(steps, status, effort)
+    counts = zip(*(settled.effort for settled in curve), strict=True)
+    return History(steps, status, Effort(*map(sum, counts)))
 
 
 def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
@@ -290,9 +270,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
     near = run.numerics.stress_tolerance * run.target_force
     control = None
     if run.numerics.breakage == "resolved":
-        control = StepControl(
-            run.numerics, displacement_step, run.target_force, may_lengthen=cycle == 1
-        )
+        control = StepControl(run.numerics, displacement_step, run.target_force, cycle == 1)
     run.cycle_start = run.closure
     step = displacement_step
     while True:
@@ -386,7 +364,7 @@ def _part_to_target(
         beyond *= 0.5 ** max(short_again - 1, 0)
         return min(max(missing / (missing + beyond), 0.02), 0.98)
     slope = (above.total_force - run.total_force) / room
-    part = (run.target_force - run.total_force) / (slope * room)
+    part = missing / (slope * room)
     part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
     return 1.0 - (1.0 - part) * 0.5**short_again
 
@@ -471,34 +449,23 @@ def _note_held(run: _Run, cycle: int, maximum: float) -> None:
     run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
 
 
-class _Loop(NamedTuple):
-    """States of an unloading from the maximum on, with their forces if observers need them."""
-
-    settled: list[Settled]
-    forces: tuple[np.ndarray, ...]
-
-
-def _loop_of(run: _Run, cycle: int) -> _Loop:
-    opened = sum(step[:2] == (cycle, UNLOADING) for step in run.steps)
-    return _Loop([step.settled for step in run.steps[-opened - 1 :]], tuple(run.forces))
-
-
-def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
+def _repeat_elastic(run: _Run, cycle: int) -> None:
     """Append a cycle equal to the one before, whose unloading broke nothing."""
-    opened = len(loop.settled) - 1
+    opened = sum(step[:2] == (cycle - 1, UNLOADING) for step in run.steps)
+    loop = [step.settled._replace(effort=Effort()) for step in run.steps[-opened - 1 :]]
+    forces = tuple(run.forces)
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)
     for branch, order in ((LOADING, up), (UNLOADING, down)):
         for i in order:
-            if loop.forces:
-                run.joint.force[:] = loop.forces[i]
-            run.accept(cycle, branch, loop.settled[i]._replace(effort=Effort()))
+            if forces:
+                run.joint.force[:] = forces[i]
+            run.accept(cycle, branch, loop[i])
 
 
 def _judge_range(run: _Run) -> None:
     at_maximum = run.steps[-1].settled
-    if not run.joint.effects.breakage:
-        return
-    if at_maximum.locked_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
+    unbreakable = at_maximum.locked_share + at_maximum.flat_share
+    if run.joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
         run.status |= OUTSIDE_MODEL_RANGE
 
 

@@ -79,12 +79,9 @@ def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
 
 def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
     """Return each property in the unit of its key, and that unit after a space, by field."""
-    units = {field: PROPERTIES[field].unit for field in Rock._fields}
-    return {
+    shown = {}
+    for field, value in rock._asdict().items():
+        unit, size = PROPERTIES[field].unit, PROPERTIES[field].size
         # twelve digits: 73e9/1e9 and similar values are shown as they were given
-        field: (
-            float(f"{getattr(rock, field) / PROPERTIES[field].size:.12g}"),
-            "" if unit == "1" else f" {unit}",
-        )
-        for field, unit in units.items()
-    }
+        shown[field] = float(f"{value / size:.12g}"), "" if unit == "1" else f" {unit}"
+    return shown

@@ -16,7 +16,6 @@ from jointclosure.inputs import (
     check_number,
 )
 from jointclosure.joint.conditions import Conditions, LoadCycle, conditions_from, takes_conditions
-from jointclosure.joint.foresight import check_foreseen
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import (
     ATTRIBUTES,
@@ -35,6 +34,7 @@ from jointclosure.joint.protocol import (
 )
 from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.joint.states import Snapshots, fields_of
+from jointclosure.joint.step_control import check_foreseen
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,

@@ -12,10 +12,9 @@ from jointclosure.solvers.joint import Joint
 
 
 class Fields(NamedTuple):
-    """Fields on the cells (y, x) [m]: displacement by all other contacts, and overlap of the walls.
+    """Fields on the cells (y, x) [m]: displacement by all other contacts, and overlap delta_S.
 
-    ``overlap`` is delta_S. It is negative where the walls are apart; its size is the aperture
-    there.
+    The overlap is negative where the walls are apart; its size is the aperture there.
     """
 
     displacement: np.ndarray
@@ -44,11 +43,12 @@ _FIELDS = {
     "gap": ("distance of the deformed walls, negative where they are pressed together", "m"),
     "broken_volume": ("volume missing where walls are lower than at first touch", "m3"),
 }
-_PLACES = {
-    "stress": ("stress that was asked for", {"units": "Pa"}),
-    "cycle": ("load cycle in which it was passed", {}),
-    "branch": ("branch on which it was passed", {}),
-    "step": ("step that is shown: the nearer one in stress of those before and after", {}),
+_STEP = "step that is shown: the nearer one in stress of those before and after"
+_PLACES: dict[str, tuple[str, dict[str, str], type]] = {
+    "stress": ("stress that was asked for", {"units": "Pa"}, np.float64),
+    "cycle": ("load cycle in which it was passed", {}, np.int32),
+    "branch": ("branch on which it was passed", {}, object),
+    "step": (_STEP, {}, np.int32),
 }
 
 
@@ -90,11 +90,10 @@ class Snapshots:
         self._last = state
 
     def _state(self, joint: Joint, step: Step) -> _State:
-        cell, first = joint.law.spacing**2, self._first
+        cell, lost = joint.law.spacing**2, 0.0
         walls = joint.upper.copy(), joint.lower.copy()
-        lost = 0.0
-        if first is not None:
-            for pristine, wall in zip((first.upper, first.lower), walls, strict=True):
+        if self._first is not None:
+            for pristine, wall in zip(self._first[2:4], walls, strict=True):
                 lost += cell * float(np.maximum(pristine - wall, 0.0).sum())
         return _State(
             0 if self._last is None else self._last.step + 1,
@@ -128,16 +127,8 @@ class Snapshots:
                 about = {"long_name": f"{name} wall at first touch", "units": "m"}
                 variables[f"{name}_first"] = ("y", "x"), getattr(self._first, name) + datum, about
         rows = [(*place, state.step) for place, state in self._kept.items()]
-        columns = [[row[k] for row in rows] for k in range(len(_PLACES))]
-        kinds: tuple[Any, ...] = (np.float64, np.int32, object, np.int32)
-        coordinates = {
-            f"snapshot_{name}": (
-                "snapshot",
-                np.array(column, dtype=kind),
-                {"long_name": text} | about,
-            )
-            for (name, (text, about)), column, kind in zip(
-                _PLACES.items(), columns, kinds, strict=True
-            )
-        }
+        coordinates = {}
+        for k, (name, (text, about, kind)) in enumerate(_PLACES.items()):
+            column: np.ndarray = np.array([row[k] for row in rows], dtype=kind)
+            coordinates[f"snapshot_{name}"] = "snapshot", column, {"long_name": text} | about
         return closed.assign(variables).assign_coords(coordinates)

@@ -6,13 +6,14 @@ Therefore one process first compiles all kernels that the others need.
 
 import sys
 from collections.abc import Iterable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from jointclosure.joint.simulation import equilibrium, simulate
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import (
+    SOLVER_NAMES,
     Choices,
     Effects,
     Numerics,
@@ -24,9 +25,7 @@ from jointclosure.solvers.interaction_operator import influence_matrix
 from jointclosure.walls.synthesis import wall_pair
 
 
-def kernels_of(
-    settings: Iterable[tuple[Effects, Choices, Numerics]],
-) -> list[list[str]]:
+def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[list[str]]:
     """Return the distinct settings that kernels depend on: scene, peaks, solver and breakage."""
     distinct = {
         (scene_name(effects), choices.peaks, numerics.solver, numerics.breakage)
@@ -36,44 +35,26 @@ def kernels_of(
 
 
 def compile_kernels(
-    effects: Effects,
-    choices: Choices,
-    solver: str,
-    breakage: Literal["fixed_step", "resolved"],
+    effects: Effects, choices: Choices, solver: str, breakage: Literal["fixed_step", "resolved"]
 ) -> None:
     """Close a small joint in a scene, to compile the kernels that it needs."""
-    spacing, rock = 0.25e-3, Rock(78e9, 0.2, 165e6)
-    walls = wall_pair(8.0, (24, 24), spacing, seed=1)
-    numerics = Numerics(solver=solver, breakage=breakage)
-    simulate(
-        *walls,
-        spacing=spacing,
-        rock=rock,
-        max_normal_stress=1e6,
-        cycles=1,
-        effects=effects,
-        choices=choices,
-        numerics=numerics,
-    )
+    joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}
+    joint |= {"choices": choices, "numerics": Numerics(solver=solver, breakage=breakage)}
+    walls = wall_pair(8.0, (24, 24), joint["spacing"], seed=1)
+    simulate(*walls, max_normal_stress=1e6, cycles=1, **joint)
     if effects.interaction and solver == "fast":  # with more contacts than the small joint has
         influence_matrix(np.zeros(walls[0].shape), np.empty(0, np.int64))
-    # kernels that a figure uses
-    strength_factor(rock.poisson_ratio)
-    von_mises_on_axis(0.5, rock.poisson_ratio)
+    strength_factor(0.2), von_mises_on_axis(0.5, 0.2)  # for a figure
     if not effects.breakage:
-        equilibrium(
-            *walls, spacing=spacing, rock=rock, closure=1e-4, effects=effects, numerics=numerics
-        )
+        equilibrium(*walls, closure=1e-4, **joint)
 
 
 def main(words: list[str]) -> None:
     """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only."""
-    from jointclosure.solvers.registry import SOLVERS
-
     only_close = words == ["close"]
     for scene in [Effects()] if only_close else well_posed_scenes():
         for peaks in ("pristine", "current"):
-            for name in ["fast"] if only_close else SOLVERS:
+            for name in ["fast"] if only_close else SOLVER_NAMES:
                 compile_kernels(scene, Choices(peaks=peaks), name, "fixed_step")
             compile_kernels(scene, Choices(peaks=peaks), "fast", "resolved")
 
