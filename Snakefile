@@ -8,7 +8,7 @@ from jointclosure.storage.logs import SHOWN
 from studies.frame.config.files import DEFAULT
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.jobs.job import ENGINE
-from studies.frame.jobs.rules import complete
+from studies.frame.jobs.rules import complete, withdraw_unmet
 
 min_version("9.27")
 
@@ -42,13 +42,15 @@ onstart:
 rule all:
     default_target: True
     input:
-        f"{RESULTS}/study.nc",
         COMPLETE,
+        WALLS,
+        rules.close_study.output,
+        rules.close_pool.output if "pool" in ENSEMBLES else [],
     message:
         "The study {STUDY} is complete"
 
 
-SEALED = complete(workflow.rules, environment="../envs/jointclosure.yaml")
+complete(workflow.rules, environment="../envs/jointclosure.yaml")
 # a file that is not the one that its seal, or this configuration, says is made again
 LOOKS = {
     "-n",
@@ -63,5 +65,5 @@ LOOKS = {
 if workflow.is_main_process:
     works = not LOOKS & set(sys.argv)
     if works:
-        enter_folder()  # a run at work in this folder keeps its seals
-    SEALED.withdraw_unmet(logger.warning, remove=works)
+        enter_folder()  # a run at work in this folder keeps its files
+    withdraw_unmet(workflow.rules, logger.warning, remove=works)

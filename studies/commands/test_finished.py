@@ -15,7 +15,7 @@ def test_an_edited_study_is_refused(command, tmp_path, capsys):
     study = tmp_path / "study.nc"
     write_netcdf(xr.Dataset({"closure": 1.0}), study)
     (tmp_path / "seals").mkdir()
-    write_seal(tmp_path / "seals/aggregate.json", [str(study)], {}, [], [])
+    write_seal(tmp_path / "seals/aggregate.json", [str(study)], {}, [])
     write_netcdf(xr.Dataset({"closure": 2.0}), study)  # whole, and another one
     assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
     printed = capsys.readouterr().err

@@ -27,19 +27,19 @@ def finished(material, pictures, folder):
     for name in ("tables", "figures", "seals", "benchmarks/close_surfaces"):
         (folder / name).mkdir(parents=True)
     write_netcdf(material.study, folder / "study.nc")
-    write_seal(folder / "seals/aggregate.json", [folder / "study.nc"], {}, [], [])
+    write_seal(folder / "seals/aggregate.json", [folder / "study.nc"], {}, [])
     for part, name in TABLES.items():
         table = folder / f"tables/{name}.csv"
         if (frame := getattr(material, part)) is not None:
             write_csv(frame, table)
-            write_seal(folder / f"seals/{name}.json", [table], {}, [], [])
+            write_seal(folder / f"seals/{name}.json", [table], {}, [])
     stated = folder / "tables/configuration.json"
     stated.write_text(material.study.attrs["configuration"])
-    write_seal(folder / "seals/state_configuration.json", [stated], {}, [], [])
+    write_seal(folder / "seals/state_configuration.json", [stated], {}, [])
     figures = [folder / f"figures/{picture.name}.png" for picture in pictures]
     for figure, picture in zip(figures, pictures, strict=True):
         figure.write_bytes(picture.png)
-    write_seal(folder / "seals/draw_figures.json", figures, {}, [], [])
+    write_seal(folder / "seals/draw_figures.json", figures, {}, [])
     for job in material.benchmarks.itertuples():
         rss = "-" if pd.isna(job.max_rss) else job.max_rss
         (folder / f"benchmarks/close_surfaces/{job.job}.tsv").write_text(

@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.test_nothing_lost import STAMP, project
-from tests.workflow.test_pipeline import ROOT
+from tests.workflow.runs import ROOT, STAMP, checkout
 
+pytestmark = pytest.mark.slow
 ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "12"))
 SECONDS = 30.0
 """Within which all must have ended."""
@@ -37,7 +37,7 @@ output: {stress_points: 5}
 @pytest.fixture
 def folder(tmp_path):
     """A checkout with a study of one case."""
-    made = project(tmp_path)
+    made = checkout(tmp_path / "ended")
     (made / "one.yaml").write_text(ONE_CASE)
     return made
 
@@ -60,7 +60,6 @@ def started(folder: Path, command: tuple[str, ...] = STUDY) -> subprocess.Popen:
         )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("whom", ["process", "group"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
@@ -102,7 +101,6 @@ def wait_for(folder: Path, text: str, run: subprocess.Popen) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.slow
 def test_a_run_under_timeout_ends_while_it_is_planned(folder):
     """`timeout` sends TERM to make, make to the run, and `timeout` to the whole group again."""
     run = started(folder)
@@ -114,7 +112,6 @@ def test_a_run_under_timeout_ends_while_it_is_planned(folder):
     assert GOES_ON in (folder / "output.txt").read_text()
 
 
-@pytest.mark.slow
 def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
     """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
     chance = random.Random(1)

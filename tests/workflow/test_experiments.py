@@ -1,6 +1,5 @@
 """Every experiment as a study of seconds: its files are there, and nothing is done twice."""
 
-import re
 import shutil
 
 import pytest
@@ -10,48 +9,30 @@ from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 from studies.frame.config.files import read_plain
 from studies.frame.config.model import sections
-from studies.frame.experiments import experiments_in
+from studies.frame.experiments import cached, experiments_in
 from tests.studied import checked_study
-from tests.workflow.test_pipeline import ROOT, checkout, snakemake
-
-pytestmark = pytest.mark.slow
+from tests.workflow.runs import HERE, checkout, planned, snakemake
 
 
-@pytest.fixture(scope="module", params=sections())
-def experiment(request, tmp_path_factory):
-    """Name, design and folder of an experiment that was run."""
-    name, config = request.param, f"tiny_{request.param}.yaml"
-    folder = checkout(tmp_path_factory.mktemp(name))
-    shutil.copy(ROOT / "tests/workflow" / config, folder)
-    configured = checked_study(read_plain(folder / config))
+def keys_of(name: str) -> dict:
+    return read_plain(HERE / f"tiny_{name}.yaml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sections())
+def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(name, tmp_path):
+    folder, config = checkout(tmp_path / name), f"tiny_{name}.yaml"
+    shutil.copy(HERE / config, folder)
+    configured = checked_study(keys_of(name))
     design = experiments_in(configured.keys)[name].design(configured)
-    estimated = snakemake(folder, f"estimate_{name}", config=config)
-    assert estimated.returncode == 0, estimated.stdout + estimated.stderr
     joints = sum(sample.joints for samples in design.timed().values() for sample in samples)
-    assert f"{joints} joints will take about" in estimated.stderr
-    answer = snakemake(folder, name, config=config)
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-    return name, design, folder
-
-
-def closed_jobs(experiment) -> list[str]:
-    """Jobs whose joints were closed: all."""
-    name, design, folder = experiment
-    closed = [
-        job for job in design.jobs if (folder / f"results/tiny_{name}/{name}/{job}.nc").exists()
-    ]
-    assert closed == list(design.jobs)
-    return closed
-
-
-def test_every_joint_table_and_figure_is_there(experiment):
-    name, design, folder = experiment
+    assert f"{joints} joints will take about" in snakemake(folder, name, config=config)
     results = folder / f"results/tiny_{name}"
     dataset = read_netcdf(results / f"{name}.nc")
     assert "configuration" in dataset.attrs
-    joints = as_table(dataset)
-    points = [point for job in closed_jobs(experiment) for point in design.jobs[job]]
-    assert len(joints) == sum(joints_of([point]) * point.settings.cycles for point in points)
+    points = [point for job in design.jobs.values() for point in job]
+    rows = sum(joints_of([point]) * point.settings.cycles for point in points)
+    assert len(as_table(dataset)) == rows
     for table in design.tables:
         if table.endswith(".md"):
             assert (results / f"tables/{table}").read_text().count("|") > 10
@@ -59,19 +40,20 @@ def test_every_joint_table_and_figure_is_there(experiment):
             assert len(read_csv(results / f"tables/{table}.csv")) > 0
     for figure in design.figures:
         assert (results / f"figures/{figure}.png").stat().st_size > 10000
-
-
-def test_nothing_is_done_twice_and_what_is_lost_alone_is_made_again(experiment):
-    name, design, folder = experiment
-    assert "Nothing to be done" in dry_run(name, folder)
-    results = folder / f"results/tiny_{name}"
-    (results / f"{name}/{closed_jobs(experiment)[0]}.nc").unlink()
+    assert planned(folder, name, config=config) == {}
+    for job in design.jobs:
+        assert (results / f"{name}/{job}.nc").exists()
     (results / f"tables/{design.tables[0]}.csv").unlink()
-    counts = dict(re.findall(r"^(close_\w+) +(\d+)$", dry_run(name, folder), re.M))
-    assert counts == {f"close_{name}": "1"}
+    again = planned(folder, name, config=config)
+    assert again[f"close_{name}"] == 1
 
 
-def dry_run(name: str, folder) -> str:
-    """What Snakemake would do."""
-    answer = snakemake(folder, name, "--dry-run", config=f"tiny_{name}.yaml")
-    return answer.stdout + answer.stderr
+def test_rows_that_are_added_close_no_others():
+    section = "global_sensitivity"
+    keys = keys_of(section)
+    few, many = (
+        {name: entry.key for name, entry in cached(checked_study(keys, more), section).items()}
+        for more in ({}, {section: {"rows": 32}})
+    )
+    assert len(many) - len(few) == 4  # two new blocks of each rock
+    assert few.items() <= many.items()

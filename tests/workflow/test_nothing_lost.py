@@ -8,7 +8,6 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -16,56 +15,26 @@ import psutil
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.test_pipeline import ROOT, checkout, snakemake, studies_command
+from tests.workflow.runs import (
+    STAMP,
+    TINY,
+    answer,
+    assert_same,
+    checkout,
+    planned,
+    snakemake,
+    studies_command,
+)
 
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
-STAMP = ".venv/jointclosure-is-set-up"
+RESULTS = "results/tiny"
+STUDY = ["make", "-o", STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
 
 pytestmark = pytest.mark.slow
 
 
-def project(folder: Path) -> Path:
-    """A checkout with its Makefile and the environment of these tests."""
-    checkout(folder)
-    shutil.copy(ROOT / "Makefile", folder)
-    (folder / ".venv").symlink_to(sys.prefix)
-    return folder
-
-
-def make_study(folder: Path) -> subprocess.Popen:
-    """Start `make study`, in a session of its own, with its output in a file."""
-    command = ["make", "-o", STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
-    with open(folder / "output.txt", "a") as output:
-        return subprocess.Popen(
-            command, cwd=folder, stdout=output, stderr=output, start_new_session=True
-        )
-
-
-def finished(folder: Path) -> None:
-    process = make_study(folder)
-    assert process.wait() == 0, (folder / "output.txt").read_text()
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    """A finished study."""
-    folder = project(tmp_path_factory.mktemp("undisturbed"))
-    finished(folder)
-    return folder
-
-
 def files_in(folder: Path) -> int:
     return sum(path.is_file() for path in (folder / "results").rglob("*"))
-
-
-def assert_same(folder: Path, other: Path) -> None:
-    found = studies_command("compare", "--exact", folder / "results/tiny", other / "results/tiny")
-    assert found.returncode == 0, found.stdout + found.stderr
-    tables = sorted(path.name for path in (other / "results/tiny/tables").iterdir())
-    assert tables == sorted(path.name for path in (folder / "results/tiny/tables").iterdir())
-    for name in tables:
-        one, two = (where / "results/tiny/tables" / name for where in (folder, other))
-        assert one.read_bytes() == two.read_bytes(), name
 
 
 def processes_of(run: subprocess.Popen) -> tuple[list, list]:
@@ -79,13 +48,22 @@ def processes_of(run: subprocess.Popen) -> tuple[list, list]:
     return engines, jobs
 
 
+def finished(folder: Path) -> str:
+    done = answer(STUDY, folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 @pytest.mark.parametrize("number", range(KILLS))
-def test_a_kill_at_any_moment_loses_nothing(undisturbed, tmp_path, number):
+def test_a_kill_at_any_moment_loses_nothing(study, tmp_path, number):
     """Moments are drawn as a number of files written: how busy the machine is does not count."""
-    folder = project(tmp_path)
+    folder = checkout(tmp_path / "killed")
     chance = random.Random(number)
-    moment = chance.randrange(int(0.95 * files_in(undisturbed)))
-    run = make_study(folder)
+    moment = chance.randrange(int(0.95 * files_in(study)))
+    with open(folder / "output.txt", "w") as output:
+        run = subprocess.Popen(
+            STUDY, cwd=folder, stdout=output, stderr=output, start_new_session=True
+        )
     victims = []
     while not victims or files_in(folder) < moment:
         assert run.poll() is None, "the run ended before it was killed"
@@ -99,81 +77,69 @@ def test_a_kill_at_any_moment_loses_nothing(undisturbed, tmp_path, number):
     run.wait()
     finished(folder)
     assert processes_in(folder) == []
-    assert_same(folder, undisturbed)
-    litter = [path for path in (folder / "results").rglob(".*") if path.is_file()]
-    assert litter == []
+    assert_same(folder / RESULTS, study / RESULTS)
+    assert [path for path in (folder / "results").rglob(".*") if path.is_file()] == []
 
 
-@pytest.fixture
-def copied(undisturbed, tmp_path):
-    folder = tmp_path / "copied"
-    shutil.copytree(undisturbed, folder, symlinks=True)
-    return folder
+def case(number: int) -> str:
+    return f"cases/slate-jrc-level_{number}.0.nc"
 
 
-CASE = "results/tiny/cases/slate-jrc-level_1.0.nc"
-
-
-def flip_a_bit(folder: Path) -> None:
-    data = bytearray((folder / CASE).read_bytes())
+def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied):
+    mine, intact = copied / RESULTS, study / RESULTS
+    data = bytearray((mine / case(1)).read_bytes())
     data[random.Random(1).randrange(len(data))] ^= 4
-    (folder / CASE).write_bytes(data)
-
-
-def truncate(folder: Path) -> None:
-    (folder / CASE).write_bytes((folder / CASE).read_bytes()[:-1000])
-
-
-def take_another_case(folder: Path) -> None:
-    shutil.copy(folder / "results/tiny/cases/slate-jrc-level_3.0.nc", folder / CASE)
-
-
-@pytest.mark.parametrize("spoil", [flip_a_bit, truncate, take_another_case])
-def test_a_case_file_that_is_not_its_own_is_made_anew(undisturbed, copied, spoil):
-    spoil(copied)
-    (copied / "results/tiny/study.nc").unlink()
-    finished(copied)
+    (mine / case(1)).write_bytes(data)
+    (mine / case(3)).write_bytes((mine / case(3)).read_bytes()[:-1000])
+    shutil.copy(mine / case(1), mine / case(4))
+    times = (mine / "study.nc").stat()
+    shutil.copy(mine / "pool.nc", mine / "study.nc")
+    os.utime(mine / "study.nc", ns=(times.st_atime_ns, times.st_mtime_ns))
+    claims = mine / "tables/claims.csv"
+    claims.write_text(claims.read_text().replace("undecided", "stands"))
+    (mine / "tables/table_3_indifference.csv").write_text("")
+    shutil.copy2(mine / "figures/wall_pair.png", mine / "figures/fig_5_closure.png")
+    (mine / "tables/max_closure.csv").unlink()
+    refused = studies_command("report", mine, "--output", copied / "page.html")
+    assert (refused.returncode, len(refused.stderr.splitlines())) == (2, 1)
+    assert not (copied / "page.html").exists()
+    printed = finished(copied)
+    assert "3 files are of other settings or code, or damaged" in printed
     assert (
-        "1 files are of other settings or code, or damaged" in (copied / "output.txt").read_text()
+        "results/tiny/study.nc: the file is not as jointclosure wrote it"
+        in (mine / "logs/make_study.log").read_text()
     )
-    assert_same(copied, undisturbed)
+    assert_same(mine, intact, "figures")
+    assert planned(copied) == {}
 
 
-def test_a_results_folder_that_is_read_only_is_said(tmp_path):
-    folder = project(tmp_path)
-    (folder / "results").mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "ro,size=64k", "tmpfs", str(folder / "results")]
-    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
-        answer = snakemake(folder)
-    finally:
-        subprocess.run(["umount", "--lazy", str(folder / "results")], check=True)
-    assert answer.returncode != 0
-    assert "Read-only file system" in answer.stderr
-    assert "results/tiny" in answer.stderr
+def test_a_whole_study_of_another_configuration_in_its_place_is_made_again(study, copied):
+    text = TINY.read_text()
+    (copied / "tiny.yaml").write_text(text.replace("jrc: [5, 8, 9]", "jrc: [6, 9]"))
+    shutil.rmtree(copied / "results")
+    finished(copied)
+    (copied / "tiny.yaml").write_text(text)
+    shutil.rmtree(copied / ".snakemake")  # as where results were copied from another machine
+    finished(copied)
+    tables = (copied / RESULTS / "tables/configuration.json", study / RESULTS)
+    assert tables[0].read_text() == (tables[1] / "tables/configuration.json").read_text()
+    assert_same(copied / RESULTS, study / RESULTS, "figures")
 
 
-def test_a_disk_that_fills_up_is_said_and_the_next_run_finishes(undisturbed, tmp_path):
-    folder = project(tmp_path)
-    (folder / "results").mkdir()
-    disk = str(folder / "results")
-    command = ["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", disk]
-    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    try:
-        answer = snakemake(folder)
-        assert answer.returncode != 0
-        assert "No space left on device" in answer.stderr or "MB are free there" in answer.stderr
-        subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
-        finished(folder)
-        assert_same(folder, undisturbed)
-    finally:
-        subprocess.run(["umount", "--lazy", disk], check=True)
+def test_a_finished_study_of_another_machine_is_reported_without_running_anything(study, tmp_path):
+    there = shutil.copytree(study / RESULTS, tmp_path / "anywhere")
+    for closed in ("cases", "pool"):
+        shutil.rmtree(there / closed)
+    (there / "report.html").unlink(missing_ok=True)
+    done = studies_command("report", there)
+    assert done.returncode == 0, done.stdout + done.stderr
+    page = (there / "report.html").read_text(encoding="utf-8")
+    for figure in (there / "figures").glob("*.png"):
+        assert f'id="figure-{figure.stem}"' in page
 
 
 def test_any_realisation_is_repeated_by_one_command(copied):
-    results = copied / "results/tiny"
+    results = copied / RESULTS
     again = studies_command("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "identical to the stored results" in again.stdout
@@ -185,3 +151,37 @@ def test_any_realisation_is_repeated_by_one_command(copied):
     missing = studies_command("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
     assert "has no realisation 3" in missing.stderr
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """A checkout whose results lie on a small disk, and how to mount that."""
+    folder = checkout(tmp_path / "disk")
+    results = folder / "results"
+    results.mkdir()
+
+    def mount(options: str) -> None:
+        words = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", results]
+        if not shutil.which("mount") or answer(words, folder).returncode:
+            pytest.skip("no file system can be mounted here")
+
+    yield folder, mount
+    answer(["umount", "--lazy", results], folder)
+
+
+def test_a_results_folder_that_is_read_only_is_an_error_that_names_it(disk):
+    folder, mount = disk
+    mount("ro,size=64k")
+    printed = snakemake(folder, fails=True)
+    assert "Read-only file system" in printed
+    assert RESULTS in printed
+
+
+def test_a_disk_that_fills_up_is_an_error_and_the_next_run_finishes(disk, study):
+    folder, mount = disk
+    mount("size=512k")
+    printed = snakemake(folder, fails=True)
+    assert "No space left on device" in printed or "MB are free there" in printed
+    mount("remount,size=64m")
+    finished(folder)
+    assert_same(folder / RESULTS, study / RESULTS)

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from jointclosure.storage.logs import failed_log
-from tests.workflow.test_pipeline import ROOT, checkout, snakemake, studies_command
+from tests.workflow.runs import ROOT, checkout, snakemake, studies_command
 
 PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
 
@@ -24,7 +24,7 @@ def slurm_is_here() -> bool:
     return answer.returncode == 0 and bool({"idle", "mixed"} & set(answer.stdout.split()))
 
 
-def on_slurm(folder: Path, *goals: str, config: str = "tiny.yaml") -> subprocess.CompletedProcess:
+def on_slurm(folder: Path, *goals: str, config: str = "tiny.yaml") -> str:
     """Run a study by the project's profile, with waits for a test, and without accounting."""
     accounting = subprocess.run(["sacct"], capture_output=True, check=False).returncode == 0
     profile = yaml.safe_load(PROFILE.read_text())
@@ -57,11 +57,10 @@ def fails_once(folder: Path, block: str) -> None:
 
 @needs_slurm
 def test_a_lost_slurm_job_is_recorded_and_repeated_while_others_go_on(tmp_path):
-    folder = checkout(tmp_path)
+    folder = checkout(tmp_path / "study")
     shutil.copy(ROOT / "tests/workflow/tiny_global_sensitivity.yaml", folder)
     fails_once(folder, "slate.8")
-    answer = on_slurm(folder, "global_sensitivity", config="tiny_global_sensitivity.yaml")
-    assert answer.returncode == 0, answer.stdout + answer.stderr
+    on_slurm(folder, "global_sensitivity", config="tiny_global_sensitivity.yaml")
     results = folder / "results/tiny_global_sensitivity"
     lost = failed_log(results / "logs/close_block/global_sensitivity/slate.8.log")
     assert "the node was lost" in lost.read_text()
@@ -72,18 +71,15 @@ def test_a_lost_slurm_job_is_recorded_and_repeated_while_others_go_on(tmp_path):
 def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     here, there = tmp_path / "here", tmp_path / "there"
     for folder in (here, there):
-        folder.mkdir()
         checkout(folder)
     text = (there / "tiny.yaml").read_text()
     (there / "tiny.yaml").write_text(
         text.replace("  realizations: 3\n", "  realizations: 3\n  realizations_per_job: 2\n")
     )
-    answer = snakemake(here)
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-    answer = on_slurm(there)
-    assert answer.returncode == 0, answer.stdout + answer.stderr
+    snakemake(here)
+    printed = on_slurm(there)
     found = studies_command("compare", "--exact", here / "results/tiny", there / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
     # blocks in components of 4, the kernels, and what follows
-    submitted = (answer.stdout + answer.stderr).count("SLURM jobid")
-    assert 0 < submitted <= 12, answer.stderr
+    submitted = printed.count("SLURM jobid")
+    assert 0 < submitted <= 12, printed

@@ -21,27 +21,31 @@ def job(snakemake) -> Iterator[Logbook]:
     """Open the log of a job, check its inputs, and seal its outputs; end with who started it.
 
     ``snakemake`` is the object of this name in a script. Before the work, all results that the job
-    reads must be those listed by their seals (inputs named ``seals``). After it, the outputs are
-    sealed if the rule has an output ``seal``.
+    reads must be those listed by their seals.
     """
     if engine := os.environ.get(ENGINE):
         end_with_parent(int(engine))
-    path = snakemake.log[0]
+    log = Path(snakemake.log[0])
     try:
-        with logging_to(path) as logbook, measured(snakemake.log.benchmark):
-            seals = listed(snakemake.input.get("seals", []))
-            results = _results(Path(path))
-            inputs = [path for path in snakemake.input if path not in seals]
-            inputs = [path for path in inputs if Path(path).is_relative_to(results)]
-            check_inputs(inputs, seals)
+        with logging_to(log) as logbook, measured(snakemake.log.benchmark):
+            study = next(folder.parent for folder in log.parents if folder.name == "logs")
+            results = study.parent
+            inputs = [path for path in snakemake.input if Path(path).is_relative_to(results)]
+            check_inputs(inputs, results)
             yield logbook
-            if seal := snakemake.output.get("seal"):
-                outputs = [path for path in snakemake.output if path != seal]
-                write_seal(seal, outputs, dict(snakemake.params), inputs, seals)
+            if is_sealed(snakemake.output, snakemake.params):
+                seal = study / "seals" / log.relative_to(study / "logs").with_suffix(".json")
+                seal.parent.mkdir(parents=True, exist_ok=True)
+                write_seal(seal, snakemake.output, dict(snakemake.params), inputs)
     except BaseException as error:
-        reason = f"{type(error).__name__}: {error}; its log is {path}"
+        reason = f"{type(error).__name__}: {error}; its log is {log}"
         print(f"{SHOWN}{snakemake.rule} failed: {reason}", file=sys.__stderr__, flush=True)
         raise
+
+
+def is_sealed(output, params) -> bool:
+    """Return whether a job seals its outputs: notes are no input, a file of a cache has a key."""
+    return Path(str(output[0])).suffix != ".txt" and not params.get("key")
 
 
 def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None:
@@ -62,8 +66,3 @@ def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None
 def listed(paths) -> list[str]:
     """Return a list of paths, also for a single path."""
     return [paths] if isinstance(paths, str) else list(paths)
-
-
-def _results(log: Path) -> Path:
-    """Return the folder of all studies' results, from the log of a job."""
-    return next(folder.parent.parent for folder in log.parents if folder.name == "logs")

@@ -1,173 +1,123 @@
-"""Defaults of the workflow's rules: log, benchmark, environment, message, digest of code and seal.
+"""Defaults of the workflow's rules, and files of results that are made again.
 
-A rule names its input, output, parameters and script. `complete` adds the rest to all rules of a
-workflow, once they are read:
-
-- a log, a log ``benchmark`` of time and memory, and an output ``seal``
-  (`studies.frame.jobs.seals`), in the folders ``logs``, ``benchmarks`` and ``seals`` of the
-  study's results, under the name of the rule and behind it the wildcards of its outputs;
-- inputs ``seals``: the seals of the jobs that make its inputs;
-- a parameter ``code``, the digest of its script and of all that this imports;
-- a message: the first line of its script's docstring, and its wildcards.
+A rule names its input, output, parameters and script. `complete` adds the rest to all rules, once
+they are read: a log and a log ``benchmark`` of time and memory, in the folders ``logs`` and
+``benchmarks`` of the study's results, under the name of the rule and behind it the wildcards of its
+outputs; a parameter ``code``, the digest of its script and of all that this imports; and a message,
+the first line of its script's docstring, and its wildcards.
 
 It reads and sets attributes of Snakemake's rules, which Snakemake has no other place for.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from snakemake.io import strip_wildcard_constraints
+
 from jointclosure.compilation.sources import code_digest
+from studies.frame.jobs.job import is_sealed
 from studies.frame.jobs.seals import (
     OTHER_SETTINGS,
-    seal_beside,
+    Seal,
+    sealed_files,
+    seals_in,
     settings_digest,
     unmet_seals,
 )
 
 FOLDER = re.compile(r"results/[^/{]+")
 """Folder of a study's results, at the start of each output."""
+_NO_RESULTS = ("seals", "logs", "benchmarks")
 
 
-class SealedJobs:
-    """Jobs that make files, and the seals that they write.
-
-    Parameters
-    ----------
-    rules : iterable
-        Rules of Snakemake with a script, as `complete` leaves them.
-    """
-
-    def __init__(self, rules: Iterable[Any]):
-        rules = list(rules)
-        seals = {rule.name: _file(rule, "seals", "json") for rule in rules if _sealed(rule)}
-        self._made = [
-            (_pattern(str(path), rule), seals.get(rule.name, ""))
-            for rule in sorted(rules, key=_sealed)  # files without a seal are many
-            for path in _raw(rule.ruleinfo.output)
-        ]
-        self._seals = [
-            (rule, _pattern(seals[rule.name], rule)) for rule in rules if rule.name in seals
-        ]
-        self.seal_of = lru_cache(maxsize=None)(self._seal_of)
-
-    def _seal_of(self, path: str) -> str:
-        """Return the seal of the job that makes a file; empty without such a job or seal."""
-        for pattern, seal in self._made:
-            if match := pattern.fullmatch(path):
-                return seal.format(**match.groupdict())
-        return ""
-
-    def folders(self) -> list[str]:
-        """Return the folders of results in which jobs write."""
-        return sorted({_folder(rule) for rule, _ in self._seals})
-
-    def withdraw_unmet(self, report: Callable[[str], None], remove: bool) -> None:
-        """Remove seals that are not met, so that their files are made again.
-
-        Parameters
-        ----------
-        report : callable
-            Receives a line for each changed file, and one a folder for files of other settings.
-        remove : bool
-            False to report only.
-        """
-        for folder in self.folders():
-            unmet = list(unmet_seals(folder, self.expected_settings))
-            for seal, _ in unmet:
-                if remove:
-                    seal.unlink(missing_ok=True)
-            reasons = [reason.partition(": delete")[0] for _, reason in unmet]
-            other = [reason for reason in reasons if OTHER_SETTINGS in reason]
-            for reason in [reason for reason in reasons if reason not in other] + other[:1]:
-                report(f"jointclosure: {reason}")
-            if len(other) > 1:
-                report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
-
-    def expected_settings(self, seal: str | Path) -> str:
-        """Return the digest of the settings that a seal must have.
-
-        Empty if this configuration has no such job, or parameters depend on inputs.
-        """
-        for rule, pattern in self._seals:
-            if match := pattern.fullmatch(Path(seal).as_posix()):
-                wildcards = SimpleNamespace(**match.groupdict())
-                try:
-                    return settings_digest(
-                        {
-                            name: value(wildcards) if callable(value) else value
-                            for name, value in rule.params.items()
-                        }
-                    )
-                except (LookupError, TypeError, ValueError):
-                    return ""
-        return ""
-
-
-def complete(rules: Iterable[Any], environment: str) -> SealedJobs:
-    """Add to all rules of a workflow the parts that all have, and the conda ``environment``."""
-    rules = list(rules)
-    jobs = [rule for rule in rules if rule.script]
-    for rule in jobs:
-        _complete(rule, environment)
-    made = SealedJobs(jobs)
+def complete(rules: Iterable[Any], environment: str) -> None:
+    """Add to all rules with a script what all have, and the conda ``environment``."""
     for rule in rules:
-        if rule.ruleinfo.input:
-            rule.set_input(seals=_seals(list(_raw(rule.ruleinfo.input)), made))
-    return made
+        if not rule.script:
+            continue
+        rule.log_modifier = rule.output_modifier
+        rule.set_log(_file(rule, "logs", "log"), benchmark=_file(rule, "benchmarks", "tsv"))
+        rule.conda_env = environment
+        script = Path(rule.basedir.join(rule.script).get_path_or_uri(secret_free=True))
+        if not rule.params.get("code"):
+            rule.set_params(code=code_digest(str(script)))
+        if not rule.message:
+            named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
+            rule.message = _first_line(script) + (f" ({named})" if named else "")
 
 
-def _complete(rule: Any, environment: str) -> None:
-    rule.log_modifier = rule.output_modifier
-    rule.set_log(_file(rule, "logs", "log"), benchmark=_file(rule, "benchmarks", "tsv"))
-    rule.conda_env = environment
-    script = Path(rule.basedir.join(rule.script).get_path_or_uri(secret_free=True))
-    if not rule.params.get("code"):
-        rule.set_params(code=code_digest(str(script)))
-    if not rule.message:
-        named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
-        rule.message = _first_line(script) + (f" ({named})" if named else "")
-    # notes are no input, and files of the cache bear a key
-    if Path(str(next(_raw(rule.ruleinfo.output)))).suffix != ".txt" and not rule.params.get("key"):
-        rule.set_output(seal=_file(rule, "seals", "json"))
+def withdraw_unmet(rules: Iterable[Any], report: Callable[[str], None], remove: bool) -> None:
+    """Remove sealed files that are not as jobs of these rules write them, and all made of them.
+
+    There is a line for each changed file, and one a folder for files of other settings. Without
+    ``remove`` they are only reported.
+    """
+    sealed = [rule for rule in rules if rule.script and is_sealed(rule.output, rule.params)]
+    for folder in sorted({_folder(rule) for rule in sealed}):
+        unmet = list(unmet_seals(folder, lambda seal: _expected(seal, sealed)))
+        reasons = [reason.partition(": delete")[0] for _, _, reason in unmet]
+        other = [reason for reason in reasons if OTHER_SETTINGS in reason]
+        for reason in [reason for reason in reasons if reason not in other] + other[:1]:
+            report(f"jointclosure: {reason}")
+        if len(other) > 1:
+            report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
+        foreign = {file for _, seal, _ in unmet if seal for file in seal.files}
+        for file in _unlisted(Path(folder), sealed):
+            report(f"jointclosure: {file}: no seal lists the file")
+            foreign.add(file)
+        if remove:
+            for path, _, _ in unmet:
+                path.unlink(missing_ok=True)
+            _remove(foreign, Path(folder))
 
 
-def _seals(inputs: list[Any], made: SealedJobs) -> Callable[[Any], list[str]]:
-    """Input function: the seals of other inputs, those of other studies included."""
-
-    def seals(wildcards: Any) -> list[str]:
-        paths = _expanded(inputs, wildcards)
-        return sorted({seal for path in paths if (seal := made.seal_of(path) or seal_beside(path))})
-
-    return seals
-
-
-def _expanded(inputs: Any, wildcards: Any) -> Iterator[str]:
-    """Generate the paths of inputs, with called functions and inserted wildcards."""
-    function = inputs if callable(inputs) else getattr(inputs, "callable", None)
-    if function:
-        yield from _expanded(function(wildcards), wildcards)
-    elif isinstance(inputs, (str, Path)):
-        yield str(inputs).format(**dict(wildcards.items())) if "{" in str(inputs) else str(inputs)
-    else:
-        for part in inputs:
-            yield from _expanded(part, wildcards)
+def _remove(files: set[str], folder: Path) -> None:
+    """Remove files of a study, and what was made of them with its seals."""
+    while files:
+        for file in files:
+            Path(file).unlink(missing_ok=True)
+        made = {p: s for p, s in seals_in(folder).items() if s and s.made_from.keys() & files}
+        for path in made:
+            path.unlink()
+        files = {file for seal in made.values() for file in seal.files}
 
 
-def _raw(files: Any) -> Iterator[Any]:
-    """Generate the files of a rule as written in it."""
-    for part in (*files.paths, *files.kwpaths.values()):
-        if isinstance(part, (str, Path)) or callable(part):
-            yield part
-        else:
-            yield from part
+def _unlisted(folder: Path, rules: list[Any]) -> Iterator[str]:
+    """Generate the files of a study that a rule makes, and that no seal lists."""
+    listed = sealed_files(folder)
+    for path in sorted(folder.rglob("*")):
+        file = path.as_posix()
+        inside = path.is_file() and path.relative_to(folder).parts[0] not in _NO_RESULTS
+        if inside and file not in listed and _producer(file, rules):
+            yield file
+
+
+def _producer(file: str, rules: list[Any]) -> Any:
+    """Return the rule that makes a file, if any."""
+    return next((rule for rule in rules if rule.is_producer(file)), None)
+
+
+def _expected(seal: Seal, rules: list[Any]) -> str:
+    """Return the digest of the settings that a seal must have.
+
+    Empty if this configuration has no such job, or parameters depend on inputs.
+    """
+    file = next(iter(seal.files), "")
+    if not (rule := _producer(file, rules)):
+        return ""
+    wildcards = SimpleNamespace(**rule.get_wildcards(file))
+    try:
+        params = {n: v(wildcards) if callable(v) else v for n, v in rule.params.items()}
+        return settings_digest(params)
+    except (LookupError, TypeError, ValueError):
+        return ""
 
 
 def _folder(rule: Any) -> str:
-    first = str(next(_raw(rule.ruleinfo.output)))
+    first = str(rule.output[0])
     match = FOLDER.match(first)
     if not match:
         raise ValueError(f"rule {rule.name}: {first}: must lie in results/<study>")
@@ -179,31 +129,9 @@ def _file(rule: Any, kind: str, suffix: str) -> str:
 
     Its name ends with the part of the first output from its first wildcard to its last.
     """
-    match = re.search(r"\{.*\}", str(next(_raw(rule.ruleinfo.output))))
+    match = re.search(r"\{.*\}", strip_wildcard_constraints(str(rule.output[0])))
     wildcards = f"/{match[0]}" if match else ""
     return f"{_folder(rule)}/{kind}/{rule.name}{wildcards}.{suffix}"
-
-
-def _sealed(rule: Any) -> bool:
-    return bool(rule.output.get("seal"))
-
-
-def _pattern(path: str, rule: Any) -> re.Pattern[str]:
-    """Return the regular expression of an output, with wildcards as groups."""
-    constraints: Mapping[str, str] = {
-        **rule.workflow.wildcard_constraints,
-        **rule.wildcard_constraints,
-    }
-    parts = re.split(r"\{(\w+)[^}]*\}", path)
-    seen: set[str] = set()
-    text = ""
-    for number, part in enumerate(parts):
-        if number % 2 == 0:
-            text += re.escape(part)
-        else:
-            text += f"(?P={part})" if part in seen else f"(?P<{part}>{constraints.get(part, '.+')})"
-            seen.add(part)
-    return re.compile(text)
 
 
 def _first_line(script: Path) -> str:

@@ -1,0 +1,116 @@
+"""A study of files of one's own: scanned walls and a measured curve of another rock."""
+
+import hashlib
+import json
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+import jointclosure as jc
+from jointclosure.statistics.verdicts import VERDICTS
+from jointclosure.storage.netcdf import read_netcdf
+from tests.joints import SPACING
+from tests.workflow.runs import checkout, planned, snakemake
+
+pytestmark = pytest.mark.slow
+
+WALLS = {"lower": "scans/lower.npz", "upper": "mirrored", "missing": "avoid"}
+CURVE = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.05,1\n0.8,0.07,1\n0.4,0.065,1\n"
+
+
+def written(folder, name="mine.yaml", curve="measured.csv", **walls):
+    """A study of a rock that the paper does not have, with scanned walls, and nothing varied."""
+    granite = {
+        "title": "Granite",
+        "youngs_modulus_GPa": 60,
+        "poisson_ratio": 0.22,
+        "compressive_strength_MPa": 180,
+        "max_normal_stress_MPa": 1,
+        "levels": {},
+        "walls": WALLS | walls,
+        "measured": {"file": curve},
+    }
+    keys = {
+        "study": {"name": "mine", "rocks": ["granite"], "realizations": 3, "pool": None},
+        "rocks": {"granite": granite},
+        "grid": {"cells_x": 12, "cells_y": 16},
+        "output": {"stress_points": 5},
+    }
+    (folder / name).write_text(yaml.safe_dump(keys))
+    return name
+
+
+def scanned(folder, seed):
+    (folder / "scans").mkdir(exist_ok=True)
+    wall = 1e3 * jc.wall_pair(9.0, (40, 36), SPACING, seed)[0] + 0.01 * np.arange(36)
+    wall[:3, :3] = np.nan
+    np.savez(folder / "scans/lower.npz", Z_mm=wall, spacing_mm=1e3 * SPACING)
+
+
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory):
+    folder = checkout(tmp_path_factory.mktemp("mine") / "checkout")
+    scanned(folder, 1)
+    (folder / "measured.csv").write_text(CURVE)
+    snakemake(folder, config=written(folder))
+    return folder
+
+
+def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(mine):
+    tables, dataset = mine / "results/mine/tables", read_netcdf(mine / "results/mine/study.nc")
+    assert np.isnan(dataset.jrc.values).all()
+    assert (dataset.max_closure.values > 0.0).all()
+    stated = json.loads(dataset.attrs["walls"])["granite"]
+    digest = hashlib.sha256((mine / "scans/lower.npz").read_bytes()).hexdigest()
+    assert (stated["lower"]["sha256"], stated["partner"]) == (digest, "mirrored")
+    rocks = pd.read_csv(tables / "table_1_rocks.csv")
+    assert (rocks.lower_wall[0], rocks.measured[0]) == ("scans/lower.npz", "measured.csv")
+    checks = pd.read_csv(tables / "checks.csv").set_index("check").found
+    assert checks["realisations of granite that share no part of a scan"] == "at most 3 of 3"
+    fit = pd.read_csv(tables / "measured_fit.csv")
+    assert fit.rock.tolist() == ["granite"]
+    assert fit.best_realization.isin([0, 1, 2]).all()
+    claims = pd.read_csv(tables / "claims.csv")
+    assert "paper" not in claims
+    assert set(claims.verdict) <= set(VERDICTS)
+    assert "paper_length" not in pd.read_csv(tables / "table_3_indifference.csv")
+    assert "No parameter is varied" in (tables / "table_3_indifference.md").read_text()
+    figures = {path.stem for path in (mine / "results/mine/figures").iterdir()}
+    assert figures == {
+        "fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"
+    }  # fmt: skip
+
+
+def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(mine):
+    scan, curve = mine / "scans/lower.npz", mine / "measured.csv"
+    whole = scan.read_bytes()
+    os.utime(scan)
+    assert planned(mine, config="mine.yaml") == {}
+    scanned(mine, 2)
+    os.utime(scan, (1e9, 1e9))  # older than the results: its contents count all the same
+    jobs = planned(mine, config="mine.yaml")
+    assert (jobs["prepare_walls"], jobs["close_study"]) == (1, 1)
+    scan.write_bytes(whole)
+    assert planned(mine, config="mine.yaml") == {}
+    curve.write_text(CURVE.replace("0.07", "0.08"))
+    assert planned(mine, config="mine.yaml") == {"fit_measured": 1, "draw_figures": 1}
+
+
+@pytest.mark.parametrize(
+    ("change", "printed"),
+    [
+        ({"lower": "scans/lowr.npz"}, "granite.walls.lower = 'scans/lowr.npz': not found in"),
+        ({"curve": "bad.csv"}, "bad.csv, line 4: '0.8,0,07,1' has 4 values, the header has 3"),
+        ({"units": "um"}, "scans/lower.npz: units = 'um': the heights of the file are in"),
+        ({"missing": "refuse"}, "scans/lower.npz: 9 of 1440 cells have no height"),
+        ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file states 0.25 mm"),
+    ],
+)
+def test_files_that_cannot_be_used_are_refused_before_joints_are_closed(mine, change, printed):
+    (mine / "bad.csv").write_text(CURVE.replace("0.07", "0,07"))
+    output = snakemake(mine, config=written(mine, "bad.yaml", **change), fails=True)
+    assert printed in output
+    assert "joints closed" not in output
