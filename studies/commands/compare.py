@@ -45,8 +45,7 @@ def run(arguments) -> int:
     intervals = comparison.interval_changes(*tables)
     if len(intervals):
         print("\nLength of the indifference intervals, with bootstrap confidence intervals")
-        shown = comparison.shown_intervals(intervals).round(3)
-        print(shown.to_string(index=False, na_rep="–"))
+        print(intervals.round(3).to_string(index=False, na_rep="–"))
     else:
         print("\nNo indifference interval in common")
     claims = (read_csv(existing(folder / "tables/claims.csv")) for folder in folders)

@@ -29,24 +29,12 @@ Tables = Mapping[str, Any]
 
 
 class Design(NamedTuple):
-    """Jobs, tables and figures of an experiment for one configuration.
+    """Points of each job, and names of the tables and figures, for one configuration.
 
-    Jobs make it anew, so slow parts are callables.
-
-    Attributes
-    ----------
-    jobs : mapping
-        Points of each job.
-    tables, figures : tuple of str
-        Names of the files that are written.
-    parameters : dict
-        What tables and figures need besides the joints.
-    files : mapping
-        Further tables (CSV) that are read into the parameters, by name of the parameter.
-    compiled : callable, optional
-        Settings of all necessary kernels, by default those of all points.
-    samples : callable, optional
-        Points whose closure estimates the time, by default `samples_of` all jobs.
+    ``parameters`` are what tables and figures need besides the joints, and ``files`` further tables
+    (CSV) that are read into them. Jobs make the design anew, so slow parts are callables:
+    ``compiled`` gives the settings of all necessary kernels (by default of all points), and
+    ``samples`` the points whose closure estimates the time (by default `samples_of` all jobs).
     """
 
     jobs: Jobs
@@ -73,21 +61,10 @@ class Design(NamedTuple):
 class Experiment(NamedTuple):
     """Description of an experiment, the same for all configurations.
 
-    Attributes
-    ----------
-    title : str
-    quantities : tuple of str
-        Quantities evaluated of each joint (`jointclosure.engine.quantities.QUANTITIES`).
-    design : callable
-        Makes the `Design` from a checked configuration. Raises `ConfigurationError` if that
-        contradicts itself.
-    tabulate : callable
-        Makes tables by name, from the table of all joints and the parameters of the design.
-    draw : callable
-        Draws the figure of a name, from the tables by name and the parameters of the design.
-    check : callable
-        Raises `ConfigurationError` if points cannot be closed. It is called once before any job,
-        for checks that are too slow for ``design``.
+    ``quantities`` are read of each joint (`jointclosure.engine.quantities.QUANTITIES`). ``design``
+    refuses a checked configuration by `ConfigurationError`; ``check`` too, once before any job,
+    where that is slow. ``tabulate`` makes tables by name from the table of all joints and the
+    parameters of the design, and ``draw`` the figure of a name from the tables and the parameters.
     """
 
     title: str
@@ -105,11 +82,8 @@ def experiment_named(name: str) -> Experiment:
 
 def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
     """Return the experiments whose section a configuration has, by name."""
-    return {
-        name: experiment_named(name)
-        for name, section in sections().items()
-        if keys.get(section.name)
-    }
+    given = (name for name, section in sections().items() if keys.get(section.name))
+    return {name: experiment_named(name) for name in given}
 
 
 def checked_design(name: str, configured: Configured) -> Design:
@@ -127,7 +101,7 @@ def settings_of(configuration: Configuration, case: Case, **surface: Any) -> Clo
 
 
 def labelled_wavelengths(wavelengths: Iterable[float]) -> dict[str, float | None]:
-    """Mismatch wavelengths [m] by label, in micrometres; independent walls (None) come last."""
+    """Return mismatch wavelengths [m] by label, in micrometres; independent walls (None) last."""
     return {f"{1e6 * value:.15g}um": value for value in wavelengths} | {"independent": None}
 
 

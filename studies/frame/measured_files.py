@@ -21,13 +21,9 @@ class CurveSettings(NamedTuple):
 
 def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
     """Return settings of the measured curves by rock, for rocks of the study that have one."""
+    cycles, seating = configuration.study.cycles, configuration.seating_stress
     return {
-        name: CurveSettings(
-            rock.measured,
-            rock.max_normal_stress,
-            configuration.study.cycles,
-            configuration.seating_stress,
-        )
+        name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
         for name, rock in configuration.rocks.items()
         if rock.measured
     }
@@ -38,34 +34,26 @@ def measured_curves(
 ) -> dict[str, MeasuredCurve]:
     """Read and check measured curves by rock; ``read`` returns the text of a file.
 
-    Raises
-    ------
-    InputError
-        If a curve is not valid; names file, line and value, or the key of a missing file.
+    `InputError` if one is not valid; it names file, line and value, or the key of a missing file.
     """
     curves = {}
-    for name, curve_of_rock in settings.items():
-        about = curve_of_rock.measured
+    for rock, of_rock in settings.items():
+        about, largest = of_rock.measured, of_rock.max_normal_stress
         file = about.file
         if not Path(file).is_file():
-            raise InputError(f"rocks.{name}.measured.file = {file!r}: file not found")
-        curves[name] = parsed_curve(read(file), file, about.stress_unit, about.closure_unit)
-        _check_curve(curves[name], name, curve_of_rock)
+            raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")
+        curve = parsed_curve(read(file), file, about.stress_unit, about.closure_unit)
+        for line, cycle, stress in zip(curve.line, curve.cycle, curve.stress, strict=True):
+            where = f"{file}, line {line}"
+            if cycle > of_rock.cycles:
+                raise InputError(
+                    f"{where}: cycle = {cycle}: the study has study.cycles = {of_rock.cycles}"
+                )
+            if stress > largest * (1.0 + 1e-12):
+                raise InputError(
+                    f"{where}: stress = {1e-6 * stress:g} MPa: must be at most "
+                    f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
+                )
+        check_loadings(curve, file, of_rock.seating_stress)
+        curves[rock] = curve
     return curves
-
-
-def _check_curve(curve: MeasuredCurve, rock: str, settings: CurveSettings) -> None:
-    """Refuse a curve that cannot be compared with the study."""
-    name, cycles, largest = settings.measured.file, settings.cycles, settings.max_normal_stress
-    for i in range(curve.stress.size):
-        where = f"{name}, line {curve.line[i]}"
-        if curve.cycle[i] > cycles:
-            raise InputError(
-                f"{where}: cycle = {curve.cycle[i]}: the study has study.cycles = {cycles}"
-            )
-        if curve.stress[i] > largest * (1.0 + 1e-12):
-            raise InputError(
-                f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
-                f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
-            )
-    check_loadings(curve, name, settings.seating_stress)

@@ -12,13 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import HEADINGS
-from jointclosure.plotting.style import (
-    decimal_ticks,
-    key,
-    panel_grid,
-    styled,
-    ticks_at,
-)
+from jointclosure.plotting.style import decimal_ticks, key, panel_grid, styled, ticks_at
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _KEY, _LETTER = 0.7, 0.07
@@ -38,16 +32,9 @@ class Row(NamedTuple):
 class Column(NamedTuple):
     """Coordinate of a column of panels.
 
-    Attributes
-    ----------
-    along, lines : str
-        Columns of tables: coordinate, and what has a line for each value.
-    where : mapping
-        Values that other columns have there.
-    scale, title : str
-        Scale of the axis; 0 and infinity are at the ends of a logarithmic one.
-    level : mapping
-        Values of columns by which a row is found that is drawn across the panel.
+    ``along`` and ``lines`` are columns of tables: the coordinate, and what has a line for each
+    value; ``where`` values that other columns have there. 0 and infinity are at the ends of a
+    logarithmic ``scale``. ``level`` are values by which a row is found that is drawn across.
     """
 
     along: str
@@ -84,17 +71,8 @@ def panels(
 ) -> Figure:
     """Draw values with error bars over coordinates.
 
-    Parameters
-    ----------
-    rows, columns : sequence
-    names : mapping
-    styles : str
-        Column of tables whose values have line styles.
-    bars : float
-        Length of a bar to each side, in standard errors.
-    reference : float, optional
-        Value of a grey line in all panels.
-    sharey : as for `matplotlib.pyplot.subplots`
+    ``styles`` is the column of tables whose values have line styles, ``bars`` the length of a bar
+    to each side in standard errors, and ``reference`` the value of a grey line in all panels.
     """
     shape, panel = (len(rows), len(columns)), (max(3.0, 9.0 / len(columns)), 2.1)
     figure, grid = panel_grid(*shape, panel, (0.0, 0.8), sharex="col", sharey=sharey)
@@ -138,7 +116,7 @@ def panels(
     return figure
 
 
-def _name(column: str, value: Any, names: Names) -> str:
+def _name(column: Any, value: Any, names: Names) -> str:
     return names.get(column, {}).get(value) or (value if isinstance(value, str) else f"{value:g}")
 
 
@@ -147,15 +125,15 @@ def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
     palette = sns.color_palette("viridis" if real else "colorblind", len(known))
-    marks = itertools.cycle("osD^vP*X")
+    looks = zip(known, palette, itertools.cycle("osD^vP*X"), strict=False)
     return {
         value: {
-            "label": _name(str(values.name), value, names),
+            "label": _name(values.name, value, names),
             "color": colour,
             "marker": mark,
             "ms": 3.5,
         }
-        for value, colour, mark in zip(known, palette, marks, strict=False)
+        for value, colour, mark in looks
     }
 
 
@@ -163,7 +141,7 @@ def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
     """Return label and line style by value, the largest first; marks of the others are hollow."""
     known, styles = sorted(values.unique(), reverse=True), itertools.cycle(("-", "--", ":"))
     return {
-        value: {"label": _name(str(values.name), value, names), "ls": style}
+        value: {"label": _name(values.name, value, names), "ls": style}
         | ({"mfc": "white"} if i else {})
         for i, (value, style) in enumerate(zip(known, styles, strict=False))
     }

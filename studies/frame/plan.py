@@ -96,7 +96,9 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
     "paper": lambda plan: os.path.relpath(PAPER_TABLE_3),
     "study": _file("study.nc"),
     "pool": lambda plan: plan.file("pool.nc" if plan.pooled else "study.nc"),
-    "ensembles": lambda plan: [plan.file(f"{name}.nc") for name in _ensembles(plan)],
+    "ensembles": lambda plan: [
+        plan.file(f"{name}.nc") for name in ("study", *["pool"] * plan.pooled)
+    ],
     "covariates": lambda plan: plan.file("covariates.nc", plan.variates),
     "pool_covariates": lambda plan: plan.file(
         "pool_covariates.nc" if plan.pooled else "covariates.nc", plan.variates
@@ -116,10 +118,6 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
     "first_walls": _file("first_walls.nc"),
 }
 """Paths of files."""
-
-
-def _ensembles(plan: Plan) -> list[str]:
-    return ["study", "pool"] if plan.pooled else ["study"]
 
 
 SETTINGS: dict[str, Callable[[Plan], Any]] = {

@@ -29,8 +29,8 @@ class Product(NamedTuple):
     """Files of a study and the function that makes them.
 
     ``files`` gives their paths in the study's folder, and ``when`` whether a study has them, of a
-    `studies.frame.plan.Plan`. ``early`` products are made before the study's pool is
-    closed; those that stand ``apart`` are made only if they are asked for.
+    `studies.frame.plan.Plan`. ``early`` ones are made before the study's pool is closed; those that
+    stand ``apart`` only if they are asked for.
     """
 
     make: Callable[..., Any]
@@ -68,20 +68,16 @@ class Product(NamedTuple):
     ) -> None:
         """Make the product and write it, each part in the format of its path.
 
-        A function returns the parts in the order of the files, or a mapping of them by the stems
-        of their paths.
+        A function returns the parts in the order of the files, or by the stems of their paths.
         """
-        hints = typing.get_type_hints(self.make, include_extras=True)
-        outputs = list(outputs)
+        hints, outputs = typing.get_type_hints(self.make, include_extras=True), list(outputs)
         with contextlib.ExitStack() as opened:
-            given = dict(settings) | {
+            read = {
                 name: _read(hints[name], inputs[name], opened)
                 for name in self.reads
                 if name not in settings
             }
-            if "log" in hints:
-                given["log"] = log
-            parts = self.make(**given)
+            parts = self.make(**settings, **read, **({"log": log} if "log" in hints else {}))
         if isinstance(parts, dict):
             parts = [parts[Path(path).stem] for path in outputs]
         for path, part in zip(outputs, parts if len(outputs) > 1 else [parts], strict=True):

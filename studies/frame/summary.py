@@ -45,22 +45,11 @@ def summary(
 ) -> pd.DataFrame:
     """Tabulate means over surfaces and their changes from a reference on the same surfaces.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `jointclosure.engine.points.close_points`.
-    by : sequence of str
-        Columns that name a point.
-    names : sequence of str
-        Quantities, the values of the column ``response``.
-    reference : mapping
-        Values of some of the columns ``by``, which the point has that others are compared with.
-
-    Returns
-    -------
-    DataFrame
-        ``by`` and ``cycle``, ``response``, ``value`` with ``error`` in the unit of tables,
-        ``change_percent`` with its paired ``change_error``, and ``samples`` of both points.
+    ``joints`` are as from `jointclosure.engine.points.close_points`, ``by`` the columns that name a
+    point, and ``reference`` values of some of them, of the point that others are compared with.
+    Columns: ``by`` and ``cycle``, ``response`` (of the quantities ``names``), ``value`` with
+    ``error`` in the unit of tables, ``change_percent`` with its paired ``change_error``, and
+    ``samples`` of both points.
     """
     others = [name for name in (*by, "cycle") if name not in reference]
     here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)

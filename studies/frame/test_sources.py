@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 
 from jointclosure.compilation import sources
+from jointclosure.compilation.kernels import KERNEL_PARTS, cache_folder
+from jointclosure.engine import cache
+from studies.frame.ensemble.closing import close_block
 from studies.paper.products import PRODUCTS
 
 ROOT = Path(__file__).parents[2]
@@ -26,9 +29,9 @@ def forget():
         cached.cache_clear()
 
 
-def digest(*names):
+def digest(*names, **settings):
     forget()
-    return sources.code_digest(*names)
+    return sources.code_digest(*names, **settings)
 
 
 def edit(file, old, new):
@@ -51,14 +54,6 @@ def test_comments_docstrings_and_layout_do_not_count(copy):
     text = file.read_text(encoding="utf-8")
     file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
     assert digest("mechanics") == before
-
-
-def test_an_import_inside_of_a_function_counts(copy, tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text("def main():\n    from jointclosure.statistics import bootstrap\n")
-    before = digest(str(script))
-    edit(copy / "statistics/bootstrap.py", "import numpy as np", "import numpy as numpy_")
-    assert digest(str(script)) != before
 
 
 FUNCTIONS = '''
@@ -115,15 +110,17 @@ def test_the_digest_of_an_unknown_function_is_an_error(copy):
         digest("studies.paper.products:unknown")
 
 
-def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
-    digests = set()
+def test_an_import_inside_of_a_script_counts_and_its_folder_does_not(copy, tmp_path):
+    scripts = []
     for folder in ("a", "z"):
         (tmp_path / folder).mkdir()
-        script = tmp_path / folder / "script.py"
-        script.write_text("from jointclosure.statistics import bootstrap\n")
-        assert (str(script) < str(copy)) == (folder == "a")
-        digests.add(digest(str(script)))
-    assert len(digests) == 1
+        scripts.append(tmp_path / folder / "script.py")
+        scripts[-1].write_text("def main():\n    from jointclosure.statistics import bootstrap\n")
+    assert [str(script) < str(copy) for script in scripts] == [True, False]
+    before = {digest(str(script)) for script in scripts}
+    assert len(before) == 1
+    edit(copy / "statistics/bootstrap.py", "import numpy as np", "import numpy as numpy_")
+    assert digest(str(scripts[0])) not in before
 
 
 def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch):
@@ -137,55 +134,49 @@ def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch
 
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
-    "../studies/paper/closure_figures.py": "draw_figures write_report",
-    "statistics/bootstrap.py": "find_indifference_intervals",
-    "../studies/paper/judged_claims.py": "judge_claims",
-    "storage/provenance.py": "close_ensemble",
-    "solvers/newton.py": "joints",
-    "../studies/frame/jobs/job.py": "",
-    "../studies/frame/jobs/seals.py": "",
+    "../studies/paper/closure_figures.py": {"draw_figures"},
+    "statistics/bootstrap.py": {"find_indifference_intervals"},
+    "../studies/paper/judged_claims.py": {"judge_claims"},
+    "storage/provenance.py": {"close_ensemble"},
+    "solvers/newton.py": {"joints"},
+    "../studies/frame/jobs/job.py": set(),
+    "../studies/frame/jobs/seals.py": set(),
 }
-RULES = [
-    "joints",
-    "close_ensemble",
-    "fit_correlations",
-    "find_indifference_intervals",
-    "judge_claims",
-    "check_results",
-    "write_tables",
-    "draw_figures",
-]
+RULES = {
+    "joints", "close_ensemble", "fit_correlations", "find_indifference_intervals", "judge_claims",
+    "check_results", "write_tables", "draw_figures",
+}  # fmt: skip
 
 
-def scripts_digests():
-    """Digests of all scripts of the workflow and of all products of a study, by name."""
+def all_digests():
+    """Digests of all scripts of the workflow, all products of a study, and its joints, by name."""
     forget()
     products = {name: product.code for name, product in PRODUCTS.items()}
     scripts = {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
     del scripts["make_product"]  # its rules have the digests of the products
-    joints = sources.code_digest("studies.frame.ensemble.closing:close_block")
-    return scripts | products | {"joints": joints}
+    cache._code.cache_clear()
+    return scripts | products | {"joints": cache._code(close_block)}
 
 
 @pytest.fixture(scope="module")
 def unedited():
     """The digests before any edit; a copy of the package has the same ones."""
-    return scripts_digests()
+    return all_digests()
+
+
+def moved(unedited):
+    after = all_digests()
+    return {name for name in after if unedited[name] != after[name]}
 
 
 @pytest.mark.parametrize("file", EDITS)
 def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited, file):
     text = (copy / file).read_text(encoding="utf-8")
     (copy / file).write_text(f"# a comment\n{text}\nADDED = 1\n", encoding="utf-8")
-    after = scripts_digests()
-    moved = {rule for rule in RULES if after[rule] != unedited[rule]}
-    needed = set(EDITS[file].split()) & set(RULES)
-    assert needed <= moved
-    assert ("joints" in moved) == ("solvers" in file)
-    if not needed:
-        assert moved == set()
-    if "plotting" in file:
-        assert moved == {"draw_figures"}
+    rules = moved(unedited) & RULES
+    assert EDITS[file] <= rules
+    assert ("joints" in rules) == ("solvers" in file)
+    assert EDITS[file] or not rules
 
 
 def with_other_texts(file, call):
@@ -210,8 +201,19 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
     sections = (copy.parent / "studies").glob("*/**/section*.py")
     assert sum(with_other_texts(section, "entry") for section in sections) > 100
     assert with_other_texts(copy.parent / "studies/verification/hard_case_keys.py", "entry") > 10
-    after = scripts_digests()
-    assert {name for name in after if unedited[name] != after[name]} == {"write_report"}
+    assert moved(unedited) == {"write_report"}
+
+
+def test_an_edited_title_runs_what_may_show_it_and_closes_no_walls_again(copy, unedited):
+    assert with_other_texts(copy / "parameters/__init__.py", "Property") > 3
+    assert with_other_texts(copy / "engine/quantities.py", "Quantity") > 10
+    edit(copy / "joint/history.py", '"maximum closure"', '"largest closure"')
+    rules = moved(unedited)
+    assert {"draw_figures", "write_tables"} <= rules
+    assert "joints" not in rules
+    kernels = [digest(*KERNEL_PARTS, titles=titles) for titles in (False, True)]
+    assert kernels[0] == cache_folder().name.removeprefix("numba-")
+    assert kernels[0] != kernels[1]
 
 
 def test_simulations_import_no_pictures():

@@ -6,7 +6,7 @@ from pathlib import Path
 import yaml
 
 from jointclosure.parameters.units import in_unit, name_and_unit
-from studies.frame.config.contradictions import USUAL
+from studies.frame.config.configuration import USUAL
 from studies.frame.config.files import DEFAULT, read_plain
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema

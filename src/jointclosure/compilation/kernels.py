@@ -26,7 +26,7 @@ KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 @lru_cache(maxsize=None)
 def cache_folder() -> Path:
     """Return the folder of the compiled kernels for their present code."""
-    return cache_root() / f"numba-{code_digest(*KERNEL_PARTS)}"
+    return cache_root() / f"numba-{code_digest(*KERNEL_PARTS, titles=False)}"
 
 
 class _Folder(_CacheLocator):

@@ -24,6 +24,9 @@ ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 """Calls whose first argument is a text for readers (description of a key), and the module through
 which it reaches results. The text counts only if that module is imported."""
+TITLED = ("Property", "Quantity", "_net", "ATTRIBUTES")
+"""Calls whose first argument is the title of a number, and the table of attributes of variables:
+no numbers depend on them, so that closed joints and kernels stay when a title is reworded."""
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
     "jointclosure/storage/logs.py",
@@ -33,23 +36,24 @@ UNCOUNTED = (
 """Modules that report on jobs and protect their inputs, and that change no result."""
 
 
-def code_digest(*names: str) -> str:
+def code_digest(*names: str, titles: bool = True) -> str:
     """Return the digest (16 hexadecimal digits) of modules and of all modules that they import.
 
     Names are those of modules below the package ("solvers.fast", "solvers" for all below it), full
     names of modules of studies, paths of scripts (ending in .py), or functions of modules
-    ("studies.paper.products:judge_claims"), of which only what the function uses counts. Digests
-    are stored in `cache_root`, because reading the syntax takes most of the time of a start.
+    ("studies.paper.products:judge_claims"), of which only what the function uses counts. Without
+    ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, because reading
+    the syntax takes most of the time of a start.
     """
     scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
     files = [name.rpartition("/")[2] for name in names]
-    key = hashlib.sha256(b"\0".join([repr(files).encode(), *scripts])).hexdigest()
+    key = hashlib.sha256(b"\0".join([repr((files, titles)).encode(), *scripts])).hexdigest()
     store = cache_root() / f"digests-{sys.implementation.cache_tag}-{raw_digest()}.json"
     known = {}
     with contextlib.suppress(OSError, ValueError):  # absent, or damaged: written again
         known = json.loads(store.read_text(encoding="utf-8"))
     if key not in known:
-        known[key] = _code_digest(*names)
+        known[key] = _code_digest(*names, titles=titles)
         with contextlib.suppress(OSError):  # without it only the next start takes longer
             store.parent.mkdir(parents=True, exist_ok=True)
             temporary = store.with_suffix(f".{os.getpid()}")
@@ -58,7 +62,7 @@ def code_digest(*names: str) -> str:
     return known[key]
 
 
-def _code_digest(*names: str) -> str:
+def _code_digest(*names: str, titles: bool) -> str:
     """Return `code_digest`, from the files."""
     files: set[Path] = set()
     functions: list[ast.AST] = []
@@ -73,6 +77,7 @@ def _code_digest(*names: str) -> str:
             files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
     files = closure(files)
     unseen = frozenset(call for call, shows in SHOWN_BY.items() if _path(shows) not in files)
+    unseen |= frozenset(() if titles else TITLED)
     digest = hashlib.sha256()
     for part in functions:
         digest.update(_text(part, unseen).encode() + b"\0")
@@ -243,4 +248,6 @@ def _text(tree: ast.AST, unseen: frozenset[str]) -> str:
             ]
         if isinstance(node, ast.Call) and getattr(node.func, "id", None) in unseen and node.args:
             node.args[0] = ast.Constant("")
+        if isinstance(node, ast.AnnAssign) and getattr(node.target, "id", None) in unseen:
+            node.value = None
     return ast.dump(tree)

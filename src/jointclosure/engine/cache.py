@@ -49,7 +49,7 @@ def digest(*parts: object) -> str:
 
 @lru_cache(maxsize=None)
 def _code(make: Callable) -> str:
-    return code_digest(f"{make.__module__}:{make.__name__}")
+    return code_digest(f"{make.__module__}:{make.__name__}", titles=False)
 
 
 def is_kept(entry: Entry, folder: Path) -> bool:

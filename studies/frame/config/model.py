@@ -1,6 +1,5 @@
 """The model of a whole configuration, in SI once it is read."""
 
-import difflib
 import functools
 from collections.abc import Iterable, Iterator
 from importlib import import_module
@@ -13,6 +12,7 @@ from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Choices, Numerics
 from studies.frame.config.rocks import StudyRock
+from studies.frame.config.schema import did_you_mean
 from studies.frame.config.section import Made, Name, Section, StudySection, entry
 from studies.frame.config.sections import (
     ChoiceKeys,
@@ -98,8 +98,7 @@ class Configuration(Section):
 def _unknown(names: Iterable[str], rocks: Iterable[str]) -> Iterator[str]:
     for name in names:
         if name not in rocks:
-            close = difflib.get_close_matches(name, rocks, n=1)
-            meant = f"; did you mean {close[0]}?" if close else ""
+            meant = did_you_mean(name, rocks)
             yield f"study.rocks = {name!r}: must be one of rocks ({', '.join(rocks)}){meant}"
 
 

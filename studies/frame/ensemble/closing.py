@@ -17,11 +17,7 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
-from jointclosure.storage.netcdf import (
-    read_netcdf,
-    reading_netcdf,
-    write_netcdf_regions,
-)
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
 from studies.frame.config.model import Configuration
 from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of, ensembles_of
 from studies.frame.ensemble.walls import cut_walls
@@ -54,14 +50,9 @@ def close_block(
 
 
 class Ensemble:
-    """Cases of a study, or of its pool, and the files of their joints in the study's folder.
+    """Cases of a study ("cases") or of its pool, and files of their joints in the study's folder.
 
-    Parameters
-    ----------
-    study : Configuration
-        Configuration of the whole study.
-    name : str
-        "cases" or "pool".
+    ``study`` is the configuration of the whole study.
     """
 
     def __init__(self, study: Configuration, name: str = "cases"):
@@ -81,10 +72,11 @@ class Ensemble:
 
     def pilots(self) -> dict[str, Entry]:
         """Choices of effects by rock, which are those of the study for its pool too."""
-        whole = Ensemble(self._study) if self.name != "cases" else self
-        block = range(self._study.study.realizations)
-        settings: dict[str, dict] = {rock: {} for rock in self._study.rocks if self.chosen}
-        for label, case in whole.cases.items() if self.chosen else ():
+        if not self.chosen:
+            return {}
+        whole, block = Ensemble(self._study), range(self._study.study.realizations)
+        settings: dict[str, dict] = {rock: {} for rock in self._study.rocks}
+        for label, case in whole.cases.items():
             settings[case.rock][label] = whole.settings(label, block)
         return {
             rock: Entry(f"effects_of/{rock}", choose_for_rock, (of_cases,))
@@ -162,9 +154,9 @@ class Ensemble:
         cases, rows = list(self.cases.values()), self.configuration.study.realizations
         with reading_netcdf(files[0]) as first:
             frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
-        scenes = np.array([_scene(file) for file in files[:: len(self.blocks)]], dtype=object)
+        scenes = [_attribute(file, "scene") for file in files[:: len(self.blocks)]]
         about = {"long_name": "effects that were simulated"}
-        frame = frame.assign_coords(scene=("case", scenes, about))
+        frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
         frame.attrs = attributes
         chunks = {"case": 1, "realization": min(ROWS, rows)}
         write_netcdf_regions(frame, self._regions(files, report), "realization", chunks, output)
@@ -172,13 +164,13 @@ class Ensemble:
     def _regions(
         self, files: Sequence[Path], report: Callable[[str], None]
     ) -> Iterator[tuple[dict, xr.Dataset]]:
-        """Place and content of every case and block."""
+        """Generate place and content of every case and block."""
         for place, file in enumerate(files):
             case, block = divmod(place, len(self.blocks))
             with reading_netcdf(file) as closed:
                 used, count = int(succeeded(closed).sum()), closed.sizes["realization"]
                 report(f"{file.stem}: {used} of {count} realisations are used")
-                for start in range(0, closed.sizes["realization"], ROWS):
+                for start in range(0, count, ROWS):
                     part = closed.isel(realization=slice(start, start + ROWS)).load()
                     first = self.blocks[block].start + start
                     rows = slice(first, first + part.sizes["realization"])
@@ -187,10 +179,9 @@ class Ensemble:
 
 def chosen_in(pilot: Path) -> dict:
     """Return the choice of effects in the file of a pilot."""
-    with reading_netcdf(pilot) as closed:
-        return json.loads(closed.attrs["chosen"])
+    return json.loads(_attribute(pilot, "chosen"))
 
 
-def _scene(file: Path) -> str:
+def _attribute(file: Path, name: str) -> str:
     with reading_netcdf(file) as closed:
-        return closed.attrs["scene"]
+        return closed.attrs[name]

@@ -15,23 +15,9 @@ MAY_DIFFER = ("provenance_", "timing_")
 def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     """Tabulate the change of mean closures of every case that both studies have.
 
-    Parameters
-    ----------
-    first, second : Dataset
-        As from `jointclosure.engine.aggregation.join_cases`.
-
-    Returns
-    -------
-    DataFrame
-        For each case, cycle and target: the means [mm], the change in percent of
-        the first mean, its standard error, the number of realisations, and whether
-        the surfaces are the same (compared by seeds). The differences of equal
-        surfaces are paired.
-
-    Raises
-    ------
-    ValueError
-        If the studies have no case in common.
+    For each case, cycle and target: the means [mm], the change in percent of the first mean, its
+    standard error, the number of realisations, and whether the surfaces are the same (compared by
+    seeds). The differences of equal surfaces are paired.
     """
     shared = [name for name in first.case.values if name in set(second.case.values)]
     if not shared:
@@ -40,11 +26,12 @@ def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     rows = []
     for name in shared:
         one, two = first.sel(case=name), second.sel(case=name)
-        for cycle in cycles:
-            for target in TARGETS:
-                about = {"case": name, "rock": one.rock.item(), "parameter": one.parameter.item()}
-                about |= {"level": one.level.item(), "cycle": cycle, "target": target}
-                rows.append(about | _change(one, two, target, cycle))
+        about = {"case": name} | {key: one[key].item() for key in ("rock", "parameter", "level")}
+        rows += [
+            about | {"cycle": cycle, "target": target} | _change(one, two, target, cycle)
+            for cycle in cycles
+            for target in TARGETS
+        ]
     return pd.DataFrame(rows)
 
 
@@ -70,57 +57,6 @@ def _change(one: xr.Dataset, two: xr.Dataset, target: str, cycle: int) -> dict:
 
 def _standard_error(values: np.ndarray) -> float:
     return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else np.nan
-
-
-def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate lengths of the indifference intervals that both studies have, and their ratio.
-
-    Parameters
-    ----------
-    first, second : DataFrame
-        As from `studies.paper.responses.indifference_table`.
-    """
-    keys = ["rock", "parameter", "cycle"]
-    columns = [*keys, "unit", "length", "length_low", "length_high", "status", "test"]
-    both = first[columns].merge(second[columns], on=keys, suffixes=("_first", "_second"))
-    both = both.drop(columns="unit_second").rename(columns={"unit_first": "unit"})
-    return both.assign(ratio=both.length_second / both.length_first)
-
-
-def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """List all differences between two datasets except in provenance and timing."""
-    messages = []
-    for kind, one, two in (
-        ("attribute", first.attrs, second.attrs),
-        ("variable", first.variables, second.variables),
-    ):
-        names = {str(name) for name in [*one, *two]}
-        for name in sorted(name for name in names if not name.startswith(MAY_DIFFER)):
-            if name not in one or name not in two:
-                messages.append(
-                    f"{kind} {name}: only in the {'first' if name in one else 'second'}"
-                )
-            elif kind == "attribute" and not np.array_equal(one[name], two[name]):
-                messages.append(f"attribute {name} differs")
-            elif kind == "variable" and not _same_bits(one[name], two[name]):
-                messages.append(f"variable {name} differs{_where(one[name], two[name])}")
-    return messages
-
-
-def _same_bits(one: xr.Variable, two: xr.Variable) -> bool:
-    numbers = one.dtype.kind in "iuf"
-    return one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes())
-
-
-def _where(one: xr.Variable, two: xr.Variable) -> str:
-    if one.shape != two.shape or one.dtype.kind not in "iuf":
-        return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
-    unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
-    if not unequal.any():
-        return " in its attributes, or in signs of zeros"
-    with np.errstate(invalid="ignore"):
-        largest = np.nanmax(np.abs(one.values - two.values), initial=0.0)
-    return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"
 
 
 def surfaces_sentence(changes: pd.DataFrame) -> str:
@@ -149,17 +85,53 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
     ).reset_index()
 
 
-def shown_intervals(changes: pd.DataFrame) -> pd.DataFrame:
-    """Format `interval_changes` for reading: lengths with their confidence intervals as text."""
+def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate lengths of the intervals of both tables of Table 3 with bounds, and their ratio."""
 
-    def text(row, which: str) -> str:
-        values = [row[f"{name}_{which}"] for name in ("length", "length_low", "length_high")]
-        return "–" if np.isnan(values[0]) else "{:.3g} ({:.3g} to {:.3g})".format(*values)
+    def shown(row) -> str:
+        values = row.length, row.length_low, row.length_high
+        return "–" if np.isnan(row.length) else "{:.3g} ({:.3g} to {:.3g})".format(*values)
 
-    shown = changes[["rock", "parameter", "cycle"]].copy()
-    shown["unit"] = [PROPERTIES[name].unit for name in changes.parameter]
-    for which in ("first", "second"):
-        shown[which] = [text(row, which) for _, row in changes.iterrows()]
-        shown[f"t test, {which}"] = changes[f"test_{which}"]
-    shown["ratio"] = changes.ratio
-    return shown
+    keys = ["rock", "parameter", "cycle"]
+    both = first.merge(second, on=keys, suffixes=("_first", "_second"))
+    table = both[keys].assign(unit=[PROPERTIES[name].unit for name in both.parameter])
+    for which, intervals in (("first", first), ("second", second)):
+        of_keys = both[keys].merge(intervals, on=keys)
+        table[which] = [shown(row) for row in of_keys.itertuples()]
+        table[f"t test, {which}"] = of_keys.test
+    return table.assign(ratio=both.length_second / both.length_first)
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """List all differences between two datasets except in provenance and timing."""
+    messages = []
+    for kind, one, two in (
+        ("attribute", first.attrs, second.attrs),
+        ("variable", first.variables, second.variables),
+    ):
+        names = {str(name) for name in [*one, *two]}
+        for name in sorted(name for name in names if not name.startswith(MAY_DIFFER)):
+            if name not in one or name not in two:
+                where = "first" if name in one else "second"
+                messages.append(f"{kind} {name}: only in the {where}")
+            elif kind == "attribute" and not np.array_equal(one[name], two[name]):
+                messages.append(f"attribute {name} differs")
+            elif kind == "variable" and not _same_bits(one[name], two[name]):
+                messages.append(f"variable {name} differs{_where(one[name], two[name])}")
+    return messages
+
+
+def _same_bits(one: xr.Variable, two: xr.Variable) -> bool:
+    numbers = one.dtype.kind in "iuf"
+    return one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes())
+
+
+def _where(one: xr.Variable, two: xr.Variable) -> str:
+    if one.shape != two.shape or one.dtype.kind not in "iuf":
+        return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
+    unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
+    if not unequal.any():
+        return " in its attributes, or in signs of zeros"
+    with np.errstate(invalid="ignore"):
+        largest = np.nanmax(np.abs(one.values - two.values), initial=0.0)
+    return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"

@@ -25,12 +25,10 @@ _REFERENCE_JRC = 10.0
 
 
 class Covariates(NamedTuple):
-    """Covariates of simulated surfaces, and their known means.
+    """Covariates (case, realization, covariate) [m per unit slope], and their known means.
 
-    ``values`` is an array (case, realization, covariate) [m per unit slope], NaN for scanned walls.
-    ``known`` contains the means of all `COVARIATES`. ``tell_scatter`` says whether standard
-    deviations are adjusted too; adjustment makes those of later cycles less accurate
-    (docs/accuracy.md).
+    Values are NaN for scanned walls. ``tell_scatter`` says whether standard deviations are adjusted
+    too; adjustment makes those of later cycles less accurate (docs/accuracy.md).
     """
 
     values: np.ndarray
@@ -54,16 +52,7 @@ def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.nd
 
 
 def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.ndarray:
-    """Compute covariates (case, realization, covariate) of all surfaces of a study from seeds.
-
-    Parameters
-    ----------
-    study : Dataset
-        As from `jointclosure.engine.aggregation.join_cases`.
-    grid : Grid
-    surface : Surface
-        Settings with which its walls were made.
-    """
+    """Compute covariates (case, realization, covariate) of all surfaces of a study from seeds."""
     values = np.full((*study.seed.shape, len(COVARIATES)), np.nan)
     for i, jrc in enumerate(study.jrc.values.tolist()):
         if np.isnan(jrc):  # scanned walls: the means of their covariates are unknown
@@ -77,19 +66,16 @@ def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.nd
 
 
 def known_covariates(surfaces: int, root_seed: int, grid: Grid, surface: Surface) -> Known:
-    """Estimate the means of the covariates from separate surfaces that belong to no study.
-
-    Parameters
-    ----------
-    surfaces : int
-        Number of surfaces.
-    root_seed : int
-    grid : Grid
-    surface : Surface
-    """
+    """Estimate the means of the covariates from separate surfaces that belong to no study."""
     seeds = [seed_of(root_seed, "covariates", number) for number in range(surfaces)]
     values = _of_surfaces(seeds, _REFERENCE_JRC, grid, surface)
     return Known(values.mean(axis=0), np.cov(values.T), surfaces)
+
+
+def _of_surfaces(seeds: list[int], jrc: float, grid: Grid, surface: Surface) -> np.ndarray:
+    z2 = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
+    pairs = (walls_of_seed(seed, jrc, grid, surface) for seed in seeds)
+    return np.array([covariates_of_pair(upper, lower, z2) for upper, lower in pairs])
 
 
 def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
@@ -113,13 +99,6 @@ def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
 
 def from_dataset(dataset: xr.Dataset) -> Covariates:
     """Read covariates from a dataset made by `as_dataset`."""
-    known = Known(
-        dataset.known_mean.values, dataset.known_covariance.values, int(dataset.attrs["surfaces"])
-    )
+    means, covariance = dataset.known_mean.values, dataset.known_covariance.values
+    known = Known(means, covariance, int(dataset.attrs["surfaces"]))
     return Covariates(dataset.covariate_value.values, known)
-
-
-def _of_surfaces(seeds: list[int], jrc: float, grid: Grid, surface: Surface) -> np.ndarray:
-    z2 = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
-    pairs = (walls_of_seed(seed, jrc, grid, surface) for seed in seeds)
-    return np.array([covariates_of_pair(upper, lower, z2) for upper, lower in pairs])

@@ -30,11 +30,7 @@ def enter_folder() -> None:
     """Lock the present folder for a run, if it and the limit of open files allow one.
 
     The lock is held by this process and programs that inherit it, until the last of them ends.
-
-    Raises
-    ------
-    InputError
-        If they do not, or another run is at work in the folder, or may be.
+    `InputError` if another run is at work in the folder, or may be.
     """
     folder = os.getcwd()
     if found := sorted(set(_UNUSABLE) & set(folder)):
@@ -62,20 +58,31 @@ def enter_folder() -> None:
 
 def _inherited() -> bool:
     """Return whether the process that started this one passed its lock of the folder on."""
-    number = os.environ.get(HELD, "")
     try:
-        return bool(number) and os.path.samestat(os.fstat(int(number)), os.stat(LOCK))
-    except OSError:
+        return os.path.samestat(os.fstat(int(os.environ[HELD])), os.stat(LOCK))
+    except (KeyError, ValueError, OSError):
         return False
 
 
 def _lock(file: TextIO) -> None:
-    """Lock a file, and write this process into it.
+    """Lock a file, waiting for a killed run to end, and write this process into it.
 
     The kernel holds the lock, so that it ends with the process, whatever ends this. On network file
     systems it may not know of other hosts: what one of them has not removed is an error.
     """
-    locked = _locked(file)
+    deadline = time.monotonic() + _ENDING
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locked = True
+        except BlockingIOError:
+            if time.monotonic() < deadline:
+                time.sleep(0.1)
+                continue
+            raise InputError(f"another run is at work in this folder ({_named(file)})") from None
+        except OSError:  # a file system without locks
+            locked = False
+        break
     left, here = _content(file), _this_process()
     elsewhere = left.get("host") != here["host"] and left.get("boot") != here["boot"]
     if left and (elsewhere or not locked):
@@ -87,22 +94,6 @@ def _lock(file: TextIO) -> None:
         _write(file, json.dumps(here))
     except OSError as error:
         raise InputError(f"{LOCK}: could not be written ({error})") from error
-
-
-def _locked(file: TextIO) -> bool:
-    """Lock a file, waiting for a killed run to end; False on a file system without locks."""
-    deadline = time.monotonic() + _ENDING
-    while True:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return True
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                named = _named(file)
-                raise InputError(f"another run is at work in this folder ({named})") from None
-            time.sleep(0.1)
-        except OSError:
-            return False
 
 
 def _unlock(file: TextIO, owner: int) -> None:
