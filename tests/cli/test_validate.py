@@ -8,7 +8,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.engine.measured_joints import measured
 from tests.joints import SPACING
-from tests.walls.test_formats import write_stl
+from tests.walls.writers import Ground, as_mesh
 
 READINGS = "Number,Disp,sigmaZ\n[-],[mm],[MPa]\n"
 LINES = {
@@ -99,7 +99,7 @@ def test_scanned_walls_are_closed_as_the_joints_were(folder):
         for side, wall in (("a", -upper), ("b", lower)):
             place = folder / f"hm_coupled_fracture_response/surface_scans/ethz_vd{joint}{side}.stl"
             place.parent.mkdir(exist_ok=True)
-            write_stl(place, 1e3 * wall)
+            as_mesh(place, Ground(1e3 * wall, 1e3 * SPACING))
     after = folder / "hm_coupled_fracture_response/surface_scans/ethz_post_vd1a.stl"
     after.write_bytes(b"not read")
     model = validated(folder, "--units", "mm").model

@@ -10,8 +10,8 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.scans import read_scan
 from tests.joints import SPACING
-from tests.walls.test_formats import STEP_MM, points_of, triangles, write_stl
-from tests.walls.test_forms import RANDOM
+from tests.walls.test_formats import RANDOM, STEP_MM
+from tests.walls.writers import Ground, triangles
 
 SHAPE = (20, 26)
 
@@ -22,64 +22,54 @@ def wall():
     return 1e3 * jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0]
 
 
+@pytest.fixture
+def points(wall):
+    return Ground(wall).points()
+
+
 def read_points(path, points, digits=6):
     np.savetxt(path, points, fmt=f"%.{digits}f")
     return read_scan(path, units="mm")
 
 
-def test_the_vertices_of_an_stl_that_are_a_grid_are_that_grid(wall, tmp_path):
-    found = read_scan(tmp_path / "a.stl", **write_stl(tmp_path / "a.stl", wall))
-    plain = read_points(tmp_path / "a.xyz", points_of(wall))
-    assert isinstance(found, Scan)
-    assert found.spacing == plain.spacing == (SPACING, SPACING)
-    np.testing.assert_allclose(found.heights, plain.heights, atol=1e-9)
-
-
-def test_a_lost_profile_is_warned_of_as_nodes_inside_the_wall(wall, tmp_path):
-    scan = read_points(tmp_path / "a.xyz", np.delete(points_of(wall), np.s_[130:156], axis=0))
-    warning = cautions(scan.remarks)[0]
-    assert "26 of them inside the wall (5 %): is the file incomplete?" in warning
-
-
-@pytest.mark.parametrize("missing", [[0], [137], [3, 77, 78, 79, 300]])
-def test_a_grid_with_few_missing_points_is_that_grid(missing, wall, tmp_path):
-    scan = read_points(tmp_path / "a.xyz", np.delete(points_of(wall), missing, axis=0))
+@pytest.mark.parametrize("lost", [[0], [137], [3, 77, 78, 79, 300], range(130, 156)])
+def test_a_grid_with_missing_points_is_that_grid_and_a_lost_profile_is_warned_of(
+    lost, wall, points, tmp_path
+):
+    scan = read_points(tmp_path / "a.xyz", np.delete(points, lost, axis=0))
     expected = 1e-3 * wall
-    expected.flat[missing] = np.nan
+    expected.flat[list(lost)] = np.nan
     assert scan.spacing == (SPACING, SPACING)
     np.testing.assert_allclose(scan.heights, expected, atol=1e-9)
-    assert f"{len(missing)} of 520 nodes of the points' grid have no point" in scan.remarks
+    assert f"{len(lost)} of 520 nodes of the points' grid have no point" in scan.remarks[0]
+    warned = " ".join(cautions(scan.remarks))
+    assert ("26 of them inside the wall (5 %): is the file inc" in warned) == (len(lost) == 26)
 
 
-def test_a_round_scan_without_its_corners_is_its_grid(wall, tmp_path):
-    points = points_of(wall)
+def test_a_round_scan_without_its_corners_is_its_grid(points, tmp_path):
     inside = np.hypot(*(points[:, :2] - points[:, :2].mean(axis=0)).T) < 3.0
     scan = read_points(tmp_path / "a.xyz", points[inside])
     assert scan.spacing == (SPACING, SPACING)
     assert np.isfinite(scan.heights).sum() == inside.sum()
 
 
-def test_repeated_points_are_one_point(wall, tmp_path):
-    points = points_of(wall)
+def test_repeated_points_are_one_point(wall, points, tmp_path):
     scan = read_points(tmp_path / "a.xyz", np.vstack([points, points[40:43]]))
     np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
     assert "3 repeated points were skipped" in scan.remarks
 
 
-def test_places_that_are_written_rounded_are_those_of_a_grid(wall, tmp_path):
-    points = points_of(wall) * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
+def test_places_that_are_written_rounded_are_those_of_a_grid(points, tmp_path):
+    points = points * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
     scan = read_points(tmp_path / "a.xyz", points, digits=2)
     assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
     assert scan.heights.shape == SHAPE
 
 
-def test_scattered_and_staggered_points_are_no_grid(wall, tmp_path):
+def test_scattered_and_staggered_points_are_no_grid(points, tmp_path):
     random = np.random.default_rng(1)
-    points = points_of(wall)
-    scattered = points + np.append(
-        STEP_MM * random.random((len(points), 2)), 0.0 * points[:, :1], 1
-    )
-    staggered = points.copy()
+    scattered, staggered = points.copy(), points.copy()
+    scattered[:, :2] += STEP_MM * random.random((len(points), 2))
     staggered[:, 0] += 0.5 * STEP_MM * (np.round(points[:, 1] / STEP_MM) % 2)
     rounded = np.column_stack([np.round(6.0 * random.random((500, 2)), 2), random.random(500)])
     for cloud in (scattered, staggered, rounded):
@@ -125,9 +115,9 @@ DAMAGES = {
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
 @pytest.mark.parametrize("step", [STEP_MM, 0.4])
 def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
-    damage, step, wall, tmp_path
+    damage, step, wall, points, tmp_path
 ):
-    points = points_of(wall) * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
+    points = points * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
     damage(points, step)
     scan = read_points(tmp_path / "a.xyz", points)
     lost, remark = DAMAGES[damage]
@@ -169,7 +159,7 @@ def damaged_lines(draw, lines):
 def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_error(
     wall, tmp_path, data, mark
 ):
-    points = points_of(wall) + np.array([7.5, -30.0, 0.0])
+    points = Ground(wall).points() + np.array([7.5, -30.0, 0.0])
     lines = [",".join(f"{value:.6f}" for value in point) for point in points]
     damaged = data.draw(damaged_lines(lines))
     lines = [damaged.get(number, line) for number, line in enumerate(lines)]
@@ -185,9 +175,7 @@ def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_erro
     np.testing.assert_allclose(first, [row, column], atol=1e-5)
     y, x = np.divmod(np.delete(np.arange(520), list(damaged)), 26)
     inside = (y >= row) & (x >= column)
-    inside[inside] &= (y[inside] - row < len(scan.heights)) & (
-        x[inside] - column < scan.heights.shape[1]
-    )
+    inside &= (y - row < len(scan.heights)) & (x - column < scan.heights.shape[1])
     found = np.full(len(y), np.nan)
     found[inside] = scan.heights[y[inside] - row, x[inside] - column]
     known = np.isfinite(found)
@@ -195,15 +183,14 @@ def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_erro
     assert (~known).sum() <= len(damaged)  # places that a damaged line has too
 
 
-def test_the_distances_along_x_and_y_may_differ(wall, tmp_path):
-    scan = read_points(tmp_path / "a.xyz", points_of(wall) * [1.0, 3.0, 1.0] + [5e3, -7.0, 0.0])
+def test_the_distances_along_x_and_y_may_differ(points, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", points * [1.0, 3.0, 1.0] + [5e3, -7.0, 0.0])
     assert scan.spacing == pytest.approx((3.0 * SPACING, SPACING), rel=1e-12)
     assert scan.origin == pytest.approx((-7e-3, 5.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("gridded", [True, False])
-def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, wall, tmp_path):
-    points = points_of(wall)
+def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, points, tmp_path):
     if not gridded:
         points[:, :2] += 0.25 * np.random.default_rng(2).random((len(points), 2))
     other = points + np.array([0.0, 0.0, 0.4])
@@ -215,20 +202,12 @@ def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, w
         read_points(tmp_path / "many.xyz", np.vstack([points, other]))
 
 
-def solid(wall):
-    """A closed block below a wall: its bottom has other vertices than its top."""
+def test_a_closed_block_below_a_wall_is_no_wall(points, tmp_path):
     trimesh = pytest.importorskip("trimesh")
-    ny, nx = wall.shape
-    top = points_of(wall)
-    block = trimesh.creation.box(
-        bounds=[[0.0, 0.0, -2.0], [(nx - 1) * STEP_MM, (ny - 1) * STEP_MM, -1.0]]
-    )
-    sheet = trimesh.Trimesh(top, triangles(wall.shape), process=False)
-    return trimesh.util.concatenate([sheet, block])
-
-
-def test_a_solid_is_no_wall(wall, tmp_path):
-    path = tmp_path / "a.stl"
-    path.write_bytes(solid(wall).export(file_type="stl"))
+    far = points[:, :2].max(axis=0)
+    block = trimesh.creation.box(bounds=[[0.0, 0.0, -2.0], [*far, -1.0]])
+    sheet = trimesh.Trimesh(points, triangles(SHAPE), process=False)
+    solid = trimesh.util.concatenate([sheet, block])
+    (tmp_path / "a.stl").write_bytes(solid.export(file_type="stl"))
     with pytest.raises(jc.InputError, match=r"a\.stl: the surface overlaps itself: .* covers? 3 "):
-        read_scan(path, units="mm")
+        read_scan(tmp_path / "a.stl", units="mm")

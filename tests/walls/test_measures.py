@@ -1,6 +1,7 @@
 """What is measured of a wall is what it was made with."""
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,20 +10,15 @@ import pytest
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator
 from jointclosure.walls.measured import wall_on_grid
-from jointclosure.walls.measures import (
-    hurst_of,
-    mean_curvature,
-    measure_wall,
-    peak_cells,
-)
-from jointclosure.walls.roughness import RELATIONS, rms_slope
+from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
+from jointclosure.walls.roughness import RELATIONS, bearing_depths, bearing_excess, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
 from tests.joints import SPACING, bump
 
+ROOT = Path(__file__).parents[2]
 SCAN = Path(
-    os.environ.get("JOINTCLOSURE_SCAN")
-    or Path(__file__).parents[3] / "shared/data/foliation_joint_0p25mm.npz"
+    os.environ.get("JOINTCLOSURE_SCAN") or ROOT.parent / "shared/data/foliation_joint_0p25mm.npz"
 )
 
 
@@ -99,3 +95,44 @@ def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
     slopes = sorted(np.sqrt(np.mean(np.diff(wall, axis=a) ** 2)) / SPACING for a in (0, 1))
     assert slopes == pytest.approx([0.115, 0.152], abs=6e-4)
     assert rms_slope(wall, SPACING) == pytest.approx(measured(wall)["Z2, both directions"].value)
+
+
+def test_depths_are_those_of_sorted_heights():
+    upper, lower = jc.wall_pair(8, (30, 40), 0.25e-3, 1)
+    highest = np.sort((upper + lower).ravel())[::-1]
+    for cells in (1, 2, 12, 600, 1200):
+        found = bearing_depths(upper + lower, cells / 1200)
+        assert found == pytest.approx(highest[0] - highest[cells - 1], abs=1e-18)
+
+
+def test_a_plane_ramp_has_a_straight_curve_and_half_its_depth_as_excess():
+    heights = generator(1).permutation(np.arange(1000.0)).reshape(20, 50)
+    shares = np.array([0.001, 0.0105, 0.5, 1.0])
+    np.testing.assert_allclose(bearing_depths(heights, shares), 1000 * shares - 1.0, rtol=1e-12)
+    assert bearing_excess(heights, 0.101) == pytest.approx(50.0)
+    assert bearing_depths(heights, 1e-6) == 0.0
+
+
+def test_rigid_walls_overlap_in_that_share_at_that_closure():
+    upper, lower = jc.wall_pair(8, (30, 40), 0.25e-3, 2)
+    gap = (upper + lower).max() - (upper + lower)
+    closure = bearing_depths(upper + lower, 0.05)
+    assert np.mean(gap <= closure * (1 + 1e-12)) == pytest.approx(0.05, abs=0.5 / gap.size)
+
+
+def test_the_samples_run_and_make_the_example_wall(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "config/walls/README.md").read_text(encoding="utf-8")
+    samples = [c for c in re.findall(r"```python\n(.*?)```", text, re.S) if "example_wall" in c]
+    assert len(samples) == 2
+    for sample in samples:
+        exec(compile(sample, "config/walls/README.md", "exec"), {})
+    assert "Z2 along x" in capsys.readouterr().out
+    made, kept = (
+        np.load(folder / "example_wall.npz", allow_pickle=False)
+        for folder in (tmp_path, ROOT / "config/walls")
+    )
+    with made, kept:
+        assert sorted(made.files) == sorted(kept.files)
+        # heights are rounded to micrometres; on another machine the last one may differ
+        np.testing.assert_allclose(made["Z_mm"], kept["Z_mm"], atol=1.1e-3)

@@ -14,11 +14,6 @@ def caution(text: str, about: str = "") -> Caution:
     return Caution(f"{about}Warning: {text}")
 
 
-def prefixed(prefix: str, remark: str) -> str:
-    """Put a prefix before a remark and keep its type."""
-    return type(remark)(prefix + remark)
-
-
 def cautions(remarks: Iterable[str]) -> list[Caution]:
     """Return the warnings among remarks."""
     return [remark for remark in remarks if isinstance(remark, Caution)]

@@ -1,8 +1,4 @@
-"""Files that are written completely or not at all, and that reveal changes.
-
-A file is written under a temporary name with computer and process, flushed and renamed; files of
-killed writers are removed. A sealed file ends with a digest of its content.
-"""
+"""Files that are written completely or not at all; sealed ones end with a digest."""
 
 import errno
 import glob

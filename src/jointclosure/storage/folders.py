@@ -14,10 +14,7 @@ RECORD = "written.json"
 
 
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
-    """Write files into a folder, remove those of a command's earlier run; return names, sorted.
-
-    ``write`` writes into an empty temporary folder; if it fails, the earlier files are kept.
-    """
+    """Write files into a folder, remove those of a command's earlier run; return their names."""
     folder.mkdir(exist_ok=True)
     earlier = written_files(folder, command)
     with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:

@@ -44,12 +44,7 @@ def write_netcdf_regions(
     chunks: dict[str, int],
     path: str | Path,
 ) -> None:
-    """Write a dataset region by region, with one in memory at a time.
-
-    ``frame`` has names, types, attributes and sizes, and one entry along ``dimension``, unlimited
-    in the file. Regions have no dimension whose position is a number; ``chunks`` are compressed
-    together.
-    """
+    """Write regions of a dataset one by one; ``frame`` has one entry along the dimension."""
     frame = frame.drop_encoding()
     encoding = _compression(frame)
     sizes = dict(frame.sizes) | chunks

@@ -1,7 +1,6 @@
-"""Fit of two walls: correlation of slopes over shifts and of heights over wavelengths, mismatch.
+"""Fit of two walls by shift and by wavelength, and the wavelength at which they correlate by 1/2.
 
-The mismatch wavelength is that at which walls correlate by 1/2. Brown (1995) uses one sharp length,
-Glover et al. (1998) a correlation that decreases gradually with the wavelength.
+Brown (1995) uses one sharp length, Glover et al. (1998) a gradual decrease.
 """
 
 import itertools
@@ -26,10 +25,7 @@ _TRIED = 600
 
 
 class Mating(NamedTuple):
-    """Correlation in bands of half an octave, middles [m], longest first, with independent waves.
-
-    The standard error of a correlation is (1 - correlation^2) / sqrt(modes).
-    """
+    """Correlation in half octaves [m]; standard error (1 - correlation^2) / sqrt(modes)."""
 
     wavelengths: np.ndarray
     correlation: np.ndarray
@@ -37,9 +33,7 @@ class Mating(NamedTuple):
 
 
 class Mismatch(NamedTuple):
-    """Wavelength [m] at which two walls correlate by 1/2: 0 if mated at all of the grid, infinite
-    if at none.
-    """
+    """Wavelength [m] at which walls correlate by 1/2: 0 if always mated, infinite if never."""
 
     wavelength: float
     low: float
@@ -49,8 +43,7 @@ class Mismatch(NamedTuple):
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     """Correlation of walls (y, x) [m], heights towards the other wall, by wavelength: 1 if mated.
 
-    -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, with the Fourier transforms
-    U and L of the walls in a Hann window. Bands with fewer than four waves are left out.
+    -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, in a Hann window.
     """
     one, other = _windowed_waves(upper), _windowed_waves(lower)
     wave = _wave_numbers(upper.shape, spacing)
@@ -88,11 +81,10 @@ def _wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
 def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mismatch:
     """Estimate the mismatch wavelength of walls (y, x) [m] in the position of best fit.
 
-    If waves of both walls have equal power and correlation c, the powers of sum and difference are
-    independent, with a ratio of (1 - c) to (1 + c); over a ring of n wave numbers it is this times
-    a variable distributed as F(2n, 2n), for any spectrum. The likelihood is profiled over the
-    wavelength w at which c is a half: c = (1 - 2 e) Phi(s log(W/w) + q) with free steepness s and
-    floor e (noise, leakage of the window). `_RESOLUTION` widens the interval.
+    If waves of both walls have equal power and correlation c, the powers of sum and difference over
+    a ring of n wave numbers have a ratio of (1 - c)/(1 + c) times a variable distributed as F(2n,
+    2n). The likelihood is profiled over the wavelength w at which c is a half: c = (1 - 2 e) Phi(s
+    log(W/w) + q), with steepness s and floor e (noise, leakage of the window) free.
     """
     length = min(upper.shape) * spacing
     shortest, longest = 2.0 * spacing, 0.5 * length
@@ -149,11 +141,9 @@ def _profile(
 def slope_correlation_over_shifts(
     fixed: np.ndarray, moved: np.ndarray, least_overlap: float
 ) -> np.ndarray:
-    """Correlation of the slopes of two fields (y, x), NaN where missing, for all shifts of
-    ``moved``.
+    """Correlation of slopes of fields (y, x) for shifts of one, ordered as in a Fourier transform.
 
-    Shifts [cells] are ordered as in a discrete Fourier transform; NaN below ``least_overlap`` of
-    the smaller field. Masked normalised cross-correlation (Padfield 2012).
+    NaN below ``least_overlap`` of the smaller one. Masked cross-correlation (Padfield 2012).
     """
     pairs = zip(_slopes(fixed), _slopes(moved), strict=True)
     sums: Any = sum(np.array(_masked_moments(*pair, least_overlap)) for pair in pairs)

@@ -29,10 +29,7 @@ LARGEST_FILLED_SHARE = 0.05
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m] on a regular grid, NaN where missing, with spacing (dy, dx) [m].
-
-    ``origin`` (y, x) is the first cell [m], None if unknown; ``remarks`` say what reading left out.
-    """
+    """Heights (y, x) [m], NaN where missing, spacing (dy, dx) and place (y, x) of the first [m]."""
 
     heights: np.ndarray
     spacing: tuple[float, float]
@@ -179,10 +176,7 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Take heights of a grid at the nodes of a coarser one, of which one is at ``anchor``.
-
-    Sampling keeps the slopes at the coarser spacing [m], of which JRC is a function; means do not.
-    """
+    """Take heights of a grid at nodes of a coarser one, which keeps slopes, as means would not."""
     origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
     start = np.maximum((first - origin) / steps, 0.0)
@@ -216,10 +210,7 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
 def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) linearly in triangles of the `NEAREST` places (n, 2).
-
-    Beyond ``reach`` [m] of every place they are NaN. A node at a place has its height.
-    """
+    """Interpolate heights linearly at nodes (..., 2) between places (n, 2) within ``reach`` [m]."""
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
     nearest = distances[..., 0]
@@ -235,8 +226,7 @@ def heights_between(
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
 
-    Ratios of areas have the same bits on any processor. The library of linear algebra, which scipy
-    calls for each triangle, has one thread, as on a busy machine calls would wait for others.
+    Ratios of areas have the same bits on any processor. On a busy machine threads would wait.
     """
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
@@ -280,10 +270,7 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
 def filled(
     wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
 ) -> np.ndarray:
-    """Treat missing cells (NaN) of a wall (y, x): "refuse", "avoid" (leave), "nearest" or "linear".
-
-    No more than ``largest_share`` of all cells is filled.
-    """
+    """Refuse, avoid or fill missing cells (NaN) of a wall (y, x), up to a share of all cells."""
     holes = ~np.isfinite(wall)
     check_one_of("missing", missing, MISSING)
     if not holes.any() or missing == "avoid":

@@ -1,7 +1,6 @@
 """Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks.
 
-Means over cells are resampled by tiles (a block bootstrap). Heights, slopes, JRC and Hurst
-exponents depend on waves as long as the wall: their scatter is that of synthetic walls alike.
+Means over cells are resampled by tiles; measures of long waves scatter as synthetic walls do.
 """
 
 from collections.abc import Iterator
@@ -137,7 +136,7 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
 def hurst_of(heights: np.ndarray) -> float:
     """Hurst exponent of a wall (y, x) by second differences, which need no plane removed.
 
-    Those from first differences are too low by 0.1 and more (Kent & Wood 1997; docs/two_scans.md).
+    First differences give 0.1 and more too little (Kent & Wood 1997; docs/two_scans.md).
     """
     return _scaling(heights, 1.0)[_EXPONENTS[2]]
 

@@ -19,14 +19,12 @@ SPIKE = 8.0
 ROUNDS = 4
 """Largest number of rounds of spike removal: higher spikes hide others."""
 PLATEAU = 5.0
-"""Connected points of equal height beyond which a plateau is not rock: this times log10(points) /
-(1 - m)^2, with the share m of differences that are one step of the heights. The largest of 3,200
-walls (JRC 2 to 20, H 0.5 to 1, 0.1 to 1 mm, steps of 1 to 30 um) had 0.65 times as many."""
+"""Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1
+- m)^2, with the share m of differences of one step; the largest of 3,200 walls had 0.65 times."""
 LEVEL = 1e-3
 """Second differences, over their median, up to which a point of a grid counts as one of a plane."""
 ROUNDED = 0.05
-"""Share of such points outside of large patches from which heights are rounded too coarsely; 700
-walls (JRC 2 to 20, H 0.5 to 0.95, 0.1 to 0.5 mm, steps of 1 to 30 um) then had no patch."""
+"""Share of such points outside of large patches from which heights are rounded too coarsely."""
 FLAT_SHARE = 0.5
 """Share of the points in plateaus from which a wall counts as flat or stepped."""
 
@@ -76,9 +74,7 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
-    """Return heights [m] of points (n, 3) beyond all but one of their neighbours, else NaN:
-    (n,).
-    """
+    """Return heights [m] of points (n, 3) beyond all neighbours but one, else NaN: (n,)."""
     spike_heights = np.full(len(points), np.nan)
     left = np.arange(len(points))
     for _ in range(ROUNDS):
@@ -123,10 +119,7 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
 
 
 def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
-    """Remove the plateaus (in a grid also planes) that no rough wall has, with a remark.
-
-    A flat or stepped scan (`FLAT_SHARE`) keeps its heights.
-    """
+    """Remove plateaus and planes that no rough wall has, with a remark; not of a flat scan."""
     points = points_of(scan)
     size = _plateau_sizes(points[:, 2], _neighbours(scan))
     if isinstance(scan, Scan):

@@ -10,8 +10,7 @@ from jointclosure.walls.measured import PAPER_SPACING, Cloud, Scan, node_counts,
 from jointclosure.walls.roughness import plane_through
 
 _STEEPEST, _FLATTEST = 2.0, 1e-3
-"""Rms slopes beyond which heights and spacing probably have different units; natural: 0.1 to
-0.6."""
+"""Rms slopes beyond which heights and spacing have different units; natural: 0.1 to 0.6."""
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
 _USUAL_HURST = 0.8
@@ -35,8 +34,8 @@ _SUMMITS = 10
 _COPY = 1e-6
 """Smallest difference from 1 of the correlation of heights of two different walls or scans."""
 _CROSSED = 0.9
-"""Share of cells with the upper wall below the lower one from which they are interchanged: 0.998 of
-published walls that are, 0.002 of others, a half if each scan has its own zero."""
+"""Share of cells with the upper wall below from which walls are interchanged (0.998, else
+0.002)."""
 _AT_NODE, _BETWEEN = 1e-5, 0.75
 """Distances from a point [cells] below which a node has its height, and beyond which it is in a
 hole."""
@@ -199,11 +198,7 @@ def smoothing_of(
     bounds: tuple[np.ndarray, ...] | np.ndarray | None = None,
     high: np.ndarray | None = None,
 ) -> tuple[Caution, ...]:
-    """Warn of the slope that a wall (y, x) [m] lost by interpolation of a scan; else empty.
-
-    Its first node (x, y) is that of ``bounds`` or the scan; points count up to ``high`` or the
-    last.
-    """
+    """Warn of the slope that a wall (y, x) [m] lost by interpolation of points up to ``high``."""
     points = points_of(scan)
     if bounds is not None:
         low = bounds[0]

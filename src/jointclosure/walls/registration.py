@@ -44,8 +44,8 @@ CLEAR = 1.5
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
 """Unusual inclinations of the common plane and of the walls to each other [degrees]."""
 _FAR = 1.5
-"""Largest usual distance, in standard deviations of the aperture, from first touch to that of a
-thousandth of the cells; that of 144 Gaussian pairs (64 to 256 cells, H 0.5 and 0.8) was 0.95."""
+"""Largest usual distance from first touch to that of a thousandth, in deviations of the
+aperture."""
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
 SHIFTS = ("scanned", "mated")
@@ -53,9 +53,7 @@ _SIDES = ("upper", "lower")
 
 
 class Orientation(NamedTuple):
-    """Direction of the upper scan in the frame of the lower one: sign -1 if heights count towards
-    the lower wall, and which axes (y, x) are mirrored.
-    """
+    """Frame of the upper scan: sign of its heights, -1 towards the lower wall, reversed (y, x)."""
 
     sign: int
     mirrored: tuple[bool, bool]
@@ -100,12 +98,11 @@ class Fit(NamedTuple):
 class RegisteredPair(NamedTuple):
     """Two registered walls on a grid of ``spacing`` [m]; places and shifts are (y, x).
 
-    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, less their planes,
-    ``aperture`` is their distance at ``first_touch``, ``holes`` are cells taken out of contact
-    because a scan has no height there. ``fits`` are those of all `ORIENTATIONS`, the best first.
-    ``shift`` [m] was applied to the upper wall, ``mating_shift`` is that of best fit.
-    ``correlation`` is that of the heights, ``mating`` by wavelength, ``overlap`` the share of the
-    smaller scan in the walls, ``report`` the results in sentences.
+    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` is their
+    distance at ``first_touch``, ``holes`` are cells taken out of contact because a scan has no
+    height there. ``fits`` are those of all `ORIENTATIONS`, the best first; ``shift`` [m] was
+    applied to the upper wall, ``mating_shift`` is that of best fit. ``mating`` is the correlation
+    by wavelength, ``overlap`` the share of the smaller scan in the walls.
     """
 
     upper: np.ndarray

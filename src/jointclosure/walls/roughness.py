@@ -92,10 +92,7 @@ class Plane(NamedTuple):
 
 
 def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
-    """Fit the least-squares plane of points (n,) [m], without slope across points on one line.
-
-    Sums in closed form have the same bits on any processor, unlike solutions of a linear system.
-    """
+    """Fit the plane of points (n,) [m] by sums, which have the same bits on any processor."""
     middle_x, middle_y, level = float(np.mean(x)), float(np.mean(y)), float(np.mean(heights))
     x, y, heights = x - middle_x, y - middle_y, heights - level
     xx, xy, yy = (float(np.sum(a * b)) for a, b in ((x, x), (x, y), (y, y)))
@@ -123,10 +120,7 @@ def detrended(heights: np.ndarray) -> np.ndarray:
 
 
 def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
-    """Depths [m] of summed heights (y, x) below the highest above which shares lie (Abbott 1933).
-
-    Rigid walls at this closure overlap in this share of their cells; linear between whole cells.
-    """
+    """Depths [m] of summed heights (y, x) above which shares of cells lie (Abbott 1933)."""
     flat = np.ravel(summed)
     ranks = np.maximum(np.asarray(shares, dtype=float) * flat.size - 1.0, 0.0)
     below = np.floor(ranks).astype(int)

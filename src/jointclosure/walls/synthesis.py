@@ -31,9 +31,8 @@ _LN2 = 0.6931471805599453
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of heights: k^(-2 (H + 1)), flat beyond ``roll_off`` [cells].
-
-    "walk": independent Gaussian slopes along x and y, projected on the nearest field of heights.
+    """Power spectrum of heights: k^(-2 (H + 1)), or of a "walk"; flat beyond ``roll_off``
+    [cells].
     """
 
     hurst: float
@@ -101,9 +100,9 @@ def _sines(wave: np.ndarray) -> np.ndarray:
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
-    """Raise a positive array to a power, unlike `numpy.power` with the same bits on any processor.
+    """Raise a positive array to a power with the same bits on any processor, unlike `numpy.power`.
 
-    Relative error 5e-15: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
+    Log is the series of 2 atanh((m - 1)/(m + 1)), exp that of Taylor: relative error 5e-15.
     """
     mantissa, two = np.frexp(base)
     small = mantissa < np.sqrt(0.5)
@@ -338,12 +337,10 @@ def rotated_pair(
     mismatch_wavelength: float = np.inf,
     rotation: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Make the walls of `wall_pair` with the lower one rotated about the normal [degrees],
-    anticlockwise.
+    """Make walls of `wall_pair`, the lower rotated about the normal [degrees], anticlockwise.
 
-    Its waves are summed at rotated points, so that no interpolation damps any; at multiples of 90
-    degrees cells map to cells, else waves in the corners of the square of wave numbers are aliased.
-    The RMS slope ``z2`` is that of both walls pooled. Last digits may differ between processors.
+    Its waves are summed at rotated points, so that no interpolation damps any. ``z2`` is pooled. At
+    multiples of 90 degrees cells map to cells; else last digits may differ between processors.
     """
     n = shape[0]
     if shape[1] != n:

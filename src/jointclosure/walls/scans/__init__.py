@@ -1,7 +1,4 @@
-"""Files of scanned walls: `read_scan`. Files are only read as data, never run or changed.
-
-A reader takes a path (and a variable, if its format has names) and returns `Contents`.
-"""
+"""Files of scanned walls: `read_scan`. Files are only read as data, never run or changed."""
 
 import functools
 import hashlib

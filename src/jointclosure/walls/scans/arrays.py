@@ -1,7 +1,4 @@
-"""Arrays of npy, npz, netCDF and MATLAB files: heights (y, x), and what states their places.
-
-A name may end with its unit (``Z_mm``). An array is read when needed, after a check of its size.
-"""
+"""Arrays of npy, npz, netCDF and MATLAB files: heights (y, x), and what states their places."""
 
 import math
 import re
@@ -65,11 +62,7 @@ class _Statement(NamedTuple):
 def grid_of(
     arrays: Mapping[str, Array], variable: str | None, axes: Mapping[str, str] | None = None
 ) -> Contents:
-    """Return the heights of a file, placed by arrays x and y (or ``axes``) and numbers beside them.
-
-    Heights (x, y) are turned if the places show it. Fields of a struct (S.Z) are placed by its
-    others.
-    """
+    """Return the heights of a file, placed and turned by arrays x, y and numbers beside them."""
     kinds = {name: (axes or {}).get(name, _quantity(name)) for name in arrays}
     name = chosen(variable, arrays)
     heights, units = _loaded(name, arrays[name]), arrays[name].units

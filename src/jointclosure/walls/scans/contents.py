@@ -36,8 +36,7 @@ _MOST_ZEROS = 0.5
 class Contents(NamedTuple):
     """Heights (y, x) on a grid (dy, dx), or points (n, 3), in the file's units; None: not stated.
 
-    Rows are in order of increasing y. ``origin`` (y, x) is the first cell. A step of NaN is not
-    stated.
+    Rows are in order of increasing y; ``origin`` (y, x) is the first cell. A step may be NaN.
     """
 
     heights: np.ndarray | None = None

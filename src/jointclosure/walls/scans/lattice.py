@@ -19,15 +19,13 @@ _OUTLYING = 3.0
 MAJORITY = 0.9
 """Smallest share of points at nodes of a grid; with less, points are scattered."""
 LEAST_NEIGHBOURS = 0.5
-"""Smallest share of points with a point at the next node of each axis; else scattered or
-staggered."""
+"""Smallest share of points with a point at the next node, else scattered or staggered."""
 MOST_CELLS_PER_POINT = 20
 """Largest number of nodes of a grid for each point; sparser points are scattered."""
 SAME_HEIGHT = 1e-6
 """Largest difference of repeated heights, over the range of all heights."""
 MOST_AMBIGUOUS = 0.01
-"""Largest share of places with several heights, and of nodes without a point that is not warned
-of."""
+"""Largest share of places with several heights; of empty nodes inside that is not warned of."""
 _DIGITS = 7
 """Significant digits of a step, those of single precision."""
 
@@ -49,11 +47,7 @@ class _Axis(NamedTuple):
 
 
 def lattice_of(points: np.ndarray) -> Contents | None:
-    """Find the regular grid at whose nodes most points (n, 3) are; None without one.
-
-    Nodes may lack a point, points may be repeated, heights be NaN. Points off their nodes are left
-    out: beyond `LARGEST_OFFSET`, or `_OUTLYING` upper quartiles of distances, at most `MOST_MOVED`.
-    """
+    """Find the regular grid at whose nodes most points (n, 3) are; None without one."""
     if len(points) < 9:
         return None
     # coordinates closer than a twentieth of the mean distance of points count as equal

@@ -26,8 +26,7 @@ from jointclosure.walls.scans.lattice import lattice_of, merged_points
 from jointclosure.walls.scans.text import Table, are_places, is_binary, read_table
 
 LEAST_COLUMNS = 12
-"""Columns without names from which on a file is a matrix; points with colours and normals have
-ten."""
+"""Columns without names from which on a file is a matrix; points with colours have ten."""
 NAMED = 3
 """Largest number of stray points whose places are listed."""
 SCATTERED = (
@@ -48,12 +47,7 @@ _LINES = {
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
-    """Read points from lines of x, y and z, in any of the usual forms, or a matrix of heights (y,
-    x).
-
-    Lines of names may state units ("x_mm", "z (um)"); ``variable`` names or numbers three columns.
-    The spacing of a matrix is stated unless its first row is x and its first column y.
-    """
+    """Read points of lines of x, y and z, or of three columns; or a matrix of heights."""
     table = read_table(path)
     if variable is None and (matrix := _matrix(table)) is not None:
         return matrix

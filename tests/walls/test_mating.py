@@ -1,10 +1,16 @@
-"""The mismatch wavelength of two walls is found with an interval that covers it."""
+"""Fit of two walls: by shift, by wavelength, and the wavelength beyond which they are mated."""
 
 import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.walls.mating import measured_mismatch
+from jointclosure.walls.mating import (
+    Mismatch,
+    best_shift,
+    mating,
+    measured_mismatch,
+    slope_correlation_over_shifts,
+)
 from tests.joints import SPACING
 
 PAIRS = 20
@@ -77,3 +83,56 @@ def test_a_shift_of_mates_reads_as_a_mismatch_of_its_length():
 def test_level_walls_tell_nothing():
     level = np.zeros((16, 16))
     assert measured_mismatch(level, level, SPACING).high == np.inf
+
+
+def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
+    mates = mating(upper, lower, SPACING)
+    np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
+    assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
+    scores = []
+    for seed in range(20):
+        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed, roll_off=None), SPACING)
+        scores.append(found.correlation * np.sqrt(found.modes))
+    # standard errors are as stated: the scores have a spread of one
+    assert 0.8 < np.std(scores) < 1.25
+    assert abs(np.mean(scores)) < 0.3
+
+
+def test_a_band_of_half_an_octave_is_named_by_its_middle():
+    n, wavelength = 128, 8 * SPACING
+    x = np.arange(n) * SPACING
+    rng = np.random.default_rng(1)
+    noise = 1e-6 * rng.normal(size=(2, n, n))
+    wave = 1e-4 * np.cos(2.0 * np.pi * x / wavelength)
+    found = mating(noise[0] + wave, noise[1] - wave, SPACING)
+    band = int(np.argmin(np.abs(np.log(found.wavelengths / wavelength))))
+    assert found.correlation[band] > 0.99
+    assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
+
+
+def test_correlations_over_shifts_are_those_of_the_definition():
+    rng = np.random.default_rng(3)
+    fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
+    fixed[2, 3] = moved[4, 1] = np.nan
+    found = slope_correlation_over_shifts(fixed, moved, 0.5)
+    slopes = [
+        [np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]] for field in (fixed, moved)
+    ]
+    known = [np.isfinite(fields[0]).sum() for fields in slopes]
+    for down in range(-3, 4):
+        for right in range(-3, 4):
+            sums = np.zeros(3)
+            for one, other in zip(*slopes, strict=True):
+                pairs = np.array([
+                    (one[y, x], other[y - down, x - right])
+                    for y in range(one.shape[0]) for x in range(one.shape[1])
+                    if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
+                ])  # fmt: skip
+                pairs = pairs[np.isfinite(pairs).all(axis=1)]
+                a, b = (pairs - pairs.mean(axis=0)).T
+                sums += [a @ b, a @ a, b @ b]
+            if len(pairs) >= 0.5 * min(known):
+                expected = sums[0] / np.sqrt(sums[1] * sums[2])
+                assert found[down, right] == pytest.approx(expected, abs=1e-12)
+    assert best_shift(np.where(np.isfinite(found), found, -2.0))[1] == np.nanmax(found)

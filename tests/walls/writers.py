@@ -1,0 +1,202 @@
+"""A wall written in every form that is read: `FORMS`."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+
+from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.scans import read_scan
+
+
+class Ground:
+    """A wall (y, x) [mm] on a grid, and the place (y, x) [mm] of its first cell."""
+
+    def __init__(self, heights: np.ndarray, step: float = 0.25, corner=(0.0, 0.0)):
+        self.heights, self.step, self.corner = heights, step, corner
+
+    def points(self) -> np.ndarray:
+        """Points (n, 3) [mm], row by row."""
+        return np.stack([part.ravel() for part in (*self.places(), self.heights)], axis=1)
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Matrices (y, x) of x and y [mm]."""
+        y, x = np.indices(self.heights.shape) * self.step
+        return x + self.corner[1], y + self.corner[0]
+
+
+def as_npy(path, ground):
+    np.save(path, ground.heights)
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+def as_npz(path, ground):
+    np.savez(path, Z_um=1e3 * ground.heights, spacing_m=1e-3 * ground.step)
+    return {}
+
+
+def as_netcdf(path, ground):
+    """Rows from the largest y down, transposed, heights and places in different units."""
+    places = {
+        axis: (axis, 1e-3 * (corner + ground.step * np.arange(size)), {"units": "m"})
+        for axis, size, corner in zip("yx", ground.heights.shape, ground.corner, strict=True)
+    }
+    height = (("y", "x"), 1e3 * ground.heights, {"units": "micrometre"})
+    dataset = xr.Dataset({"height": height}, places)
+    dataset.isel(y=slice(None, None, -1)).transpose("x", "y").to_netcdf(path, engine="netcdf4")
+    return {}
+
+
+def as_csv(path, ground):
+    points = ground.points() * [1.0, 1.0, 1e3]
+    np.savetxt(path, points, "%.6f", ",", header="x,y,z\nmm,mm,um", comments="")
+    return {}
+
+
+def as_shuffled_text(path, ground):
+    points = np.random.default_rng(1).permutation(ground.points())
+    np.savetxt(path, np.vstack([points, points[:3]]), "%.6f")
+    return {"units": "mm"}
+
+
+def as_matrix(path, ground):
+    np.savetxt(path, ground.heights, "%.6f")
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+def as_gwyddion(path, ground):
+    """A text matrix with a header as Gwyddion writes it, read by SurfaceTopography."""
+    pytest.importorskip("SurfaceTopography")
+    height, width = (size * ground.step for size in ground.heights.shape)
+    head = f"Channel: Height\nWidth: {width} mm\nHeight: {height} mm\nValue units: mm"
+    np.savetxt(path, ground.heights, "%.12g", header=head)
+    return {}
+
+
+def as_matlab(path, ground):
+    x, y = ground.places()
+    scipy.io.savemat(path, {"Z_um": 1e3 * ground.heights, "X_mm": x, "Y_mm": y})
+    return {}
+
+
+def surfer_7(heights, step, corner=(0.0, 0.0), version=1, angle=0.0, blank=1e30):
+    """Content of a Surfer grid of version 7."""
+    (ny, nx), (y, x) = heights.shape, corner
+    grid = struct.pack("<2i8d", ny, nx, x, y, step, step, 0.0, 0.0, angle, blank)
+    sections = {b"DSRB": struct.pack("<i", version), b"FLTI": bytes(5), b"GRID": grid}
+    parts = (sections | {b"DATA": heights.astype("<f8").tobytes()}).items()
+    return b"".join(name + struct.pack("<i", len(part)) + part for name, part in parts)
+
+
+def as_surfer(path, ground):
+    (ny, nx), (y, x) = ground.heights.shape, ground.corner
+    ends = x + ground.step * (nx - 1), y + ground.step * (ny - 1)
+    limits = [x, ends[0], y, ends[1], ground.heights.min(), ground.heights.max()]
+    if path.stem == "c":
+        path.write_bytes(surfer_7(ground.heights, ground.step, ground.corner))
+    elif path.stem == "b":
+        head = b"DSBB" + struct.pack("<2h6d", nx, ny, *limits)
+        path.write_bytes(head + ground.heights.astype("<f4").tobytes())
+    else:
+        numbers = " ".join(f"{value:.9f}" for value in ground.heights.ravel())
+        path.write_text(f"DSAA {nx} {ny} {' '.join(map(repr, map(float, limits)))} {numbers}")
+    return {"units": "mm"}
+
+
+def as_three_files(path, ground):
+    for name, matrix in zip("xyz", (*ground.places(), ground.heights), strict=True):
+        np.savetxt(path.parent / f"{name}.dat.txt", matrix, "%.6f")
+    return {"units": "mm"}
+
+
+def triangles(shape):
+    """Corners of the triangles (n, 3) between the points of a grid."""
+    ny, nx = shape
+    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
+    first, second = [corner, corner + 1, corner + nx], [corner + 1, corner + nx + 1, corner + nx]
+    return np.concatenate([np.stack(first, axis=1), np.stack(second, axis=1)])
+
+
+def write_mesh(path, points, faces):
+    """Write a mesh in the form of a suffix; a file named ``text`` is ASCII."""
+    trimesh = pytest.importorskip("trimesh")
+    text = {"encoding": "ascii"} if path.name == "text.ply" else {}
+    mesh = trimesh.Trimesh(points, faces, process=False)
+    content = mesh.export(file_type=path.suffix[1:], **text)
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def as_mesh(path, ground):
+    write_mesh(path, ground.points(), triangles(ground.heights.shape))
+    return {"units": "mm"}
+
+
+def as_esri(path, ground, rows=None, **head):
+    """An ESRI grid: rows from the largest y downwards, the place of the first cell's corner."""
+    (ny, nx), (y, x) = ground.heights.shape, ground.corner
+    words = {"ncols": nx, "nrows": ny, "xllcorner": x, "yllcorner": y, "cellsize": ground.step}
+    words |= {"NODATA_value": -9999} | head
+    heights = np.where(np.isnan(ground.heights), -9999, ground.heights)[::-1][:rows]
+    lines = "\n".join(f"{key} {value}" for key, value in words.items() if value is not None)
+    np.savetxt(path, heights, "%.9f", header=lines, comments="")
+    return {"units": "mm"}
+
+
+def as_tiff(path, ground):
+    pytest.importorskip("tifffile").imwrite(path, ground.heights)
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+def as_geotiff(path, ground):
+    """A GeoTIFF in metres, whose first row has the largest y."""
+    keys, step = (1, 1, 0, 2, 3076, 0, 1, 9001, 4099, 0, 1, 9001), 1e-3 * ground.step
+    y, x = (1e-3 * part for part in ground.corner)
+    top = y + step * (len(ground.heights) - 1)
+    tags = [
+        (33550, "d", 3, (step, step, 0.0), True),
+        (33922, "d", 6, (0.0, 0.0, 0.0, x, top, 0.0), True),
+        (34735, "H", len(keys), keys, True),
+        (42113, "s", 0, "-9999", True),
+    ]
+    heights = np.where(np.isnan(ground.heights), -9999.0, 1e-3 * ground.heights)[::-1]
+    pytest.importorskip("tifffile").imwrite(path, heights, extratags=tags)
+    return {}
+
+
+FORMS = {
+    "a.npy": as_npy,
+    "a.npz": as_npz,
+    "a.nc": as_netcdf,
+    "a.csv": as_csv,
+    "a.xyz": as_shuffled_text,
+    "a.stl": as_mesh,
+    "a.ply": as_mesh,
+    "text.ply": as_mesh,
+    "a.obj": as_mesh,
+    "a.txt": as_matrix,
+    "gwyddion.asc": as_gwyddion,
+    "x.dat.txt,y.dat.txt,z.dat.txt": as_three_files,
+    "a.mat": as_matlab,
+    "a.grd": as_surfer,
+    "b.grd": as_surfer,
+    "c.grd": as_surfer,
+    "a.asc": as_esri,
+    "esri.txt": as_esri,
+    "a.tif": as_tiff,
+    "geo.tiff": as_geotiff,
+}
+
+
+def files_in(form: str, folder: Path) -> list[Path]:
+    """Return the file of a form, or its three."""
+    return [folder / part for part in form.split(",")]
+
+
+def read_in(form: str, ground: Ground, folder: Path) -> Scan | Cloud:
+    """Write a wall in a form and read it."""
+    given = FORMS[form](folder / form, ground)
+    files = files_in(form, folder)
+    return read_scan(files if len(files) > 1 else files[0], **given)
