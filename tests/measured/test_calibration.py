@@ -42,14 +42,18 @@ def curve_of(history):
 
 
 @pytest.fixture(scope="module")
-def simulated():
-    asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
+def simulated(history):
+    asked = readings_of_curve(curve_of(history), SEATING)
     strengths = np.array([GRANITE.compressive_strength])
     return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10).logs
 
 
-def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
-    history = close_walls(*walls(1, 2e-3), CONDITIONS)
+@pytest.fixture(scope="module")
+def history():
+    return close_walls(*walls(1, 2e-3), CONDITIONS)
+
+
+def test_a_curve_is_read_as_the_history_that_it_was_measured_of(history):
     measured = readings_of_curve(curve_of(history), SEATING)
     assert measured.unloaded == (1,)
     np.testing.assert_allclose(measured.levels, [1.625e6, 2.75e6, 5e6], rtol=2e-3)
@@ -60,13 +64,18 @@ def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
     assert len(measured.names()) == len(measured.values)
 
 
-def test_the_number_of_workers_does_not_affect_the_joints():
-    asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
-    strengths = np.array([GRANITE.compressive_strength])
-    shares: list[float] = []
+def test_joints_are_the_same_by_any_number_of_workers_and_their_curves_those_of_the_readings(
+    history,
+):
+    cycles = CONDITIONS._replace(cycles=2)
+    asked = readings_of_curve(curve_of(history), SEATING)._replace(
+        cycles=2, unloaded=(1, 2), read=()
+    )
+    asked = asked._replace(values=np.ones(len(asked.places())))
+    strengths, shares = np.array([GRANITE.compressive_strength]), []
     one, two = (
         simulated_readings(
-            walls, CONDITIONS, asked, WAVELENGTHS[:3], strengths, 1, workers, shares.append
+            walls, cycles, asked, WAVELENGTHS[:3], strengths, 1, workers, shares.append
         )
         for workers in (1, 2)
     )
@@ -74,6 +83,14 @@ def test_the_number_of_workers_does_not_affect_the_joints():
         np.testing.assert_array_equal(first, second)
     assert np.isfinite(one.logs).all()
     assert shares == 2 * [1 / 3, 2 / 3, 1.0]
+    # curves count from the seating of their cycle, at stresses from the seating on
+    loading, unloading = np.moveaxis(one.closures[:, 0, 0], 2, 0)
+    assert (one.stresses[0], one.stresses[-1]) == (SEATING, asked.levels[-1])
+    np.testing.assert_array_equal(loading[:, :, 0], 0.0)
+    readings = np.exp(one.logs[:, 0, 0]).reshape(3, 2, -1)  # of both cycles, the last recovered
+    np.testing.assert_allclose(loading[:, :, -1], readings[:, :, -2], rtol=1e-12)
+    recovered = loading[:, :, -1] - unloading[:, :, 0]
+    np.testing.assert_allclose(recovered, readings[:, :, -1], rtol=1e-12)
 
 
 def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
@@ -132,60 +149,61 @@ TWO_CYCLES = """stress_MPa,closure_mm,cycle
 GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
 
 
-def test_a_fit_doubts_a_curve_that_no_joint_makes(tmp_path):
-    path = tmp_path / "lab.csv"
+ABOUT = {"rock": "granite", "shape": (12, 12), "surfaces": 4}
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    path = tmp_path_factory.mktemp("lab") / "lab.csv"
     path.write_text(GOOD)
-    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
-    shares = []
-    found = fit(path, **about, report=shares.append)
-    assert len(shares) == 8 * 4
-    assert shares[-1] == 1.0
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(lab):
+    return fit(lab, jrc=10.0, **ABOUT)
+
+
+def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):
     assert found.compressive_strength is None
     assert found.interval_holds
     assert found.simulated.logs.shape == (8, 1, 4, 3)
+    path = tmp_path / "lab.csv"
     path.write_text(GOOD.replace("0.12", "40"))
-    odd = fit(path, **about, simulated=found.simulated)
+    odd = fit(path, jrc=10.0, **ABOUT, simulated=found.simulated)
     assert not odd.interval_holds
     assert odd.p_value < 1e-3
     assert odd.mismatch_wavelength.value == np.inf
     assert [one.missed for one in odd.agreements()] == [True, True]
 
 
-def test_a_first_loading_that_no_joint_has_is_warned_of_and_its_band_is_of_the_nearest(tmp_path):
-    path = tmp_path / "lab.csv"
-    path.write_text(GOOD)
-    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
-    near = fit(path, **about)
+def test_a_first_loading_that_no_joint_has_is_warned_of_and_its_band_is_of_the_nearest(found, lab):
+    near = found
     scatter = np.random.default_rng(1).standard_normal((8, 1, 4, 4)) * [0.3, 0.05, 0.05, 0.05]
     logs = np.log(near.measured.values) + scatter[..., :1] + scatter[..., 1:]
     for factor, word in ((1.0, "fitted"), (4.0, "nearest")):
         joints = near.simulated._replace(
             logs=logs - np.log(factor), closures=near.simulated.closures / factor
         )
-        found = fit(path, **about, simulated=joints)
-        assert found.interval_holds
-        warned = [line for line in found.sentences() if line.startswith("Warning")]
+        other = fit(lab, jrc=10.0, **ABOUT, simulated=joints)
+        assert other.interval_holds
+        warned = [line for line in other.sentences() if line.startswith("Warning")]
         assert len(warned) == (word == "nearest")
-        assert all("no simulated joint has the measured closure of cycle 1" in w for w in warned)
-        assert found.reached == (word == "fitted")
-        labels = [t.get_text() for axes in fit_figure(found, "").axes for t in _legend_texts(axes)]
+        assert other.reached == (word == "fitted")
+        labels = [text for axes in fit_figure(other, "").axes for text in _legend(axes)]
         assert f"cycle 1: nine in ten {word} joints" in labels
 
 
-def _legend_texts(axes):
-    return axes.get_legend().get_texts() if axes.get_legend() else []
+def _legend(axes):
+    return axes.get_legend_handles_labels()[1]
 
 
-def test_a_range_of_jrc_widens_the_scatter_of_the_joints(tmp_path):
-    path = tmp_path / "lab.csv"
-    path.write_text(GOOD)
-    about = {"rock": "granite", "shape": (12, 12), "surfaces": 4}
-    one, several = (fit(path, jrc=jrc, **about) for jrc in (10.0, (2.0, 18.0)))
-    assert several.likelihood.scatter[-1, -1] > one.likelihood.scatter[-1, -1]
-    assert "JRC 2 to 18" in several.assumed
+def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
+    several = fit(lab, jrc=(2.0, 18.0), **ABOUT)
+    assert several.likelihood.scatter[-1, -1] > found.likelihood.scatter[-1, -1]
     for wrong in (None, (18.0, 2.0), (1.0, 2.0, 3.0)):
         with pytest.raises(jc.InputError, match="jrc"):
-            fit(path, jrc=wrong, **about)
+            fit(lab, jrc=wrong, **ABOUT)
 
 
 def test_the_strength_of_scanned_walls_is_within_its_interval():
@@ -238,39 +256,6 @@ def test_levels_without_points_are_not_read():
 
 
 @pytest.mark.parametrize(
-    ("head", "given"),
-    [
-        ("stress_kPa,closure_um", {}),
-        ("stress (kPa),closure [µm]", {}),
-        ("stress,closure\nkPa,µm", {}),
-        ("sigma_n,d", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
-        ("", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
-    ],
-)
-def test_a_curve_in_other_units_or_without_a_header_is_the_same_curve(head, given):
-    expected = parsed_curve("stress_MPa,closure_mm\n0,0\n0.5,0.1\n5,0.3\n", "a", cycle=1)
-    text = f"{head}\n0,0\n500,100\n5000,300\n"
-    curve = parsed_curve(text, "b", cycle=1, **given)
-    np.testing.assert_allclose(curve.stress, expected.stress)
-    np.testing.assert_allclose(curve.closure, expected.closure)
-
-
-@pytest.mark.parametrize(
-    ("text", "given", "printed"),
-    [
-        ("stress,closure_mm\n0,0\n", {}, "or state --stress-unit (stress_unit= in Python): one of"),
-        ("stress,closure,cycle\n0,0,1\n", {"cycle": None}, "or state the key stress_unit: one of"),
-        ("0,0\n5,1\n", {"names": ["1", "3"]}, "or their numbers from 1 to 2"),
-        ("0,0\n5,1\n", {}, "--columns, or columns= in Python, names or numbers others"),
-    ],
-)
-def test_a_column_without_unit_or_name_is_refused_with_what_states_it(text, given, printed):
-    with pytest.raises(jc.InputError) as error:
-        parsed_curve(text, "a", **({"cycle": 1} | given))
-    assert printed in str(error.value)
-
-
-@pytest.mark.parametrize(
     ("text", "about", "printed"),
     [
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
@@ -288,8 +273,7 @@ def test_a_column_without_unit_or_name_is_refused_with_what_states_it(text, give
 )
 def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, printed):
     path = tmp_path / "lab.csv"
-    if text is not None:
-        path.write_text(text)
+    path.write_text(text)
     with pytest.raises(jc.InputError) as error:
         fit(path, **({"rock": "granite", "jrc": 10.0, "shape": (64, 64)} | about))
     assert printed in str(error.value)

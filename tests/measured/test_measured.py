@@ -28,6 +28,9 @@ def test_a_curve_is_read_in_si_with_its_lines():
     assert down[0].tolist() == [1e6, 0.0]
 
 
+NUMBERED = {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um", "cycle": 1}
+
+
 @pytest.mark.parametrize(
     ("text", "units"),
     [
@@ -40,17 +43,9 @@ def test_a_curve_is_read_in_si_with_its_lines():
         ("Stress (MPa); t (s); Closure [mm]; cycle\n1;7;0.1;1\n", {}),
         ("stress\tclosure\tcycle\tx\nMPa\tmm\t-\ts\n1\t0.1\t1\tfree text\n", {}),
         ("t,sigma_n,d,No\ns,MPa,mm,\n0,1,0.1,1\n", {"names": ["sigma_n", "d", "No"]}),
-    ],
-    ids=[
-        "other order and units",
-        "configured units",
-        "mark of Excel",
-        "quotes",
-        "blanks",
-        "decimal commas",
-        "brackets",
-        "line of units",
-        "named columns",
+        ("stress_kPa,closure_um\n1000,100\n", {"cycle": 1}),
+        ("sigma_n,d\n1000,100\n", NUMBERED),
+        ("1000,100\n", NUMBERED),
     ],
 )
 def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
@@ -72,11 +67,16 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("stress_MPa,closure_mm,cycle\n1,0,2,1\n", "decimals are written with points"),
         ("stress_MPa;closure_mm;cycle\n1;0,2,3;1\n", "closure = '0,2,3'"),
         ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, kPa, MPa, GPa"),
+        ("stress,closure,cycle\n0,0,1\n", "or state the key stress_unit: one of"),
+        (("stress,closure_mm\n0,0\n", 1), "or state --stress-unit (stress_unit= in Python): one"),
+        (("0,0\n5,1\n", 1, ["1", "3"]), "or their numbers from 1 to 2"),
+        (("0,0\n5,1\n", 1), "--columns, or columns= in Python, names or numbers others"),
     ],
 )
 def test_what_is_wrong_is_said_with_file_line_and_value(text, printed):
+    text, *stated = (text,) if isinstance(text, str) else text
     with pytest.raises(InputError) as error:
-        curve_of(text)
+        curve_of(text, **dict(zip(("cycle", "names"), stated, strict=False)))
     assert printed in str(error.value)
 
 

@@ -10,33 +10,24 @@ from jointclosure.measured.calibration import CONFIDENCE, Likelihood, Readings
 
 
 class Quantity(NamedTuple):
-    """Reading of a curve in words, its unit and values (...), and its standard error.
-
-    ``first_loading`` says whether it is of the first loading alone.
-    """
+    """Reading of a curve in words, with its unit, values (...), and their standard errors."""
 
     name: str
     unit: str
     values: np.ndarray
     error: np.ndarray
-    first_loading: bool
+    first_loading: bool  # whether it is of the first loading alone
 
 
 class Agreement(NamedTuple):
-    """Range of a fitted parameter at which simulated joints have a measured reading.
-
-    ``low`` and ``high`` are wavelengths [m], or strengths [Pa] if the wavelength is known; NaN if
-    there are none. ``least`` and ``most`` are the ends of the 95 % interval of a single joint where
-    it is nearest to the measured value, all in ``unit``. ``first_loading`` says whether the reading
-    is of the first loading alone.
-    """
+    """Range of a fitted parameter at which simulated joints have a measured reading."""
 
     name: str
     unit: str
     measured: float
-    low: float
+    low: float  # wavelength [m], or strength [Pa] if the wavelength is known; NaN if there is none
     high: float
-    least: float
+    least: float  # ends of the 95 % interval of a single joint nearest to the measured value
     most: float
     first_loading: bool
 
@@ -49,26 +40,33 @@ class Agreement(NamedTuple):
 def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[Quantity]:
     """Compute closure at the maximum, stiffness, and the share that stays, of every cycle."""
     places = readings.places()
-    result = []
+    result: list[Quantity] = []
+
+    def add(name: str, unit: str, values: np.ndarray, spread: np.ndarray, first: bool) -> None:
+        result.append(Quantity(name, unit, values, spread, first))
+
     for cycle in range(1, readings.cycles + 1):
         levels = [level for number, level in places if number == cycle and level is not None]
         closures = [values[..., places.index((cycle, level))] for level in levels]
         whole, first = closures[-1], cycle == 1
-        name = f"closure of cycle {cycle}"
-        result.append(Quantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
+        add(f"closure of cycle {cycle}", "mm", 1e3 * whole, 1e3 * error * whole, first)
         if len(levels) > 1:
             rise, run = levels[-1] - levels[-2], whole - closures[-2]
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-9 * rise / run
                 spread = stiffness * error * np.hypot(whole, closures[-2]) / run
             between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
-            name = f"stiffness of cycle {cycle}, {between} MPa"
-            result.append(Quantity(name, "MPa/mm", stiffness, spread, first))
+            add(f"stiffness of cycle {cycle}, {between} MPa", "MPa/mm", stiffness, spread, first)
         if (cycle, None) in places:
             share = 1.0 - values[..., places.index((cycle, None))] / whole
             spread = np.full(share.shape, 100.0 * math.sqrt(2.0) * error)
-            name = f"share of the closure of cycle {cycle} that stays"
-            result.append(Quantity(name, "%", 100.0 * share, spread, False))
+            add(
+                f"share of the closure of cycle {cycle} that stays",
+                "%",
+                100.0 * share,
+                spread,
+                False,
+            )
     return result
 
 
@@ -81,18 +79,13 @@ def agreements(
     best = np.unravel_index(int(likelihood.log.argmax()), likelihood.log.shape)[1 - axis]
     other = round(best / max(likelihood.log.shape[1 - axis] - 1, 1) * (logs.shape[1 - axis] - 1))
     joints = np.exp(logs.take(other, axis=1 - axis))
-    nodes = np.linspace(0.0, 1.0, len(joints))
-    at = np.linspace(0.0, 1.0, fine.size)
+    nodes, at = np.linspace(0.0, 1.0, len(joints)), np.linspace(0.0, 1.0, fine.size)
+    both = (quantities_of(values, measured, error) for values in (joints, measured.values))
     result = []
-    for simulated, one in zip(
-        quantities_of(joints, measured, error),
-        quantities_of(measured.values, measured, error),
-        strict=True,
-    ):
+    for simulated, one in zip(*both, strict=True):
         value = float(one.values)
-        least, most = (
-            np.interp(at, nodes, end) for end in _intervals(simulated.values, value, one.error)
-        )
+        ends_of_one = _intervals(simulated.values, value, one.error)
+        least, most = (np.interp(at, nodes, end) for end in ends_of_one)
         apart = np.maximum(np.maximum(least - value, value - most), 0.0)
         within, nearest = np.flatnonzero(apart == 0.0), int(apart.argmin())
         low, high = (fine[within[0]], fine[within[-1]]) if within.size else (math.nan, math.nan)

@@ -39,18 +39,15 @@ _SAME_LOAD = 0.02
 class Readings(NamedTuple):
     """Readings of a curve: closures since seating on loading, and recovered closures on unloading.
 
-    ``cycles`` were measured, from the first on; ``unloaded`` are those unloaded back to seating.
-    ``levels`` [Pa] are the stresses of the loadings; ``seating`` [Pa]; ``values`` (n,) [m]. Levels
-    at which a loading has too few points are not read: ``read`` has the numbers of those that are,
-    by cycle, and is empty if all are.
+    Levels at which a loading has too few points are not read.
     """
 
     cycles: int
-    unloaded: tuple[int, ...]
-    levels: np.ndarray
+    unloaded: tuple[int, ...]  # cycles that were unloaded back to seating
+    levels: np.ndarray  # stresses of the loadings [Pa]
     seating: float
-    values: np.ndarray
-    read: tuple[tuple[int, ...], ...] = ()
+    values: np.ndarray  # (n,) [m]
+    read: tuple[tuple[int, ...], ...] = ()  # numbers of the levels of each cycle; (): all
 
     def places(self) -> list[tuple[int, float | None]]:
         """Return the cycle and the stress [Pa] of each value, None for a recovered closure."""
@@ -63,10 +60,9 @@ class Readings(NamedTuple):
 
     def names(self) -> list[str]:
         """Return a description of each value."""
+        recovered, closed = "closure recovered in cycle {}", "closure of cycle {} at {:.3g} MPa"
         return [
-            f"closure recovered in cycle {cycle}"
-            if level is None
-            else f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa"
+            recovered.format(cycle) if level is None else closed.format(cycle, 1e-6 * level)
             for cycle, level in self.places()
         ]
 
@@ -74,14 +70,12 @@ class Readings(NamedTuple):
 class Simulated(NamedTuple):
     """Simulated joints (wavelengths, strengths, joints, ...) of a fit.
 
-    ``logs`` (..., readings) are logarithms of their readings; all readings of a joint are NaN if
-    one is missing. ``closures`` (..., cycles, 2, stresses) are net closures [m] on loading and
-    unloading since the seating of each cycle, at ``stresses`` [Pa].
+    ``closures`` are net, on loading and unloading since the seating of each cycle.
     """
 
-    logs: np.ndarray
-    closures: np.ndarray
-    stresses: np.ndarray
+    logs: np.ndarray  # (..., readings), logarithms; NaN for a joint of which one is missing
+    closures: np.ndarray  # (..., cycles, 2, stresses) [m]
+    stresses: np.ndarray  # [Pa]
 
 
 class Interval(NamedTuple):
@@ -95,41 +89,26 @@ class Interval(NamedTuple):
 class Likelihood(NamedTuple):
     """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
 
-    ``log`` (wavelengths, strengths) is the log likelihood. ``means`` (wavelengths, strengths,
-    readings) and ``scatter`` (wavelengths, readings) are mean and standard deviation of the
-    logarithms of the readings. ``p_value`` is the probability that a joint of the most likely
-    wavelength and strength is at least as far from their mean as the measured one.
+    ``p_value`` is the probability that a joint of the most likely wavelength and strength is at
+    least as far from their mean as the measured one.
     """
 
     wavelengths: np.ndarray
     strengths: np.ndarray
-    log: np.ndarray
-    means: np.ndarray
-    scatter: np.ndarray
+    log: np.ndarray  # (wavelengths, strengths)
+    means: np.ndarray  # (wavelengths, strengths, readings), of logarithms
+    scatter: np.ndarray  # (wavelengths, readings), standard deviations of logarithms
     p_value: float
-
-    def least_distances(self, measured: Readings) -> np.ndarray:
-        """Compute each reading's smallest distance (readings,) from a mean, over its scatter."""
-        distances = np.abs(np.log(measured.values) - self.means) / self.scatter[:, None, :]
-        return distances.min(axis=(0, 1))
 
     def interval(self, axis: int) -> Interval:
         """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood."""
-        values = (self.wavelengths, self.strengths)[axis]
+        values = np.array((self.wavelengths, self.strengths)[axis])
         profile = self.log.max(axis=1 - axis)
-        best = int(profile.argmax())
-        threshold = profile[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
+        threshold = profile.max() - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
         within = np.flatnonzero(profile >= threshold)
-        estimate = [float(values[i]) for i in (best, within[0], within[-1])]
-        if (
-            axis == 0 and values.size > 1
-        ):  # the ends of the simulated wavelengths represent all beyond
-            ends = {0: 0.0, values.size - 1: np.inf}
-            estimate = [
-                ends.get(int(i), value)
-                for i, value in zip((best, within[0], within[-1]), estimate, strict=True)
-            ]
-        return Interval(*estimate)
+        if axis == 0 and values.size > 1:  # the ends represent all wavelengths beyond
+            values[0], values[-1] = 0.0, np.inf
+        return Interval(*values[[profile.argmax(), within[0], within[-1]]].tolist())
 
 
 def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
@@ -145,14 +124,10 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
                 f"{1e-6 * largest[0]:g} MPa: must be the same"
             )
     levels = seating_stress + np.array(PARTS) * (min(largest) - seating_stress)
-    unloaded = tuple(
-        cycle
-        for cycle in cycles
-        if curve.branches(cycle)[UNLOADING][0].min(initial=np.inf) <= seating_stress
-    )
-    read = tuple(
-        _levels_read(curve.branches(cycle)[LOADING][0], seating_stress) for cycle in cycles
-    )
+    lowest = {c: curve.branches(c)[UNLOADING][0].min(initial=np.inf) for c in cycles}
+    unloaded = tuple(cycle for cycle in cycles if lowest[cycle] <= seating_stress)
+    loadings = (curve.branches(cycle)[LOADING][0] for cycle in cycles)
+    read = tuple(_levels_read(stress, seating_stress) for stress in loadings)
     asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0), read)
     values = readings_of_history(_as_history(curve), asked)
     if not np.all(values > 0.0):
@@ -183,33 +158,25 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
             before, end = branches[-1][2][-1], branches[-1][3][-1]
             again = abs(before - first) <= _SAME_STRESS * curve.stress.max()
             offset = end - zero if again else 0.0
-        branches += [
-            (cycle, branch, stress, closure + offset)
-            for branch, (stress, closure) in of_cycle.items()
-        ]
-    names = np.concatenate([[branch] * stress.size for _, branch, stress, _ in branches])
-    cycles = np.concatenate([np.full(stress.size, cycle) for cycle, _, stress, _ in branches])
-    columns = {
-        "normal_stress": np.concatenate([stress for *_, stress, _ in branches]),
-        "closure": np.concatenate([closure for *_, closure in branches]),
-        "bulk_indentation": np.zeros(cycles.size),
-        "cycle": cycles,
-        "branch": names,
-    }
-    return xr.Dataset({name: ("step", values) for name, values in columns.items()})
+        branches += [(cycle, name, x, y + offset) for name, (x, y) in of_cycle.items()]
+    parts = [
+        (stress, closure, 0.0 * stress, np.full(stress.size, cycle), [branch] * stress.size)
+        for cycle, branch, stress, closure in branches
+    ]
+    names = ("normal_stress", "closure", "bulk_indentation", "cycle", "branch")
+    columns = zip(names, map(np.concatenate, zip(*parts, strict=True)), strict=True)
+    return xr.Dataset({name: ("step", values) for name, values in columns})
 
 
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
     """Return the same readings of a simulated joint, net of bulk indentation; NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
-    closures = closures_at(history, stresses)
-    values = []
+    closures, values = closures_at(history, stresses), []
     for cycle, level in asked.places():
         loading, unloading = closures[cycle - 1]
-        if level is None:
-            values.append(loading[-1] - unloading[0])
-        else:
-            values.append(loading[int(np.argmax(stresses == level))] - loading[0])
+        recovered = loading[-1] - unloading[0]
+        at = np.argmax(stresses == level)
+        values.append(recovered if level is None else loading[at] - loading[0])
     return np.array(values)
 
 
@@ -229,17 +196,16 @@ def simulated_readings(
     logs = np.full((*shape, asked.values.size), np.nan)
     stresses = np.linspace(asked.seating, asked.levels[-1], CURVE_POINTS)
     closures = np.full((*shape, asked.cycles, 2, CURVE_POINTS), np.nan)
-    places = [(i, j, k) for k, i, j in np.ndindex(surfaces, *shape[:2])]
-    tasks = []
+    places, tasks = [(i, j, k) for k, i, j in np.ndindex(surfaces, *shape[:2])], []
     for i, j, k in places:
-        number = int(np.ravel_multi_index((i, j, k), shape)) + 1
         rock = intact._replace(compressive_strength=float(strengths[j]))
-        made = partial(walls, number, float(wavelengths[i]))
+        made = partial(
+            walls, int(np.ravel_multi_index((i, j, k), shape)) + 1, float(wavelengths[i])
+        )
         tasks.append((made, conditions._replace(rock=rock), asked, stresses))
-    answers = itertools.chain(
-        shared(_read_joint, tasks[:1], 1),
-        ((place + 1, answer) for place, answer in shared(_read_joint, tasks[1:], workers)),
-    )
+    # the first alone, because it may compile the kernels
+    rest = ((task + 1, answer) for task, answer in shared(_read_joint, tasks[1:], workers))
+    answers = itertools.chain(shared(_read_joint, tasks[:1], 1), rest)
     for count, (task, answer) in enumerate(answers, start=1):
         if isinstance(answer, Failed):
             raise answer.error
@@ -249,11 +215,11 @@ def simulated_readings(
 
 
 def _read_joint(
-    walls: Callable[[], tuple[np.ndarray, np.ndarray]],
+    walls: Callable[..., tuple[np.ndarray, np.ndarray]],
     conditions: Conditions,
     asked: Readings,
     stresses: np.ndarray,
-) -> tuple[np.ndarray | float, np.ndarray | float]:
+):
     """Close a joint, and return its entries of `Simulated.logs` and `closures`, or NaN."""
     closed = close_walls(*walls(), conditions)
     values = readings_of_history(closed, asked)
@@ -276,7 +242,7 @@ def likelihood_of(
     strengths: np.ndarray,
     error: float,
 ) -> Likelihood:
-    """Compute the likelihood of a measured curve from simulated joints.
+    """Compute the likelihood of a measured curve from readings of simulated joints.
 
     The mean of the log readings is a polynomial of the logarithms of wavelength (cubic) and
     strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the covariance
@@ -316,15 +282,8 @@ def likelihood_of(
         half_sum = 0.5 * (freedom + size)
         log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - half_sum * np.log1p(squares / freedom)
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
-    best = np.unravel_index(int(log.argmax()), log.shape)
-    return Likelihood(
-        _unscaled(fine_x, wavelengths),
-        _unscaled(fine_y, strengths),
-        log,
-        means,
-        spread,
-        float(distances[best]),
-    )
+    fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
+    return Likelihood(*fine, log, means, spread, float(distances.flat[log.argmax()]))
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:
@@ -334,6 +293,7 @@ def _scaled(values: np.ndarray) -> np.ndarray:
 
 
 def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return values from their scaled logarithms."""
     first, last = np.log(values[0]), np.log(values[-1])
     return np.exp(first + part * (last - first))
 

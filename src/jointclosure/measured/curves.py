@@ -69,11 +69,8 @@ def parsed_curve(
     names: Sequence[str] | None = None,
 ) -> MeasuredCurve:
     """Read a curve from the text of a CSV file."""
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    numbered = enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
+    lines = [(n, line) for n, line in numbered if line.strip() and line.lstrip()[0] != "#"]
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
     mark = next((mark for mark in ";\t," if mark in lines[0][1]), None)
@@ -94,13 +91,13 @@ def parsed_curve(
     columns = _columns(header, below, where, units, cycle is None, names)
     rows = []
     for number, cells in body:
+        at = f"{name}, line {number}"
         if len(cells) != len(header):
             decimals = " (decimals are written with points)" if mark == "," else ""
             raise InputError(
-                f"{name}, line {number}: {(mark or ' ').join(cells)!r} has {len(cells)} values, "
-                f"the header has {len(header)}{decimals}"
+                f"{at}: {(mark or ' ').join(cells)!r} has {len(cells)} values, the header has "
+                f"{len(header)}{decimals}"
             )
-        at = f"{name}, line {number}"
         values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
         rows.append((*values, number))
     if not rows:
@@ -147,18 +144,15 @@ def _columns(
         line = below[position] if position < len(below) else ""
         unit = "" if quantity == "cycle" else stated or line or units[quantity] or ""
         if unit not in allowed[quantity]:
-            raise InputError(
-                f"{where}: column {cell!r}: "
-                + (f"unit {unit!r} must be" if unit else _without_unit(quantity, needs_cycle))
-                + f" one of {', '.join(filter(None, allowed[quantity]))}"
-            )
+            wrong = f"unit {unit!r} must be" if unit else _without_unit(quantity, needs_cycle)
+            units_allowed = ", ".join(filter(None, allowed[quantity]))
+            raise InputError(f"{where}: column {cell!r}: {wrong} one of {units_allowed}")
         columns[quantity] = position, unit
     needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
     missing = [name for name in needed if name not in columns]
     if missing:
-        others = (
-            "" if needs_cycle else "; --columns, or columns= in Python, names or numbers others"
-        )
+        others = "; --columns, or columns= in Python, names or numbers others"
+        others = "" if needs_cycle else others
         raise InputError(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle{others})"
             f"; there are {', '.join(header)}"
@@ -181,15 +175,9 @@ def _unit(cell: str) -> str:
 
 def _without_unit(quantity: str, of_study: bool) -> str:
     """Return the start of the message on a column without a unit, with the key or option for it."""
-    key = f"{quantity}_unit"
+    key, usual = f"{quantity}_unit", {"stress": "MPa", "closure": "mm"}[quantity]
     where = f"the key {key}" if of_study else f"--{quantity}-unit ({key}= in Python)"
-    return (
-        f"has no unit; write it in the heading ({quantity}_{_USUAL[quantity]}), or state {where}:"
-    )
-
-
-_USUAL = {"stress": "MPa", "closure": "mm"}
-"""Units in examples of headings."""
+    return f"has no unit; write it in the heading ({quantity}_{usual}), or state {where}:"
 
 
 def _is_number(cell: str) -> bool:
@@ -202,20 +190,15 @@ def _is_number(cell: str) -> bool:
 
 def _cells(line: str, mark: str | None) -> list[str]:
     """Return the cells of a line; decimal commas, which a mark other than "," allows, as points."""
-    if mark is None:
-        cells = line.split()
-    else:
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark))]
+    split = line.split() if mark is None else next(csv.reader([line], delimiter=mark))
+    cells = [cell.strip() for cell in split]
     if mark == ",":
         return cells
     return [point if _is_number(point := cell.replace(",", ".")) else cell for cell in cells]
 
 
 def _number(cell: str, where: str, quantity: str) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
+    value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")
     if quantity == "stress" and value < 0.0:
@@ -227,7 +210,7 @@ def _number(cell: str, where: str, quantity: str) -> float:
 
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
     """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa]."""
-    seating_MPa = 1e-6 * seating
+    counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
         raise InputError(
             f"{name}, line {curve.line[i]}: cycle = {curve.cycle[i]} after cycle "
@@ -236,13 +219,9 @@ def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
     for cycle in curve.cycles:
         loading, _ = curve.branches(cycle)[LOADING]
         where = f"{name}, line {curve.line[curve.cycle == cycle][0]}"
+        where += f": stress = {1e-6 * loading[0]:g} MPa"
         if loading[0] > seating:
-            raise InputError(
-                f"{where}: stress = {1e-6 * loading[0]:g} MPa: the loading of cycle {cycle} must "
-                f"start at or below seating_stress_MPa = {seating_MPa:g}, from which closures count"
-            )
+            must = "must start at or below"
+            raise InputError(f"{where}: the loading of cycle {cycle} {must} {counts}")
         if not (loading > seating).any():
-            raise InputError(
-                f"{where}: stress = {1e-6 * loading[0]:g} MPa: no stress of cycle {cycle} is "
-                f"above seating_stress_MPa = {seating_MPa:g}, from which closures count"
-            )
+            raise InputError(f"{where}: no stress of cycle {cycle} is above {counts}")

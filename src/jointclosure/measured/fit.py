@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -48,6 +48,7 @@ STRENGTH_RANGE = (0.5, 2.0)
 """Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
 """Smallest p-value for which a mismatch wavelength explains the curve."""
+_CHECK = "check rock, roughness, roll-off, size and units"
 _FAR = 3.0
 """Distance of a reading from all joints, in standard deviations, from which it counts as missed."""
 
@@ -55,28 +56,13 @@ _FAR = 3.0
 class Fit(NamedTuple):
     """Fit of a joint to a measured curve.
 
-    Attributes
-    ----------
-    mismatch_wavelength : Interval
-        [m], with the ends of its 95 % interval; 0 if mated walls are not excluded, infinite if
-        independent walls are not excluded. Of scanned walls it is the measured one.
-    compressive_strength : Interval or None
-        [Pa]; None if it was not fitted.
-    p_value : float
-        Probability that such a joint is at least as far from their mean as the measured one.
-    measured : Readings
-        Readings of the curve.
-    simulated : Simulated
-        The same readings of the simulated joints, and their curves.
-    likelihood : Likelihood
-    assumed : str
-        Description of the simulated joints from `assumptions`; intervals are valid only for these.
-    closure_error : float
-        Relative error of measured closures.
-    curve : MeasuredCurve or None
-        The measured curve, for the figure.
-    scanned : bool
-        Whether the walls are scanned; otherwise they are synthetic.
+    ``mismatch_wavelength`` [m], with the ends of its 95 % interval: 0 if mated walls are not
+    excluded, infinite if independent walls are not; of scanned walls it is the measured one.
+    ``compressive_strength`` [Pa]: None if it was not fitted. ``p_value``: probability that such a
+    joint is at least as far from their mean as the measured one. ``measured`` and ``simulated``:
+    readings of the curve and of the joints. ``assumed``: description of the joints, for which alone
+    intervals are valid. ``closure_error``: relative error of measured closures. ``scanned``:
+    whether the walls are scanned.
     """
 
     mismatch_wavelength: Interval
@@ -102,30 +88,28 @@ class Fit(NamedTuple):
 
     def sentences(self) -> list[str]:
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
+        wavelength, strength = self.mismatch_wavelength, self.compressive_strength
         if not self.interval_holds:
-            nearest = [f"nearest are {_near(self.mismatch_wavelength.value)}"] * (not self.scanned)
-            return [*self._missed(), *nearest, *self._compared(), f"assumed: {self.assumed}"]
-        lines = []
+            nearest = [f"nearest are {_near(wavelength.value)}"] * (not self.scanned)
+            return [*self._unexplained(), *nearest, *self._compared(), f"assumed: {self.assumed}"]
+        lines: list[str] = []
+        if missed := self._missed_first_loading():
+            text = (
+                f"no simulated joint has the measured {' or the '.join(missed)}: the interval is "
+            )
+            lines.append(caution(f"{text}that of the nearest joints; {_CHECK}"))
         if not self.scanned:
-            lines.append(f"mismatch wavelength {_stated(self.mismatch_wavelength, 1e3, 'mm')}")
-        if self.compressive_strength is not None:
+            lines.append(f"mismatch wavelength {_stated(wavelength, 1e3, 'mm')}")
+        if strength is not None:
             tried = self.likelihood.strengths[[0, -1]]
-            strength = _stated(self.compressive_strength, 1e-6, "MPa", *tried)
-            lines.append(f"compressive strength {strength}")
-        if math.isinf(self.mismatch_wavelength.high) and not self.scanned:
+            lines.append(f"compressive strength {_stated(strength, 1e-6, 'MPa', *tried)}")
+        if math.isinf(wavelength.high) and not self.scanned:
             lines.append("independent walls are not excluded")
-        if self.mismatch_wavelength.low == 0.0 and not self.scanned:
+        if wavelength.low == 0.0 and not self.scanned:
             lines.append("mated walls are not excluded")
-        lines.append(
-            f"{percent(self.p_value)} of such joints are at least as far from their mean as the "
-            "measured one"
-        )
-        return [
-            *self._doubts(),
-            *lines,
-            *self._compared(),
-            f"valid only for the assumed joint: {self.assumed}",
-        ]
+        far = "of such joints are at least as far from their mean as the measured one"
+        lines += [f"{percent(self.p_value)} {far}", *self._compared()]
+        return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def agreements(self) -> list[Agreement]:
         """Compare closure, stiffness and what stays with single joints, each by itself."""
@@ -135,58 +119,42 @@ class Fit(NamedTuple):
         """Return readings of the first loading that no joint has, in words."""
         return [each.name for each in self.agreements() if each.first_loading and each.missed]
 
-    def _doubts(self) -> list[str]:
-        """Warn that no joint has a reading of the first loading, although the interval is valid."""
-        if not (missed := self._missed_first_loading()):
-            return []
-        return [
-            caution(
-                f"no simulated joint has the measured {' or the '.join(missed)}: the interval is "
-                "that of the nearest joints; check rock, roughness, roll-off, size and units"
-            )
-        ]
-
     def _compared(self) -> list[str]:
         """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
         tried = self.likelihood.strengths if self.scanned else self.likelihood.wavelengths
-        scale, unit = (1e-6, "MPa") if self.scanned else (1e3, "mm")
-        what = "strengths" if self.scanned else "mismatch wavelengths"
+        scale, unit, what = 1e3, "mm", "mismatch wavelengths"
+        if self.scanned:
+            scale, unit, what = 1e-6, "MPa", "strengths"
         lines = []
-        for reading in self.agreements():
-            value = f"{reading.name}, measured {significant(reading.measured, 3)} {reading.unit}: "
-            if reading.missed:
-                lines.append(
-                    f"{value}no joint has it, the nearest have {significant(reading.least, 3)} to "
-                    f"{significant(reading.most, 3)} {reading.unit}"
-                )
-                continue
-            low, high = (f"{scale * end:.3g}" for end in (reading.low, reading.high))
-            low += " or less" if reading.low == tried[0] else ""
-            high += f" {unit} or more" if reading.high == tried[-1] else f" {unit}"
-            lines.append(f"{value}joints have it at {what} from {low} to {high}")
+        for one in self.agreements():
+            value, least, most = (significant(x, 3) for x in (one.measured, one.least, one.most))
+            low, high = (f"{scale * end:.3g}" for end in (one.low, one.high))
+            low += " or less" if one.low == tried[0] else ""
+            high += f" {unit} or more" if one.high == tried[-1] else f" {unit}"
+            where = f"joints have it at {what} from {low} to {high}"
+            if one.missed:
+                where = f"no joint has it, the nearest have {least} to {most} {one.unit}"
+            lines.append(f"{one.name}, measured {value} {one.unit}: {where}")
         return lines
 
-    def _missed(self) -> list[str]:
+    def _unexplained(self) -> list[str]:
         """Warn that the model does not explain the curve, and name a reading that no joint has."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         warning = caution(
             f"the model does not explain this curve: {seldom} of its joints are as far "
-            "from their mean, and no interval is valid; check rock, roughness, roll-off, size and "
-            "units"
+            f"from their mean, and no interval is valid; {_CHECK}"
         )
-        least = self.likelihood.least_distances(self.measured)
+        means, values = self.likelihood.means, self.measured.values
+        least = np.abs(np.log(values) - means) / self.likelihood.scatter[:, None, :]
+        least = least.min(axis=(0, 1))
         worst = int(least.argmax())
         if least[worst] < _FAR:
             return [warning, "some joints have each single reading, but no joint has all of them"]
-        means = self.likelihood.means[..., worst]
-        low, high = (1e3 * np.exp(end(means)) for end in (np.min, np.max))
-        return [
-            warning,
-            f"no mismatch wavelength explains the {self.measured.names()[worst]}: measured "
-            f"{1e3 * self.measured.values[worst]:.3g} mm, joints of the model {low:.3g} to "
-            f"{high:.3g} mm in the mean",
-        ]
+        low, high = (1e3 * np.exp(end(means[..., worst])) for end in (np.min, np.max))
+        name, value = self.measured.names()[worst], 1e3 * values[worst]
+        missed = f"no mismatch wavelength explains the {name}: measured {value:.3g} mm, joints of "
+        return [warning, f"{missed}the model {low:.3g} to {high:.3g} mm in the mean"]
 
     def __repr__(self) -> str:
         return f"<Fit: {'; '.join(self.sentences())}>"
@@ -223,9 +191,8 @@ def fit(
     ----------
     curve : path or MeasuredCurve
         CSV with columns stress and closure, in the units of their names (stress_MPa, closure_mm)
-        or in those given here, in the order of measurement; and cycle, if there are several, all
-        to one largest stress. Closures are those of the joint, without the deformation of the
-        intact rock.
+        or in those given here, in the order of measurement; and cycle, if there are several, all to
+        one largest stress. Closures are those of the joint, without the intact rock's deformation.
     rock : str or Rock
         Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
     jrc : float or (float, float)
@@ -287,9 +254,10 @@ def fit(
     if pair is not None:
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
     jrcs = _jrc_range(jrc, pair)
-    shape = _checked_shape(shape)
-    _check(surfaces, closure_error, seed)
-    curve, measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
+    shape = _checked(shape, surfaces, closure_error, seed)
+    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+    curve = read_curve(curve, stress_unit, closure_unit, columns)
+    measured = _readings(curve, name, seating_stress)
     stress = float(measured.levels[-1])
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
@@ -316,30 +284,14 @@ def fit(
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
-    return Fit(
-        likelihood.interval(0) if pair is None else Interval(*pair.mismatch),
-        likelihood.interval(1) if fit_strength else None,
-        likelihood.p_value,
-        measured,
-        simulated,
-        likelihood,
-        assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength),
-        closure_error,
-        curve,
-        pair is not None,
-    )
+    wavelength = likelihood.interval(0) if pair is None else Interval(*pair.mismatch)
+    strength = likelihood.interval(1) if fit_strength else None
+    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength)
+    of_joints = measured, simulated, likelihood, assumed, closure_error, curve, pair is not None
+    return Fit(wavelength, strength, likelihood.p_value, *of_joints)
 
 
-def _random_walls(
-    jrcs: tuple[float, float],
-    shape: tuple[int, int],
-    spacing: float,
-    seed: int,
-    hurst: float,
-    roll_off: float | None,
-    number: int,
-    wavelength: float,
-) -> tuple[np.ndarray, np.ndarray]:
+def _random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wavelength: float):
     """Make the walls of a simulated joint, of a random JRC within the range."""
     low, high = jrcs
     drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
@@ -349,17 +301,13 @@ def _random_walls(
     )  # fmt: skip
 
 
-def _scanned_walls(
-    upper: np.ndarray, lower: np.ndarray, seed: int, number: int, wavelength: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int, _: float):
     """Displace the upper wall by up to a cell along x and y; their mismatch is as scanned."""
     y, x = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
     return shifted_walls(upper, lower, (y, x))
 
 
-def _jrc_range(
-    jrc: float | tuple[float, float] | None, pair: RegisteredPair | None
-) -> tuple[float, float]:
+def _jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
     """Return the ends of the range of the JRC; (nan, nan) for scanned walls."""
     if pair is not None:
         return math.nan, math.nan
@@ -375,18 +323,13 @@ def _jrc_range(
 
 
 def assumptions(
-    rock: Rock,
-    jrc: tuple[float, float],
-    shape: tuple[int, int],
-    spacing: float,
-    roll_off: float | None,
-    fit_strength: bool = False,
+    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, fit_strength: bool = False
 ) -> str:
     """Describe the simulated joints; arguments as for `fit`, a JRC of NaN for scanned walls."""
     ny, nx = (1e3 * spacing * cells for cells in shape)
-    waves = (
-        "of all lengths" if roll_off is None else f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
-    )
+    waves = "of all lengths"
+    if roll_off is not None:
+        waves = f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
     factors = STRENGTH_RANGE if fit_strength else (1.0,)
     strength = " to ".join(f"{1e-6 * factor * rock.compressive_strength:g}" for factor in factors)
     roughness = f"JRC {' to '.join(f'{end:g}' for end in dict.fromkeys(jrc))}, waves {waves}"
@@ -395,8 +338,7 @@ def assumptions(
     return (
         f"{roughness}, {nx:g} x {ny:g} mm at a spacing of {1e3 * spacing:g} mm, "
         f"E {1e-9 * rock.youngs_modulus:g} GPa, Poisson's ratio {rock.poisson_ratio:g},"
-        f" strength {strength} MPa; measured closures net of the intact "
-        "rock's deformation"
+        f" strength {strength} MPa; measured closures net of the intact rock's deformation"
     )
 
 
@@ -415,35 +357,26 @@ def read_curve(
     return parsed_curve(text, str(curve), stress_unit, closure_unit, cycle=1, names=columns)
 
 
-def _measured(
-    curve: str | Path | MeasuredCurve,
-    seating_stress: float | None,
-    stress_unit: str | None,
-    closure_unit: str | None,
-    columns: Sequence[str] | None,
-) -> tuple[MeasuredCurve, Readings]:
-    """Read and check a curve."""
-    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, stress_unit, closure_unit, columns)
+def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
+    """Check a curve, and read it."""
     if seating_stress is None:
         maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
         seating_stress = usual_seating(float(min(maxima)))
     check_positive("seating_stress", seating_stress, "Pa")
     check_loadings(curve, name, seating_stress)
     with naming(name):
-        return curve, readings_of_curve(curve, seating_stress)
+        return readings_of_curve(curve, seating_stress)
 
 
-def _checked_shape(shape: tuple[int, int] | None) -> tuple[int, int]:
+def _checked(
+    shape: tuple[int, int] | None, surfaces: int, closure_error: float, seed: int
+) -> tuple[int, int]:
+    """Return the shape, or raise `InputError` for it or a number."""
     if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
         raise InputError(
             f"shape = {shape!r}: must be (cells along y, along x), at least 8 each, so that the "
             "simulated joints are as large as the measured one: closure depends on the size"
         )
-    return shape
-
-
-def _check(surfaces: int, closure_error: float, seed: int) -> None:
     check_number("surfaces", surfaces, whole=True)
     if surfaces < 4:
         raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
@@ -451,6 +384,7 @@ def _check(surfaces: int, closure_error: float, seed: int) -> None:
     if not 0.0 < closure_error <= 1.0:
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
     check_seed("seed", seed)
+    return shape
 
 
 def _near(value: float) -> str:
@@ -463,15 +397,15 @@ def _stated(
     interval: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
 ) -> str:
     """Format an estimate with its interval in a unit, and whether it is at an end of the range."""
-    value, low, high = (scale * part for part in interval)
+    value, low, high = (f"{scale * part:.3g}" for part in interval)
     if interval.low <= least and interval.high >= most:
         return "is not bounded: no simulated value is excluded"
     at_end = "95 % interval; the most likely value is at the end of the simulated range"
     if interval.value <= least:
-        return f"below {high:.3g} {unit} ({at_end})"
+        return f"below {high} {unit} ({at_end})"
     if interval.value >= most:
-        return f"above {low:.3g} {unit} ({at_end})"
-    lower = f"{low:.3g} or less" if 0.0 < interval.low <= least else f"{low:.3g}"
-    upper = f"{high:.3g} or more" if interval.high >= most else f"{high:.3g}"
-    upper = upper if math.isfinite(high) else "no end"
-    return f"{value:.3g} {unit} (95 % interval {lower} to {upper})"
+        return f"above {low} {unit} ({at_end})"
+    low += " or less" if 0.0 < interval.low <= least else ""
+    high += " or more" if interval.high >= most else ""
+    high = high if math.isfinite(interval.high) else "no end"
+    return f"{value} {unit} (95 % interval {low} to {high})"

@@ -39,9 +39,8 @@ def file_named(folder: Path, name: str) -> Path:
 
 def _matrix(path: Path) -> np.ndarray:
     """Read finite numbers with blanks between them as an array (lines, columns)."""
-    lines = [line.split() for line in read_text(path).splitlines() if line.strip()]
     try:
-        matrix = np.array(lines, dtype=float).reshape(len(lines), -1)
+        matrix = np.loadtxt(read_text(path).splitlines(), ndmin=2)
     except ValueError as error:
         raise InputError(f"{path}: lines of equally many numbers expected: {error}") from None
     if not np.isfinite(matrix).all():
@@ -95,15 +94,12 @@ def scans(folder: Path, joint: str) -> tuple[Path, Path] | None:
     names = {path: path.relative_to(folder).as_posix().lower() for path in files}
     walls = []
     for side in "ab":
-        here = [
-            path
-            for path, name in names.items()
-            if f"vd{joint}{side}" in name and "post" not in name
-        ]
+        wall = f"vd{joint}{side}"
+        here = [path for path, name in names.items() if wall in name and "post" not in name]
         if len(here) != 1:
             raise InputError(
-                f"{folder}: {len(here)} scans of wall vd{joint}{side} before testing, must be one "
+                f"{folder}: {len(here)} scans of wall {wall} before testing, must be one "
                 f"(STL files without 'post' in their path); there are {', '.join(names.values())}"
             )
-        walls.append(here[0])
+        walls += here
     return walls[0], walls[1]
