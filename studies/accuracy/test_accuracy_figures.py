@@ -5,7 +5,9 @@ import pandas as pd
 import pytest
 
 from jointclosure.engine.settings import BASE
+from jointclosure.plotting.style import StyledFigure
 from studies.accuracy.figures import work_precision
+from studies.accuracy.labels import Label, label_marks
 
 PAPER = "the paper's steps"
 FRONT = "none is faster and more exact; hollow marks count as equal"
@@ -51,3 +53,15 @@ def test_what_no_setting_beats_in_both_ends_at_the_first_hollow_mark(costs):
     axes = work_precision(costs, "", PAPER).axes[0]
     (best,) = [line for line in axes.lines if line.get_label() == FRONT]
     np.testing.assert_array_equal(best.get_xdata(), [0.5, 1.0, 4.0])
+
+
+def test_labels_of_marks_do_not_meet():
+    figure = StyledFigure(figsize=(3.0, 3.0))
+    axes = figure.add_subplot()
+    axes.plot([1.0], [1.0], "*", ms=13)
+    axes.plot([1.02, 0.98], [1.0, 1.0], "o", ms=5)
+    axes.set(xlim=(0.5, 1.5), ylim=(0.5, 1.5))
+    label_marks(axes, [Label("0.5", 1.02, 1.0, "C0"), Label("1", 0.98, 1.0, "C1")])
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == 2
+    assert not boxes[0].padded(2.0).overlaps(boxes[1])

@@ -54,24 +54,27 @@ def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
     """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
     values, numbers = read_along(closed, of), sorted(set(closed.cycle.values.tolist()))
+    seating = float(closed.attrs["seating_stress_Pa"])
     for number in numbers:
-        zero = _zero_of(closed, number, since, of)
+        zero = 0.0
+        if since == "seating":
+            zero = seat_of(closed, number, LOADING, of)
+        elif since == "cycle":
+            zero = values[branch_of(closed, number, LOADING)[0]]
         for name, style in BRANCH_LINES.items():
             here = branch_of(closed, number, name)
             closure, stress = values[here], closed.normal_stress.values[here]
-            if since == "seating":
-                seat = seat_of(closed, number, name, of)
-                closure, stress = _from_seating(closed, name, seat, closure, stress)
+            if since == "seating":  # from its point at the seating stress
+                over = stress > seating
+                end = 0 if name == LOADING else int(over.sum())
+                closure = np.insert(closure[over], end, seat_of(closed, number, name, of))
+                stress = np.insert(stress[over], end, seating)
             axes.plot(
-                1e3 * (closure - zero),
-                1e-6 * stress,
-                style,
-                color=f"C{number - 1}",
-                zorder=above(number, name),
-                label=f"cycle {number}, {name}",
-            )
-    seating = 1e-6 * float(closed.attrs["seating_stress_Pa"])
-    words = {"touch": "first touch", "seating": f"{seating:g} MPa", "cycle": "the cycle's start"}
+                1e3 * (closure - zero), 1e-6 * stress, style, color=f"C{number - 1}",
+                zorder=above(number, name), label=f"cycle {number}, {name}",
+            )  # fmt: skip
+    words = {"touch": "first touch", "cycle": "the cycle's start"}
+    words["seating"] = f"{1e-6 * seating:g} MPa"
     kind = "net" if of == NET else "gross"
     axes.set(xlabel=f"{kind} closure from {words[since]} (mm)")
     axes.set(ylabel="normal stress (MPa)", ylim=0.0)
@@ -91,34 +94,10 @@ def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
                 "" if landing else BRANCH_LINES[branch], label=label, color=colour, zorder=order,
                 marker="o", ms=3, mfc="none" if landing else colour,
             )  # fmt: skip
-    axes.set(
-        xlabel="normal stress (MPa)", ylabel="net normal stiffness (MPa/mm)", yscale="log", xlim=0.0
-    )
+    axes.set(xlabel="normal stress (MPa)", ylabel="net normal stiffness (MPa/mm)")
+    axes.set(yscale="log", xlim=0.0)
     decimal_ticks(axes.yaxis)
     axes.legend(frameon=False, fontsize=9)
-
-
-def _zero_of(closed: xr.Dataset, cycle: int, since: str, of: str) -> float:
-    """Return the closure [m] from which closures of a cycle count."""
-    if since == "seating":
-        return seat_of(closed, cycle, LOADING, of)
-    if since == "cycle":
-        here = branch_of(closed, cycle, LOADING)
-        return float(read_along(closed, of)[here[0]])
-    return 0.0
-
-
-def _from_seating(
-    closed: xr.Dataset, branch: str, seat: float, closure: np.ndarray, stress: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the part of a branch above the seating stress, including its point at that stress."""
-    seating = float(closed.attrs["seating_stress_Pa"])
-    above_it = stress > seating
-    end = 0 if branch == LOADING else int(above_it.sum())
-    return (
-        np.insert(closure[above_it], end, seat),
-        np.insert(stress[above_it], end, seating),
-    )
 
 
 @styled
@@ -148,20 +127,19 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
     """Draw loading of each cycle from its seating, and the fitted laws."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     fits = fitted_laws(history)
+    styles = dict(zip(LAWS, (":", "-.", "--"), strict=True))
     for (cycle, branch), (stress, closure) in law_curves(history).items():
         if branch != LOADING:
             continue
         axes.plot(closure, stress, color=f"C{cycle - 1}", lw=2.2, label=f"cycle {cycle}")
-        for style, name in zip((":", "-.", "--"), LAWS, strict=True):
+        for name, style in styles.items():
             rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.law == name)]
             law = LAWS[name].closure(stress, seating, *rows.value)
             axes.plot(law, stress, style, color="0.25", lw=1.0)
-    for style, name in zip((":", "-.", "--"), LAWS, strict=True):
+    for name, style in styles.items():
         axes.plot([], [], style, color="0.25", lw=1.0, label=law_words(name))
-    axes.set(
-        title="loading, and laws fitted to it", ylim=0.0,
-        xlabel=f"net closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",
-    )  # fmt: skip
+    axes.set(title="loading, and laws fitted to it", ylim=0.0, ylabel="normal stress (MPa)")
+    axes.set(xlabel=f"net closure since {seating:g} MPa (mm)")
     axes.legend(frameon=False, fontsize=9)
 
 
@@ -288,10 +266,9 @@ def _draw_curve(axes: Axes, result: Fit) -> None:
 
 
 def _fitted(result: Fit) -> np.ndarray:
-    """Return which joints (wavelengths, strengths, joints) are fitted ones.
+    """Return which joints (wavelengths, strengths, joints) are nearest to the most likely values.
 
-    These are the ones of the simulated wavelength and strength nearest to the most likely values,
-    and of all others within both intervals if these are valid.
+    With them are all others within both intervals if these are valid.
     """
     kept = np.ones(result.simulated.logs.shape[:3], bool)
     best = np.unravel_index(int(result.likelihood.log.argmax()), result.likelihood.log.shape)

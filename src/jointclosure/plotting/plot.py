@@ -13,7 +13,7 @@ from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
-from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map
+from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map, state_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
 from jointclosure.plotting.walls import draw_section, map_extent
 
@@ -209,7 +209,7 @@ def _state_map(axes: Axes, joint: "xr.Dataset | ClosedJoint", snapshot: int, nam
             f"snapshot = {snapshot!r}: the joint has {count}; simulate(..., snapshots=[...]) and "
             "close(..., snapshots=[...]) store them"
         )
-    drawn = MAPS[name](history)
+    drawn = state_map(history, name)
     image = draw_map(axes, history, drawn, snapshot)
     titles = dict(zip(MAPS, describe_state(history.isel(snapshot=snapshot)), strict=True))
     title = titles["aperture"] if name == "aperture" else f"{titles['aperture']}, {titles[name]}"

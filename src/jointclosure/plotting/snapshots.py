@@ -1,7 +1,6 @@
 """Figures of a joint at stresses: aperture, contact forces, damage; and an animation of them."""
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,8 +40,8 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
         rows, 3 * blocks, (size, size - 0.1), (0.0, 1.3), sharex=True, sharey=True
     )
     titles = [describe_state(closed.isel(snapshot=k)) for k in range(number)]
-    for group, maps in enumerate(MAPS.values()):
-        drawn, columns = maps(closed), panels[:, group * blocks : (group + 1) * blocks]
+    for group, name in enumerate(MAPS):
+        drawn, columns = state_map(closed, name), panels[:, group * blocks : (group + 1) * blocks]
         for k, axes in enumerate(columns.T.flat):
             if k >= number:
                 axes.set_axis_off()
@@ -74,36 +73,27 @@ class StateMap(NamedTuple):
     beyond: str
 
 
-def aperture_map(closed: xr.Dataset) -> StateMap:
-    """Return maps of the distance of the deformed walls [mm], 0 in contact."""
-    gap = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
-    return StateMap(
-        "aperture (mm), contacts red", gap, "mako", Normalize(0.0, reach_of(gap)), "max"
-    )
+MAPS = {
+    "aperture": "aperture (mm), contacts red",
+    "stress": "stress of cells in contact (MPa)",
+    "change": "change of both walls' height (mm)",
+}
+"""Labels of the maps of a joint's states."""
 
 
-def stress_map(closed: xr.Dataset) -> StateMap:
-    """Return maps of the stress of the cells in contact [MPa], averaged over the cell."""
-    stresses = 1e-6 * closed.snapshot_force.values / spacing_of(closed) ** 2
-    shown = np.ma.masked_equal(stresses, 0.0)
-    return StateMap(
-        "stress of cells in contact (MPa)", shown, "rocket_r", _stress_norm(stresses), "min"
-    )
-
-
-def change_map(closed: xr.Dataset) -> StateMap:
-    """Return maps of the change of both walls' heights together since first touch [mm]."""
+def state_map(closed: xr.Dataset, name: str) -> StateMap:
+    """Return maps of one of `MAPS`: distance of the deformed walls, stress, or change of height."""
+    if name == "aperture":
+        gap = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
+        return StateMap(MAPS[name], gap, "mako", Normalize(0.0, reach_of(gap)), "max")
+    if name == "stress":
+        stresses = 1e-6 * closed.snapshot_force.values / spacing_of(closed) ** 2
+        largest = float(stresses.max()) or 1.0
+        scale = LogNorm(1e-4 * largest, largest)
+        return StateMap(MAPS[name], np.ma.masked_equal(stresses, 0.0), "rocket_r", scale, "min")
     change = 1e3 * change_of_height(closed)
     reach = reach_of(np.abs(change))
-    scale = Normalize(-reach, reach)
-    return StateMap("change of both walls' height (mm)", change, "vlag_r", scale, "both")
-
-
-MAPS: dict[str, Callable[[xr.Dataset], StateMap]] = {
-    "aperture": aperture_map,
-    "stress": stress_map,
-    "change": change_map,
-}
+    return StateMap(MAPS[name], change, "vlag_r", Normalize(-reach, reach), "both")
 
 
 def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:
@@ -136,12 +126,6 @@ def change_of_height(closed: xr.Dataset) -> np.ndarray:
     return now - (closed.upper_first.values + closed.lower_first.values)
 
 
-def _stress_norm(stresses: np.ndarray) -> LogNorm:
-    """Return a scale of four decades up to the largest stress of a cell."""
-    largest = float(stresses.max()) or 1.0
-    return LogNorm(1e-4 * largest, largest)
-
-
 def reach_of(values: np.ndarray) -> float:
     """Return the 99.5 % quantile of the values that are not 0, to ignore a few outliers."""
     some = values[values > 0.0]
@@ -164,11 +148,8 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
     figure = StyledFigure(figsize=(8.0, 6.0), layout="constrained")
     panels = figure.subplot_mosaic([["curve", "map"], ["walls", "walls"]])
     FigureCanvasAgg(figure)
-    draws = (
-        _curve(panels["curve"], closed),
-        _map(panels["map"], closed),
-        _walls(panels["walls"], closed),
-    )
+    kinds = {"curve": _curve, "map": _map, "walls": _walls}
+    draws = [draw(panels[name], closed) for name, draw in kinds.items()]
     figure.suptitle(title, parse_math=False)
     for name in ("curve", "walls"):
         sns.despine(ax=panels[name])
@@ -191,28 +172,24 @@ def _curve(axes, closed: xr.Dataset):
         at = closed.isel(snapshot=frame)
         step = int(at.snapshot_step)
         place.set_data([closure[step]], [stress[step]])
-        axes.set_title(
-            f"cycle {int(at.snapshot_cycle)}, {at.snapshot_branch.item()}: {stress[step]:.3g} MPa"
-        )
+        axes.set_title(describe_state(at)[0])
 
     return draw
 
 
 def _map(axes, closed: xr.Dataset):
     """Draw the change of height of both walls, with contacts in black."""
-    change = 1e3 * change_of_height(closed)
-    reach, extent = reach_of(np.abs(change)), map_extent(change.shape[1:], spacing_of(closed))
-    drawn = {"origin": "lower", "interpolation": "nearest", "extent": extent}
-    image = axes.imshow(change[0], cmap="vlag_r", vmin=-reach, vmax=reach, **drawn)
-    none = np.ma.masked_all(change[0].shape)
-    contacts = axes.imshow(none, cmap="gray", vmin=0.0, vmax=1.0, **drawn)
+    change = state_map(closed, "change")
+    image, none = draw_map(axes, closed, change, 0), np.ma.masked_all(change.fields[0].shape)
+    extent = map_extent(none.shape, spacing_of(closed))
+    contacts = axes.imshow(none, cmap="gray", vmin=0.0, vmax=1.0, extent=extent, **_MAP)
     label = "change of height (mm)"
     axes.figure.colorbar(image, ax=axes, label=label, extend="both", shrink=0.85)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
 
     def draw(frame: int) -> None:
         touching = closed.snapshot_force.values[frame] > 0.0
-        image.set_data(change[frame])
+        image.set_data(change.fields[frame])
         contacts.set_data(np.ma.masked_where(~touching, np.zeros(touching.shape)))
         axes.set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
 
@@ -228,10 +205,8 @@ def _walls(axes, closed: xr.Dataset):
     x = 1e3 * closed.x.values
     low, high = min(lower.min(), pristine.min()), upper.max()
     margin = 0.1 * (high - low)
-    axes.set(
-        xlim=(x[0], x[-1]), ylim=(low - margin, high + margin), xlabel="x (mm)",
-        ylabel="height (mm)",
-    )  # fmt: skip
+    axes.set(xlim=(x[0], x[-1]), ylim=(low - margin, high + margin))
+    axes.set(xlabel="x (mm)", ylabel="height (mm)")
     axes.plot(x, pristine, ":", color="0.3", lw=1.0, zorder=4)
     parts: list = []
 

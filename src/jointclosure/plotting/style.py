@@ -40,20 +40,6 @@ _STYLE = {
 }
 
 
-class StyledFigure(Figure):
-    """Figure that also applies the style to parts that matplotlib makes while drawing (ticks)."""
-
-    def draw(self, renderer):
-        """As `Figure.draw`."""
-        with matplotlib.rc_context(_STYLE):
-            super().draw(renderer)
-
-    def savefig(self, fname, **settings):
-        """As `Figure.savefig`."""
-        with matplotlib.rc_context(_STYLE):
-            super().savefig(fname, **settings)
-
-
 _Drawn = TypeVar("_Drawn")
 
 
@@ -68,6 +54,13 @@ def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
     return drawn
 
 
+class StyledFigure(Figure):
+    """Figure that also applies the style to parts that matplotlib makes while drawing (ticks)."""
+
+    draw = styled(Figure.draw)
+    savefig = styled(Figure.savefig)
+
+
 def subplots(
     rows: int = 1, columns: int = 1, *, figsize, layout="constrained", **settings
 ) -> tuple:
@@ -77,10 +70,7 @@ def subplots(
 
 
 def panel_grid(rows: int, columns: int, panel: tuple, margin: tuple = (0.0, 0.0), **settings):
-    """Return a figure and an array (rows, columns) of axes, from the size of a panel [inches].
-
-    ``margin`` is the width and height of the figure beyond all panels, for labels and legends.
-    """
+    """Return a figure and axes (rows, columns) of the size of a panel, and a margin [inches]."""
     figsize = (panel[0] * columns + margin[0], panel[1] * rows + margin[1])
     return subplots(rows, columns, figsize=figsize, squeeze=False, **settings)
 
@@ -126,10 +116,7 @@ def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None =
 
 
 def decimal_ticks(axis: Axis, **locator) -> None:
-    """Label a logarithmic axis by decimal numbers, as `matplotlib.ticker.LogLocator` places them.
-
-    By default the labels are at 1, 2 and 5 of each decade.
-    """
+    """Label a logarithmic axis by decimal numbers, by default at 1, 2 and 5 of each decade."""
     axis.set_major_locator(LogLocator(**({"subs": (1.0, 2.0, 5.0)} | locator)))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -79,7 +79,7 @@ def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, floa
     return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
 
 
-def _shrunk(wall: np.ndarray) -> float:
+def _bar_length(wall: np.ndarray) -> float:
     """Return the length of a colour bar that is as high as the map of a wall (y, x)."""
     ny, nx = wall.shape
     return 0.85 * min(ny / nx, 1.0)
@@ -88,7 +88,7 @@ def _shrunk(wall: np.ndarray) -> float:
 def _draw_wall(axes: Axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
     reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
     image = draw_heights(axes, heights, pair.spacing, reach)
-    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=_shrunk(heights))
+    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=_bar_length(heights))
     axes.set_title(title)
 
 
@@ -97,9 +97,8 @@ def _draw_aperture(axes, pair: RegisteredPair) -> None:
         1e3 * pair.aperture, origin="lower", extent=map_extent(pair.aperture.shape, pair.spacing),
         cmap="viridis", vmin=0.0, vmax=1e3 * np.percentile(pair.aperture, 99.0),
     )  # fmt: skip
-    axes.figure.colorbar(
-        image, ax=axes, label="aperture (mm)", shrink=_shrunk(pair.aperture), extend="max"
-    )
+    shrink = _bar_length(pair.aperture)
+    axes.figure.colorbar(image, ax=axes, label="aperture (mm)", shrink=shrink, extend="max")
     y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
     axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
     axes.set(title="aperture at first touch (in the circle)", xlabel="x (mm)", ylabel="y (mm)")
@@ -126,23 +125,18 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
     error = (1.0 - mating.correlation**2) / np.sqrt(mating.modes)
     wavelengths = 1e3 * mating.wavelengths
     axes.axhline(0.0, color="0.7", lw=0.8)
-    axes.errorbar(
-        wavelengths, mating.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
-    )
+    line = {"fmt": "o-", "color": "C0", "ms": 4, "lw": 1.1, "capsize": 2}
+    axes.errorbar(wavelengths, mating.correlation, error, **line)
     limit = pair.mismatch.wavelength
     if 0.0 < limit < np.inf:
         ends = np.clip(1e3 * np.array(pair.mismatch[1:]), wavelengths[-1], wavelengths[0])
         axes.axvspan(*ends, color="0.9", lw=0.0)
         axes.axvline(1e3 * limit, color="0.3", lw=1.0, ls="--")
-        axes.annotate(
-            f" {1e3 * limit:.3g} mm", (1e3 * limit, 0.02), xycoords=("data", "axes fraction"),
-            fontsize=9,
-        )  # fmt: skip
-    axes.set(
-        xscale="log", ylim=(min(-0.3, 1.1 * (mating.correlation - error).min()), 1.05),
-        title="correlation of the walls", xlabel="wavelength (mm)",
-        ylabel="correlation (1: mated, 0: independent)",
-    )  # fmt: skip
+        at, words = (1e3 * limit, 0.02), f" {1e3 * limit:.3g} mm"
+        axes.annotate(words, at, xycoords=("data", "axes fraction"), fontsize=9)
+    axes.set(xscale="log", ylim=(min(-0.3, 1.1 * (mating.correlation - error).min()), 1.05))
+    axes.set(title="correlation of the walls", xlabel="wavelength (mm)")
+    axes.set(ylabel="correlation (1: mated, 0: independent)")
     decimal_ticks(axes.xaxis)
 
 
@@ -155,10 +149,8 @@ def _draw_orientations(axes, pair: RegisteredPair) -> None:
     second = pair.fits[1].correlation
     if second > 0.0:
         axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
-    axes.set(
-        title="orientation of the upper scan",
-        xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)",
-    )
+    axes.set(title="orientation of the upper scan")
+    axes.set(xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)")
 
 
 @styled
@@ -183,14 +175,14 @@ def roughness_figure(
 def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
     """Draw three profiles along each axis, shifted, at the scale of the heights."""
     gap = 4e3 * np.nanstd(heights)
+    ways = (("x", "C0", heights), ("y", "C1", heights.T))
     for number, part in enumerate((0.25, 0.5, 0.75)):
-        for axis, colour in (("x", "C0"), ("y", "C1")):
-            along = heights if axis == "x" else heights.T
+        for axis, colour, along in ways:
             profile = 1e3 * along[int(part * len(along))]
             offset = gap * (number + (3 if axis == "y" else 0))
             place = 1e3 * spacing * np.arange(profile.size)
             axes.plot(place, profile + offset, color=colour, lw=0.9)
-    for axis, colour in (("x", "C0"), ("y", "C1")):
+    for axis, colour, _ in ways:
         axes.plot([], [], color=colour, label=f"along {axis}, at 1/4, 1/2, 3/4")
     axes.set(title="profiles", xlabel="distance (mm)", ylabel="height, shifted (mm)")
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=8)
@@ -198,13 +190,14 @@ def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
 
 def _draw_increments(axes, increments: Increments) -> None:
     distances = 1e3 * increments.distances
-    for values, marker, colour, label in (
-        (increments.x, "o", "C0", "of two heights along x"),
-        (increments.y, "o", "C1", "of two heights along y"),
-        (increments.second_x, "^", "C0", "second differences along x"),
-        (increments.second_y, "^", "C1", "second differences along y"),
+    for marker, prefix, words in (
+        ("o", "", "of two heights"),
+        ("^", "second_", "second differences"),
     ):
-        axes.loglog(distances, 1e3 * values, marker, color=colour, ms=4, mfc="none", label=label)
+        for axis, colour in (("x", "C0"), ("y", "C1")):
+            values, label = getattr(increments, prefix + axis), f"{words} along {axis}"
+            style = {"color": colour, "ms": 4, "mfc": "none", "label": label}
+            axes.loglog(distances, 1e3 * values, marker, **style)
     both = 1e3 * np.sqrt(0.5 * (increments.second_x**2 + increments.second_y**2))
     slope, offset = np.polyfit(np.log(distances[1:]), np.log(both[1:]), 1)
     line = np.exp(offset) * distances[1:] ** slope

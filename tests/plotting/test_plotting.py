@@ -1,0 +1,147 @@
+"""Figures: axes in and out, the style of the process, maps and animations of snapshots."""
+
+import itertools
+import subprocess
+import sys
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+import jointclosure as jc
+from jointclosure.cli import main as cli
+from jointclosure.plotting import snapshots
+from jointclosure.storage.figures import save_animation
+from jointclosure.storage.netcdf import read_netcdf
+from tests.joints import DOLERITE, SPACING
+
+PROGRAM = """
+import matplotlib
+matplotlib.use("svg")
+before = dict(matplotlib.rcParams)
+from studies.paper import closure_figures
+from jointclosure.plotting import joint, snapshots, walls
+figure = closure_figures.equivalent_stress()
+figure.savefig("figure.png")
+changed = [key for key, value in matplotlib.rcParams.items() if value != before[key]]
+assert changed == [], changed
+import sys
+assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
+"""
+
+
+@pytest.fixture(autouse=True)
+def close_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def walls():
+    return jc.wall_pair(8.0, (16, 20), SPACING, seed=3)
+
+
+@pytest.fixture(scope="module")
+def joint(walls):
+    return jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=5e6, seating_stress=0.5e6,
+        snapshots=[0.0, 1e6, 5e6],
+    )  # fmt: skip
+
+
+def test_figures_leave_the_backend_and_the_style_of_the_process_alone(tmp_path):
+    command = [sys.executable, "-c", PROGRAM]
+    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stderr
+    assert (tmp_path / "figure.png").stat().st_size > 1000
+
+
+def test_each_picture_is_drawn_on_the_axes_that_are_given(joint, walls):
+    draws = dict.fromkeys(("curves", "stiffness", "aperture", "contacts", "damage"), (joint,))
+    draws["wall"] = walls[0], SPACING
+    assert sorted([*draws, "walls"]) == jc.plot.__all__
+    for name, stated in draws.items():
+        axes = plt.figure().add_subplot()
+        assert getattr(jc.plot, name)(*stated, axes=axes) is axes
+        assert axes.has_data(), name
+        assert axes.get_xlabel(), name
+    axes = plt.figure().add_subplot()
+    assert jc.plot.walls(*walls, spacing=SPACING, axes=axes) is axes
+    assert len(axes.lines) == 3
+
+
+def test_without_axes_a_figure_is_made_and_the_notebook_keeps_its_style(joint):
+    before = dict(plt.rcParams)
+    axes = jc.plot.curves(joint)
+    assert axes.figure.number in plt.get_fignums()
+    assert dict(plt.rcParams) == before
+
+
+@pytest.mark.parametrize("since", ["touch", "seating", "cycle"])
+def test_curves_since_anything_but_touch_start_at_zero_in_every_cycle(joint, since):
+    axes = jc.plot.curves(joint, since=since)
+    loading = [line for line in axes.lines if line.get_label().endswith(" loading")]
+    assert len(loading) == 2
+    starts = [line.get_xdata()[0] for line in loading]
+    step = 1e3 * jc.Numerics().displacement_step
+    if since == "touch":
+        assert starts[1] > 5.0 * step
+    else:
+        assert all(abs(start) < 1e-12 for start in starts)
+    assert {line.get_linestyle() for line in axes.lines} == {"-", "--"}
+
+
+def test_maps_show_the_snapshot_that_is_asked_for(joint):
+    for snapshot in (0, 1):
+        axes = jc.plot.aperture(joint, snapshot)
+        gap = 1e3 * np.maximum(joint.snapshot_gap.values[snapshot], 0.0)
+        np.testing.assert_array_equal(axes.images[0].get_array(), gap)
+
+
+def test_an_ensemble_is_drawn_with_its_mean():
+    ensemble = jc.simulate_ensemble(
+        lambda seed: jc.wall_pair(8.0, (8, 8), SPACING, seed), seeds=range(3), workers=1,
+        spacing=SPACING, rock=DOLERITE, max_normal_stress=1e6, cycles=1,
+        effects=jc.Effects(*[False] * 5),
+    )  # fmt: skip
+    axes = jc.plot.curves(ensemble)
+    mean = next(line for line in axes.lines if line.get_label() == "cycle 1, loading: mean")
+    expected = 1e3 * ensemble.closure.sel(branch="loading", cycle=1).mean("realization")
+    np.testing.assert_allclose(mean.get_xdata(), expected)
+
+
+@pytest.mark.parametrize("number", [1, 3, 12, 24])
+def test_snapshots_fill_at_most_two_screens(joint, number):
+    kept = np.arange(number) % joint.sizes["snapshot"]
+    figure = snapshots.snapshot_figure(joint.isel(snapshot=kept), "joint")
+    width, height = figure.get_size_inches()
+    assert 1280.0 * height / width <= 2.0 * 800.0
+
+
+def test_each_snapshot_is_a_picture_that_differs_from_the_one_before(joint, tmp_path):
+    save_animation(snapshots.crushing_animation(joint, "a joint"), tmp_path / "joint.gif")
+    frames = []
+    with Image.open(tmp_path / "joint.gif") as pictures:
+        for number in range(pictures.n_frames):
+            pictures.seek(number)
+            frames.append(np.asarray(pictures.convert("L"), dtype=float))
+    shown = np.unique(joint.snapshot_step.values)  # Pillow joins pictures that are alike
+    assert len(frames) == shown.size > 3
+    for one, other in itertools.pairwise(frames):
+        assert np.abs(one - other).max() > 50.0
+
+
+def test_the_animation_leaves_no_trace_in_the_file(tmp_path, monkeypatch):
+    stresses = snapshots.animated_stresses(16e6)
+    assert (stresses[0], stresses[-1], len(stresses)) == (0.0, 16e6, snapshots.STRESSES + 1)
+    assert (np.diff(stresses, 2) > 0.0).all()  # close where joints close fast
+    monkeypatch.setattr(snapshots, "STRESSES", 4)
+    files, gif = [tmp_path / "one.nc", tmp_path / "other.nc"], tmp_path / "joint.gif"
+    stated = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
+    for file, more in zip(files, ([], ["--animation", str(gif)]), strict=True):
+        assert cli.main([*stated, "--output", str(file), "--snapshots", "1", *more]) == 0
+    with Image.open(gif) as pictures:
+        assert pictures.n_frames > 2
+    xr.testing.assert_equal(*map(read_netcdf, files))
