@@ -108,13 +108,35 @@ def one_lost_and_one_doubled(draw, content):
     return b"\n".join(lines)
 
 
+def damaged_lines(draw, content):
+    """Fewer than 1 % of the lines of points with other characters, numbers or words."""
+    lines = content.decode().split("\n")
+    data = [k for k, line in enumerate(lines) if line.count(".") == 3]
+    for number in draw(st.sets(st.sampled_from(data), min_size=1, max_size=len(data) // 101)):
+        mark = "," if "," in lines[number] else " "
+        words, place = lines[number].split(mark), draw(st.integers(0, 2))
+        word, at = words[place], draw(st.integers(0, len(words[place]) - 1))
+        changed = [
+            word[:at] + word[at + 1 :],
+            word[:at] + draw(st.sampled_from("0123456789.-e, ")) + word[at + 1 :],
+            repr(float(word) + draw(st.floats(-2.0, 2.0))),
+            repr(draw(st.floats(allow_nan=True, allow_infinity=True))),
+            draw(st.sampled_from(["", "nan", "abc", "-9999", "1e30", "--"])),
+        ]
+        words[place] = draw(st.sampled_from(changed))
+        kept = draw(st.sampled_from([words, words[:place] + words[place + 1 :], words * 2, []]))
+        lines[number] = mark.join(kept)
+    return "\n".join(lines).encode()
+
+
 DISTORTIONS = {
     cut_off: sorted(FORMS),
-    one_lost_and_one_doubled: ["a.csv", "a.xyz", "a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"],
+    one_lost_and_one_doubled: ["a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"],
+    damaged_lines: ["a.csv", "a.xyz"],
 }
 
 
-@settings(RANDOM, max_examples=60)
+@settings(RANDOM, max_examples=90)
 @given(st.data(), grounds(), st.sampled_from(list(DISTORTIONS)))
 def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
     tmp_path, data, walls, distort
@@ -138,8 +160,10 @@ def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
     inside &= (rows < ground.heights.shape[0]) & (columns < ground.heights.shape[1])
     rows, columns, heights = rows[inside], columns[inside], scan.heights[y, x][inside]
     off = ~np.isclose(heights, 1e-3 * ground.heights[rows, columns], rtol=0.0, atol=1e-8)
-    # a number that lost its end, or a point of a damaged line
-    assert off.sum() + (~inside).sum() <= 1, (form, scan.remarks)
+    # a number that lost its end, or points of damaged lines, which may also spoil another place
+    damaged = ground.heights.size // 100 if distort is damaged_lines else 1
+    assert off.sum() + (~inside).sum() <= damaged, (form, scan.remarks)
+    assert distort is not damaged_lines or (~off).sum() >= ground.heights.size - 2 * damaged
 
 
 @pytest.mark.parametrize("form", [*FORMS, "scan.x3p", "scan.unknown"])

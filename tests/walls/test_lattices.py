@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
-from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.measured import Cloud
 from jointclosure.walls.scans import read_scan
 from tests.joints import SPACING
-from tests.walls.test_formats import RANDOM, STEP_MM
+from tests.walls.test_formats import STEP_MM
 from tests.walls.writers import Ground, triangles
 
 SHAPE = (20, 26)
@@ -128,59 +126,6 @@ def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
     assert scan.heights.shape == SHAPE
     assert known.sum() == known.size - lost
     np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
-
-
-@st.composite
-def damaged_lines(draw, lines):
-    """Numbers of fewer than 1 % of the lines, with what these are after damage."""
-    damaged = {}
-    count = draw(st.integers(1, (len(lines) - 1) // 100))
-    numbers = draw(st.sets(st.integers(0, len(lines) - 1), min_size=count, max_size=count))
-    for number in numbers:
-        words = lines[number].split(",")
-        place = draw(st.integers(0, 2))
-        word = words[place]
-        at = draw(st.integers(0, len(word) - 1))
-        changed = [
-            word[:at] + word[at + 1 :],
-            word[:at] + draw(st.sampled_from("0123456789.-e, ")) + word[at + 1 :],
-            repr(float(word) + draw(st.floats(-2.0, 2.0))),
-            repr(draw(st.floats(allow_nan=True, allow_infinity=True))),
-            draw(st.sampled_from(["", "nan", "abc", "-9999", "1e30", "--"])),
-        ]
-        words[place] = draw(st.sampled_from(changed))
-        lost = draw(st.sampled_from([words, words[:place] + words[place + 1 :], words * 2, []]))
-        damaged[number] = ",".join(lost)
-    return damaged
-
-
-@RANDOM
-@given(st.data(), st.sampled_from([",", " ", ";"]))
-def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_error(
-    wall, tmp_path, data, mark
-):
-    points = Ground(wall).points() + np.array([7.5, -30.0, 0.0])
-    lines = [",".join(f"{value:.6f}" for value in point) for point in points]
-    damaged = data.draw(damaged_lines(lines))
-    lines = [damaged.get(number, line) for number, line in enumerate(lines)]
-    (tmp_path / "a.csv").write_text("\n".join(line.replace(",", mark) for line in lines))
-    try:
-        scan = read_scan(tmp_path / "a.csv", units="mm")
-    except jc.InputError:
-        return
-    assert isinstance(scan, Scan)
-    assert scan.spacing == pytest.approx((SPACING, SPACING), rel=1e-6)
-    first = (np.array(scan.origin) - [-30e-3, 7.5e-3]) / SPACING
-    row, column = np.round(first).astype(int)
-    np.testing.assert_allclose(first, [row, column], atol=1e-5)
-    y, x = np.divmod(np.delete(np.arange(520), list(damaged)), 26)
-    inside = (y >= row) & (x >= column)
-    inside &= (y - row < len(scan.heights)) & (x - column < scan.heights.shape[1])
-    found = np.full(len(y), np.nan)
-    found[inside] = scan.heights[y[inside] - row, x[inside] - column]
-    known = np.isfinite(found)
-    np.testing.assert_allclose(found[known], 1e-3 * wall[y, x][known], atol=1e-9)
-    assert (~known).sum() <= len(damaged)  # places that a damaged line has too
 
 
 def test_the_distances_along_x_and_y_may_differ(points, tmp_path):

@@ -10,15 +10,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.walls.measured import (
-    LARGEST_TILT,
-    REACH,
-    filled,
-    gaps,
-    grid_nodes,
-    heights_between,
-    node_counts,
-)
+from jointclosure.walls import measured
 from jointclosure.walls.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
@@ -70,23 +62,23 @@ def overlap_of(
     """Find the largest rectangle in which both clouds (n, 3) [m] are known, with few holes."""
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
-    shape = node_counts(low, high, spacing)
+    shape = measured.node_counts(low, high, spacing)
     _check_size((max(shape[0], 0), max(shape[1], 0)), spacing)
-    nodes = grid_nodes(low, shape, spacing)
+    nodes = measured.grid_nodes(low, shape, spacing)
     plane = 0.5 * (_plane(clouds[0], low, high) + _plane(clouds[1], low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
-    if inclination > LARGEST_TILT:
+    if inclination > measured.LARGEST_TILT:
         raise InputError(
             f"the walls' common plane is inclined by {inclination:.1f} degrees: at most "
-            f"{LARGEST_TILT:g}; turn the scans so that it is about horizontal"
+            f"{measured.LARGEST_TILT:g}; turn the scans so that it is about horizontal"
         )
     walls, holes = [], []
     for cloud, distance in zip(clouds, distances, strict=True):
         level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
-        wall = heights_between(cloud[:, :2], level, nodes, REACH * distance)
+        wall = measured.heights_between(cloud[:, :2], level, nodes, measured.REACH * distance)
         scattered = np.isfinite(cloud[:, 2]).all()
         walls.append(wall)
-        holes.append(_holes(wall, REACH * distance / spacing if scattered else 0.0))
+        holes.append(_holes(wall, measured.REACH * distance / spacing if scattered else 0.0))
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
     rectangle = largest_rectangle(covered)
@@ -149,7 +141,7 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     """Return cells (y, x) without a height within a wall; points were interpolated over a reach."""
     known = np.isfinite(wall)
-    holes = gaps(known)
+    holes = measured.gaps(known)
     if reach > 0.0:
         enclosed = scipy.ndimage.binary_fill_holes(known) & ~known
         holes = enclosed | scipy.ndimage.binary_opening(holes, np.ones((3, 3)))
@@ -167,6 +159,6 @@ def _without_contact(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) ->
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)
     if holes.all(axis=0).any():
-        lower = np.where(holes.all(axis=0), filled(lower, "linear", 1.0), lower)
+        lower = np.where(holes.all(axis=0), measured.filled(lower, "linear", 1.0), lower)
     upper = np.where(holes[0], lower + gap, upper)
     return [upper, np.where(holes[1] & ~holes[0], upper - gap, lower)]

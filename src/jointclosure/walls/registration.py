@@ -8,7 +8,7 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.walls import plausibility
+from jointclosure.walls import measured, plausibility
 from jointclosure.walls.mating import (
     CONFIDENCE,
     Mating,
@@ -18,18 +18,7 @@ from jointclosure.walls.mating import (
     measured_mismatch,
     slope_correlation_over_shifts,
 )
-from jointclosure.walls.measured import (
-    FLAT,
-    LARGEST_FILLED_SHARE,
-    Cloud,
-    Scan,
-    paper_spacing,
-    plane_of,
-    point_distance,
-    points_of,
-    sampled,
-    wall_on_grid,
-)
+from jointclosure.walls.measured import FLAT, LARGEST_FILLED_SHARE, Cloud, Scan
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
@@ -187,11 +176,11 @@ def registered(
             check_one_of(name, value, tuple(allowed))
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
-    distance = max(map(point_distance, scans))
+    distance = max(map(measured.point_distance, scans))
     stated = distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(scans[0], scans[1], stated)
-    spacing = paper_spacing(distance) if spacing is None else stated
+    spacing = measured.paper_spacing(distance) if spacing is None else stated
     report: list[str] = []
     for place, side in enumerate(_SIDES):
         if side != flat and not unusual_values:
@@ -201,7 +190,7 @@ def registered(
             scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
     scans = _not_finer(scans, spacing, report)
-    clouds = [points_of(scan, missing=True) for scan in scans]
+    clouds = [measured.points_of(scan, missing=True) for scan in scans]
     placed = _placed(clouds[0], spacing), _placed(clouds[1], spacing)
     fits: list[Fit] = []
     name, mated, moved = orientation or "common_frame", (0.0, 0.0), False
@@ -223,7 +212,8 @@ def registered(
     applied = mated if moved else (0.0, 0.0)
     turned = ORIENTATIONS[name].points(clouds[0], placed[0], spacing)
     clouds[0] = turned + np.array([applied[1], applied[0], 0.0])
-    overlap = overlap_of(clouds, spacing, [*map(point_distance, scans)], largest_filled_share)
+    distances = [measured.point_distance(scan) for scan in scans]
+    overlap = overlap_of(clouds, spacing, distances, largest_filled_share)
     if flat:
         overlap = _flattened(overlap, flat)
     for side, cloud, holes in zip(_SIDES, clouds, overlap.holes, strict=True):
@@ -263,7 +253,7 @@ def _both_scans(
             raise InputError("upper and lower: both walls are flat; one must be a scan")
         if orientation is not None:
             raise InputError(f"orientation = {orientation!r}: must be left out for a flat wall")
-        return plane_of(lower), lower
+        return measured.plane_of(lower), lower
     if isinstance(lower, str):
         if orientation not in ("common_frame", "towards"):
             stated = "" if orientation is None else f" = {orientation!r}"
@@ -271,7 +261,7 @@ def _both_scans(
                 f"orientation{stated}: must be stated where the lower wall is flat: common_frame "
                 "(the heights are an aperture map) or towards (they count towards the other wall)"
             )
-        return upper, plane_of(upper, ORIENTATIONS[orientation].sign)
+        return upper, measured.plane_of(upper, ORIENTATIONS[orientation].sign)
     return upper, lower
 
 
@@ -290,14 +280,14 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
     anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
     result = []
     for side, scan in zip(_SIDES, scans, strict=True):
-        distance = point_distance(scan)
+        distance = measured.point_distance(scan)
         if 2.0 * distance <= spacing:
             report.append(
                 f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
                 f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
             )
             if isinstance(scan, Scan):
-                nodes = sampled(scan, spacing, anchor)
+                nodes = measured.sampled(scan, spacing, anchor)
                 first = np.array([nodes.origin])[:, ::-1]
                 report += _named(
                     side, plausibility.smoothing_of(scan, nodes.heights, spacing, first)
@@ -315,7 +305,7 @@ class _Placed(NamedTuple):
 
 
 def _placed(points: np.ndarray, spacing: float) -> _Placed:
-    return _Placed(wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
+    return _Placed(measured.wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
 
 
 def _block_cells(upper: _Placed, lower: _Placed) -> int:
