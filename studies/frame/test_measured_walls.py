@@ -13,8 +13,8 @@ from studies.frame.config.files import ConfigurationError
 from studies.frame.config.rocks import check_files
 from studies.frame.ensemble.cases import cases_of, surface_settings, wall_name
 from studies.frame.ensemble.walls import (
+    Cutter,
     cut_walls,
-    cutter_of,
     described,
     prepared_walls,
 )
@@ -115,8 +115,8 @@ def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)
     # a wall over itself in one frame is mated: no part of it touches first
-    joint = cutter_of(walls, (20, 20), 1, "wall").joint(0, 0)
-    np.testing.assert_allclose(joint.upper + joint.lower, 0.0, atol=1e-18)
+    joint = Cutter(walls, (20, 20), 1).joint(0, 0)
+    np.testing.assert_allclose(joint["upper"] + joint["lower"], 0.0, atol=1e-18)
 
 
 def test_scans_of_different_size_are_refused_with_both_files(scan):
@@ -142,7 +142,7 @@ def test_two_clouds_are_gridded_where_both_have_points():
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     walls, study = prepared({"lower": scan}), study_of(with_walls())
-    assert cutter_of(walls, (20, 24), 5, "wall").room()["windows_side_by_side"] == 4
+    assert Cutter(walls, (20, 24), 5).room()["windows_side_by_side"] == 4
     surfaces = surface_settings(
         study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
         cases_of(study)[0], range(3),

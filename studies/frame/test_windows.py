@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.synthesis import synthetic_wall
-from studies.frame.ensemble.walls import Cutter, MeasuredWalls, windows
+from studies.frame.ensemble.walls import Cutter, windows
 from tests.joints import SPACING
 
 
@@ -36,20 +37,23 @@ def test_no_room_says_what_there_is_room_for(wall):
 
 
 def cutter(measured, partner, shape=(16, 20), order=1):
-    return Cutter(MeasuredWalls(measured, partner, SPACING, 0.2, 0.8), shape, order)
+    about = {"z2": 0.2, "hurst": 0.8}
+    walls = {side: (("y", "x"), heights, about) for side, heights in measured.items()}
+    dataset = xr.Dataset(walls, attrs={"partner": partner, "spacing_m": SPACING})
+    return Cutter(dataset, shape, order)
 
 
 @pytest.mark.parametrize(
     ("partner", "turned"), [("rotated", np.s_[::-1, ::-1]), ("mirrored", np.s_[:, ::-1])]
 )
 def test_a_single_wall_meets_itself_turned(wall, partner, turned):
-    joint = cutter({"lower": wall}, partner).joint(2, seed=1)
-    for side in ("upper", "lower"):
-        y, x = getattr(joint, f"{side}_origin")
+    whole = cutter({"lower": wall}, partner)
+    origins = {"upper": whole.origin("partner", 2), "lower": whole.origin("measured", 2)}
+    for side, (y, x) in origins.items():
         cut = detrended(wall[y : y + 16, x : x + 20])
         expected = cut[turned] if side == "upper" else cut
-        np.testing.assert_array_equal(getattr(joint, side), expected)
-    assert joint.upper_origin != joint.lower_origin
+        np.testing.assert_array_equal(whole.joint(2, seed=1)[side], expected)
+    assert origins["upper"] != origins["lower"]
 
 
 def test_two_scans_are_cut_at_the_same_place(wall):
@@ -57,20 +61,17 @@ def test_two_scans_are_cut_at_the_same_place(wall):
     other[0, 0] = np.nan
     whole = cutter({"upper": wall, "lower": other}, "")
     assert [0, 0] not in whole.windows.tolist()
-    joint = whole.joint(3, seed=1)
-    assert joint.upper_origin == joint.lower_origin
-    y, x = joint.upper_origin
-    np.testing.assert_array_equal(joint.upper, detrended(wall[y : y + 16, x : x + 20]))
-    np.testing.assert_array_equal(joint.lower, detrended(other[y : y + 16, x : x + 20]))
+    joint, (y, x) = whole.joint(3, seed=1), whole.origin("measured", 3)
+    for side, scan in (("upper", wall), ("lower", other)):
+        np.testing.assert_array_equal(joint[side], detrended(scan[y : y + 16, x : x + 20]))
 
 
 def test_a_synthetic_partner_is_another_for_each_seed(wall):
     whole = cutter({"upper": wall}, "synthetic")
-    one, same, other = (whole.joint(0, seed).lower for seed in (1, 1, 2))
+    one, same, other = (whole.joint(0, seed)["lower"] for seed in (1, 1, 2))
     np.testing.assert_array_equal(one, same)
     assert np.abs(one - other).max() > 0.0
     assert rms_slope(one, SPACING) == pytest.approx(0.2, rel=1e-12)
-    assert whole.joint(0, 1).lower_origin == (-1, -1)
     # a renamed stream would draw other walls for the same study
     drawn = synthetic_wall(0.2, (16, 20), SPACING, 0.8, generator(seed_of(1, "matching")))
     np.testing.assert_array_equal(one, drawn)
@@ -79,14 +80,11 @@ def test_a_synthetic_partner_is_another_for_each_seed(wall):
 def test_realisations_have_different_windows_whatever_their_number(wall):
     whole = cutter({"lower": wall}, "rotated")
     count = len(whole.windows)
-    origins = [whole.joint(number, 0).lower_origin for number in range(count)]
+    origins = [whole.origin("measured", number) for number in range(count)]
     assert len(set(origins)) == count == 25 * 33
-    assert origins == [
-        cutter({"lower": wall}, "rotated").joint(n, 0).lower_origin for n in range(count)
-    ]
-    assert origins[:9] != [
-        cutter({"lower": wall}, "rotated", order=2).joint(n, 0).lower_origin for n in range(9)
-    ]
+    again, other = (cutter({"lower": wall}, "rotated", order=order) for order in (1, 2))
+    assert origins == [again.origin("measured", number) for number in range(count)]
+    assert origins[:9] != [other.origin("measured", number) for number in range(9)]
 
 
 def test_more_realisations_than_windows_are_refused_unless_walls_are_drawn(wall):

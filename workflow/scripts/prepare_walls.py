@@ -4,7 +4,7 @@ from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.scans import read_scan
 from studies.frame.config.rocks import wall_files
-from studies.frame.ensemble.walls import cutter_of, prepared_walls
+from studies.frame.ensemble.walls import Cutter, prepared_walls
 from studies.frame.jobs.job import job
 
 
@@ -23,7 +23,7 @@ def main(settings: dict, output: str, log: Logbook) -> None:
         prepared[side].attrs = about
         log(f"{side}: {about}")
     # the check is the same whatever the order
-    cutter = cutter_of(prepared, grid.shape, 0, "wall")
+    cutter = Cutter(prepared, grid.shape, 0)
     prepared.attrs |= cutter.room()
     log(str(cutter.room()))
     cutter.check(settings["realizations"])

@@ -21,22 +21,13 @@ FEWEST = 2
 def band_table(case: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure, stiffness and apertures over stress for all successful joints.
 
-    Parameters
-    ----------
-    case : Dataset
-        Over (realization, cycle, branch, stress): a case of a study, or an ensemble as from
-        `jointclosure.simulate_ensemble`.
-
-    Returns
-    -------
-    DataFrame
-        For each cycle, branch and stress: ``stress_MPa``, ``samples`` (the joints that reach the
-        stress), and as columns ``<name>_mean`` and ``<name>_q05`` and so on, for the net and the
-        gross closure: ``closure_<kind>_since_seating_mm``, ``closure_<kind>_mm`` (from first
-        touch) and ``normal_stiffness_<kind>_MPa_per_mm`` (the chord of each joint to the next
-        stress, in the row of the lower one; NaN where closure does not change, and beyond
-        ``landing_stress``); for joints with flow also ``mean_aperture_mm`` and
-        ``hydraulic_aperture_x_mm``, ``..._y_mm``. NaN if no joint reaches the stress.
+    ``case`` is one of a study, or an ensemble as from `jointclosure.simulate_ensemble`. For each
+    cycle, branch and stress: ``samples`` (the joints that reach the stress), and as columns
+    ``<name>_mean``, ``<name>_q05`` and so on, for the net and the gross closure:
+    ``closure_<kind>_since_seating_mm``, ``closure_<kind>_mm`` (from first touch) and
+    ``normal_stiffness_<kind>_MPa_per_mm`` (the chord of each joint to the next stress; NaN where
+    closure does not change, and beyond ``landing_stress``); for joints with flow also
+    ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``.
     """
     good = case.where(succeeded(case))
     landing = (good.branch == LOADING) & (good.stress.shift(stress=-1) > good.landing_stress)

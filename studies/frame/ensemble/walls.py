@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -34,11 +33,7 @@ def prepared_walls(
     ``scans`` are by wall: "upper", "lower" or both; ``jrc_relation`` is that of the reported JRC.
     ``unusual_values`` accepts walls that are probably wrong. The dataset has their heights (y, x)
     [m] towards the other wall, with slope, Hurst exponent, JRC and share of missing cells.
-
-    Raises
-    ------
-    InputError
-        If walls cannot be put on the grid, or are probably wrong.
+    `InputError` if walls cannot be put on the grid, or are probably wrong.
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     together = settings.bring_together
@@ -154,32 +149,8 @@ def described(walls: dict[str, xr.Dataset]) -> str:
     return json.dumps(about, default=float, sort_keys=True)
 
 
-class MeasuredWalls(NamedTuple):
-    """Walls of a rock on the joint's grid, in their full scanned size.
-
-    ``measured`` contains heights (y, x) [m] towards the other wall, NaN where missing, of "upper",
-    "lower" or both, in equal shapes. ``partner`` is the other wall if there is only one, otherwise
-    "". ``z2`` and ``hurst`` are those of that wall.
-    """
-
-    measured: dict[str, np.ndarray]
-    partner: str
-    spacing: float
-    z2: float
-    hurst: float
-
-
-class Placed(NamedTuple):
-    """Walls (y, x) [m] of a joint, and the cell of the scan where each begins, or (-1, -1)."""
-
-    upper: np.ndarray
-    lower: np.ndarray
-    upper_origin: tuple[int, int]
-    lower_origin: tuple[int, int]
-
-
 class Cutter:
-    """Cutter of the joints of a study, of ``shape`` (ny, nx), from scanned walls.
+    """Cutter of the joints of a study, of ``shape`` (ny, nx), from the walls of `prepared_walls`.
 
     ``order_seed`` is the seed of the order of windows. Realisation r has the r-th window, so that
     realisations have different windows, and adding realisations does not change the others.
@@ -187,11 +158,13 @@ class Cutter:
     """
 
     def __init__(
-        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
+        self, walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
     ):
-        self.walls, self.shape, self.normalise = walls, shape, normalise
-        heights = list(walls.measured.values())
-        self.windows = windows(np.sum(heights, axis=0), shape)
+        self.shape, self.normalise, self.partner = shape, normalise, walls.attrs["partner"]
+        self.walls = {str(name): wall.values for name, wall in walls.data_vars.items()}
+        about = next(iter(walls.data_vars.values())).attrs
+        self.drawn = float(about["z2"]), float(walls.attrs["spacing_m"]), float(about["hurst"])
+        self.windows = windows(np.sum(list(self.walls.values()), axis=0), shape)
         self.orders = {
             side: generator(seed_of(order_seed, "windows", side)).permutation(len(self.windows))
             for side in ("measured", "partner")
@@ -200,57 +173,51 @@ class Cutter:
     def check(self, realizations: int) -> None:
         """Raise `InputError` if there are fewer windows than realisations."""
         count = len(self.windows)
-        if realizations > count and self.walls.partner != "synthetic":
+        if realizations > count and self.partner != "synthetic":
             raise InputError(
                 f"study.realizations = {realizations}: must be at most {count}, the number of "
                 f"different joints of {self.shape[0]} x {self.shape[1]} cells that the walls "
                 "contain; or use a smaller grid, or synthetic for the other wall"
             )
 
-    def joint(self, realization: int, seed: int) -> Placed:
+    def joint(self, realization: int, seed: int) -> dict[str, np.ndarray]:
         """Return the walls of a realisation, each plane-detrended, from its number and seed."""
-        walls, origin = self.walls, self._origin("measured", realization)
-        cut = {name: self._cut(name, origin) for name in walls.measured}
-        origins = dict.fromkeys(cut, origin)
-        for other in {"upper", "lower"} - set(walls.measured):
-            origins[other] = (-1, -1)
-            if walls.partner == "synthetic":
+        origin = self.origin("measured", realization)
+        cut = {side: self._cut(wall, origin) for side, wall in self.walls.items()}
+        for other in {"upper", "lower"} - set(self.walls):
+            if self.partner == "synthetic":
                 # the name of the stream is a former term: another would give other walls
-                random = generator(seed_of(seed, "matching"))
-                cut[other] = synthetic_wall(
-                    walls.z2, self.shape, walls.spacing, walls.hurst, random, self.normalise
-                )
-            elif walls.partner == FLAT:
+                random, (z2, spacing, hurst) = generator(seed_of(seed, "matching")), self.drawn
+                cut[other] = synthetic_wall(z2, self.shape, spacing, hurst, random, self.normalise)
+            elif self.partner == FLAT:
                 cut[other] = np.zeros(self.shape)
             else:
-                origins[other] = self._origin("partner", realization)
-                same = self._cut(next(iter(walls.measured)), origins[other])
-                turned = same[::-1, ::-1] if walls.partner == "rotated" else same[:, ::-1]
+                (wall,) = self.walls.values()
+                same = self._cut(wall, self.origin("partner", realization))
+                turned = same[::-1, ::-1] if self.partner == "rotated" else same[:, ::-1]
                 cut[other] = np.ascontiguousarray(turned)
-        return Placed(cut["upper"], cut["lower"], origins["upper"], origins["lower"])
+        return cut
+
+    def origin(self, side: str, realization: int) -> tuple[int, int]:
+        """Return the cell (y, x) of the scan where the "measured" wall or its "partner" begins."""
+        order = self.orders[side]
+        y, x = self.windows[order[realization % len(order)]].tolist()
+        return y, x
 
     def room(self) -> dict[str, int]:
         """Count the joints that can be cut from the walls, and those that share no cell."""
         apart = disjoint(self.windows, self.shape)
         return {"windows": len(self.windows), "windows_side_by_side": apart}
 
-    def _origin(self, side: str, realization: int) -> tuple[int, int]:
-        order = self.orders[side]
-        y, x = self.windows[order[realization % len(order)]].tolist()
-        return y, x
-
-    def _cut(self, name: str, origin: tuple[int, int]) -> np.ndarray:
+    def _cut(self, wall: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
         (y, x), (ny, nx) = origin, self.shape
-        return detrended(self.walls.measured[name][y : y + ny, x : x + nx])
+        return detrended(wall[y : y + ny, x : x + nx])
 
 
 def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
 
-    Raises
-    ------
-    InputError
-        If there is none; the message states the largest size that fits.
+    `InputError` if there is none, with the largest size that fits.
     """
     offsets = _full_windows(wall, *shape)
     if not len(offsets):
@@ -283,23 +250,10 @@ def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
     return count
 
 
-def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str) -> Cutter:
-    """Return the cutter of joints for the walls of `prepared_walls`."""
-    first = next(iter(walls.data_vars.values()))
-    measured = MeasuredWalls(
-        {str(name): wall.values for name, wall in walls.data_vars.items()},
-        walls.attrs["partner"],
-        float(walls.attrs["spacing_m"]),
-        float(first.attrs["z2"]),
-        float(first.attrs["hurst"]),
-    )
-    return Cutter(measured, shape, order_seed, normalise)
-
-
 def cut_walls(walls: xr.Dataset, settings: SurfaceSettings) -> Iterator[tuple]:
     """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
-    cutter = cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
+    cutter = Cutter(walls, settings.grid.shape, order, settings.surface.normalise)
     for realization, seed in enumerate(seeds_of(settings), start=settings.first_realization):
         joint = cutter.joint(realization, seed)
-        yield joint.upper, joint.lower
+        yield joint["upper"], joint["lower"]
