@@ -56,36 +56,38 @@ for _kind in ("int", "float"):
 
 
 def read_plain(path: str | Path) -> dict:
-    """Read a configuration file as plain data.
+    """Read a configuration file as plain data, and refuse anything else.
 
-    Snakemake runs Python expressions in a file that has ``__use_yte__``. Therefore a file from
-    another person should first be read by this function, as `make` does.
-
-    Anything that is no plain data is refused: YAML tags, keys given twice, numbers that are not
-    decimal, aliases that refer to themselves or expand to a very large file, and templates.
+    Refused are YAML tags, keys given twice, numbers that are not decimal, aliases that refer to
+    themselves or expand to a very large file, and templates: Snakemake runs Python expressions in a
+    file that has ``__use_yte__``, so that a stranger's file should first be read by this function,
+    as `make` does.
     """
+
+    def refused(reason: str) -> ConfigurationError:
+        return ConfigurationError(f"{path}: {reason}")
+
     try:
         text = Path(path).read_bytes().decode("utf-8")
     except FileNotFoundError:
-        raise ConfigurationError(f"{path}: file not found") from None
+        raise refused("file not found") from None
     except OSError as error:
-        raise ConfigurationError(f"{path}: {(error.strerror or str(error)).lower()}") from None
+        raise refused((error.strerror or str(error)).lower()) from None
     except UnicodeDecodeError as error:
-        raise ConfigurationError(
-            f"{path}: is not UTF-8 text (byte {error.object[error.start]:#04x} at "
-            f"{error.start}): save it as UTF-8"
-        ) from None
+        byte = f"byte {error.object[error.start]:#04x} at {error.start}"
+        raise refused(f"is not UTF-8 text ({byte}): save it as UTF-8") from None
     settings = _parsed(text, path)
     if settings is None:
-        raise ConfigurationError(f"{path}: is empty, must contain keys and values")
+        raise refused("is empty, must contain keys and values")
     if not isinstance(settings, dict):
-        raise ConfigurationError(f"{path}: must contain keys and values, not {_short(settings)}")
+        raise refused(f"must contain keys and values, not {_short(settings)}")
     if "__use_yte__" in settings:
-        raise ConfigurationError(
-            f"{path}: __use_yte__ = {_short(settings['__use_yte__'])}: must be left out; Snakemake "
-            "would run the Python in templates"
+        raise refused(
+            f"__use_yte__ = {_short(settings['__use_yte__'])}: must be left out; Snakemake would "
+            "run the Python in templates"
         )
-    _check_plain(settings, path)
+    if reason := _not_plain(settings):
+        raise refused(reason)
     return settings
 
 
@@ -106,30 +108,28 @@ def _parsed(text: str, path: str | Path) -> object:
         raise ConfigurationError(f"{path}: not plain YAML: nested too deeply") from None
 
 
-def _check_plain(settings: dict, path: str | Path) -> None:
-    """Refuse data that are nested too deeply, too large with expanded aliases, or not plain."""
-    waiting, count = [(settings, 0)], 0
+def _not_plain(settings: dict) -> str:
+    """Return what is wrong with data that are too deep, too large with aliases, or not plain."""
+    waiting: list[tuple[object, int]] = [(settings, 0)]
+    count = 0
     while waiting:
         value, depth = waiting.pop()
         count += 1
         if depth > _DEEPEST:
-            raise ConfigurationError(
-                f"{path}: an alias refers to itself, or values are nested more than {_DEEPEST} "
-                "levels deep"
+            return (
+                f"an alias refers to itself, or values are nested more than {_DEEPEST} levels deep"
             )
         if count > _MOST_VALUES:
-            raise ConfigurationError(
-                f"{path}: its aliases expand to more than {_MOST_VALUES} values; write them out"
-            )
+            return f"its aliases expand to more than {_MOST_VALUES} values; write them out"
         if isinstance(value, dict):
-            odd = [key for key in value if not isinstance(key, str)]
-            if odd:
-                raise ConfigurationError(f"{path}: the key {odd[0]!r} must be a text")
-        parts = value.values() if isinstance(value, dict) else value
-        if isinstance(value, dict | list):
-            waiting += [(part, depth + 1) for part in parts]
+            if odd := [key for key in value if not isinstance(key, str)]:
+                return f"the key {odd[0]!r} must be a text"
+            waiting += [(part, depth + 1) for part in value.values()]
+        elif isinstance(value, list):
+            waiting += [(part, depth + 1) for part in value]
         elif not isinstance(value, str | int | float | None):  # YAML reads dates
-            raise ConfigurationError(f"{path}: {value}: is a {type(value).__name__}; quote a text")
+            return f"{value}: is a {type(value).__name__}; quote a text"
+    return ""
 
 
 def _short(value: object) -> str:
