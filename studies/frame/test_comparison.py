@@ -12,6 +12,7 @@ from studies.frame.ensemble.comparison import (
     closure_changes,
     differences,
     interval_changes,
+    surfaces_sentence,
 )
 
 CASES = ["slate-base", "slate-jrc-low"]
@@ -47,21 +48,13 @@ def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
     np.testing.assert_allclose(changes.change_percent, 10.0)
     # a constant factor: the differences scatter a tenth of what the closures do
     assert changes.standard_error_percent.max() < 0.6
-    others = closure_changes(study(), study(1.1, seeds=range(10, 16), noise=2))
-    assert not others.same_surfaces.any()
-    assert others.standard_error_percent.min() > 1.0
+    assert "the same surfaces" in surfaces_sentence(changes)
+    for seeds in (range(10, 16), range(5)):
+        others = closure_changes(study(), study(1.1, seeds=seeds, noise=2))
+        assert not others.same_surfaces.any()
+        assert others.standard_error_percent.min() > 1.0
+        assert "The surfaces differ in 2 of 2 cases" in surfaces_sentence(others)
     assert len(by_rock(changes)) == 2 * len(TARGETS)
-
-
-@pytest.mark.parametrize("seeds", [range(10, 16), range(5)])
-def test_compare_says_where_the_surfaces_differ(folders, capsys, seeds):
-    assert cli.main(["compare", *map(str, folders)]) == 0
-    assert "close the same surfaces" in capsys.readouterr().out
-    write_netcdf(study(seeds=seeds), folders[1] / "study.nc")
-    assert cli.main(["compare", *map(str, folders)]) == 0
-    printed = capsys.readouterr().out
-    assert "The surfaces differ in 2 of 2 cases" in printed
-    assert "study.surfaces_of" in printed
 
 
 def test_failures_are_left_out_on_both_sides():
@@ -118,14 +111,10 @@ def folders(tmp_path):
 
 def test_compare_prints_what_moved(folders, capsys):
     assert cli.main(["compare", *map(str, folders)]) == 0
-    printed = capsys.readouterr().out
-    assert "10.0" in printed
-    assert "2 (1 to 3)" in printed
-    assert "t test" in printed
-    assert "paired" in printed
-    assert "–" in printed
-    assert "Verdicts that differ" in printed
-    assert "1a" not in printed.split("Verdicts")[1]
+    changes, verdicts = capsys.readouterr().out.split("Verdicts that differ")
+    assert "10.0" in changes
+    assert "2 (1 to 3)" in changes
+    assert "1a" not in verdicts
     assert cli.main(["compare", str(folders[0]), str(folders[0])]) == 0
     assert "No verdict differs" in capsys.readouterr().out
 

@@ -18,6 +18,8 @@ FILES = {
     "latin-1": ("study: {name: caf\xe9}\n".encode("latin-1"), "is not UTF-8 text (byte 0xe9"),
     "utf-16": ("study: {name: a}\n".encode("utf-16"), "is not UTF-8 text (byte 0xff at 0)"),
     "zeros": (b"study:\0\0\n", "not plain YAML: "),
+    "a tag": (b"study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
+    "a template": (b"__use_yte__: true\nstudy:\n  name: ?open('ran', 'w').name\n", "left out"),
     "a key twice": (b"grid: {cells_x: 5}\ngrid: {cells_y: 6}\n", "line 2: the key grid must be"),
     "an inner key twice": (b"grid:\n  cells_x: 5\n  cells_x: 6\n", "line 3: the key cells_x must"),
     "an alias bomb": (BOMB.encode(), "its aliases expand to more than 100000"),
@@ -67,22 +69,9 @@ def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
     }
 
 
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("5", 5),
-        ("-0.5", -0.5),
-        ("1.0e-3", 1e-3),
-        ("fast", "fast"),
-        ("null", None),
-        ("[1, 2]", [1, 2]),
-    ],
-)
-def test_a_value_on_the_command_line_is_read_as_in_a_file(text, value):
-    assert value_of(text) == value
-
-
-@pytest.mark.parametrize("text", ["1:30", "{a: 1, a: 2}", "[1"])
-def test_a_value_on_the_command_line_that_no_file_may_have_is_refused(text):
-    with pytest.raises(ConfigurationError):
-        value_of(text)
+def test_a_value_on_the_command_line_is_read_as_in_a_file():
+    texts = ("5", "-0.5", "1.0e-3", "fast", "null", "[1, 2]")
+    assert [value_of(text) for text in texts] == [5, -0.5, 1e-3, "fast", None, [1, 2]]
+    for text in ("1:30", "{a: 1, a: 2}", "[1"):
+        with pytest.raises(ConfigurationError):
+            value_of(text)
