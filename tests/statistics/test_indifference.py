@@ -6,16 +6,21 @@ import scipy.stats
 from hypothesis import assume, given
 
 import jointclosure as jc
-from jointclosure.statistics.bootstrap import bootstrap_length
+from jointclosure.statistics.bootstrap import bootstrap_length, interval_of_lengths
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
-from jointclosure.statistics.indifference import real_roots
+from jointclosure.statistics.indifference import (
+    indifference_lengths,
+    largest_real_roots,
+    real_roots,
+)
+from jointclosure.statistics.paired import paired_indifference_interval
 from jointclosure.statistics.randomness import generator
 from studies.verification.printed import exact_length
 
 LEVELS = np.array([70.0, 78.0, 85.0])
 
 
-def t_value(found, levels, means, deviations, n, at):
+def t_value(levels, means, deviations, n, at):
     mean, deviation = (fit_quadratic(levels, v, levels[1]) for v in (means, deviations))
     scatter = (deviation.at(at) ** 2 + deviation.d**2) / n
     return (mean.at(at) - mean.d) / np.sqrt(scatter)
@@ -31,10 +36,10 @@ def test_the_root_is_where_the_t_test_becomes_critical_and_none_is_closer(means,
     critical = scipy.stats.t.ppf(0.975, 2 * n - 2)
     reach = found.length if np.isfinite(found.length) else 200.0
     inside = np.linspace(78.0 - 0.999 * reach, 78.0 + 0.999 * reach, 401)
-    values = np.abs(t_value(found, LEVELS, means, deviations, n, inside))
+    values = np.abs(t_value(LEVELS, means, deviations, n, inside))
     assert np.all(values <= critical * (1 + 1e-6))
     if np.isfinite(found.length):
-        at_root = abs(t_value(found, LEVELS, means, deviations, n, found.root))
+        at_root = abs(t_value(LEVELS, means, deviations, n, found.root))
         assert at_root == pytest.approx(critical, rel=1e-6)
         assert found.extrapolated == (not 70.0 <= found.root <= 85.0)
 
@@ -46,29 +51,17 @@ def test_a_linear_response_has_the_length_t_root_2_over_n_s_over_slope():
     assert found.critical_value == pytest.approx(2.0244, abs=1e-4)
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1.0, 78e9])
-def test_the_length_scales_with_the_parameter(scale):
-    means, deviations = [0.091, 0.081, 0.074], [0.003, 0.0028, 0.0031]
-    one = jc.indifference_interval(LEVELS, means, deviations, 20)
-    other = jc.indifference_interval(LEVELS * scale, means, deviations, 20)
-    assert other.length == pytest.approx(one.length * scale, rel=1e-10)
-
-
 def test_no_variation_has_no_root_and_no_scatter_no_length():
     assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.1] * 3, 20).length)
     assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.0] * 3, 20).length)
     assert jc.indifference_interval(LEVELS, [1.1, 1.0, 0.9], [0.0] * 3, 20).length == 0.0
 
 
-def test_a_scatter_that_grows_faster_than_the_mean_has_no_root():
+def test_a_scatter_that_outgrows_the_mean_has_no_root_but_none_at_the_base_a_length_of_0():
     levels = np.array([-1.0, 0.0, 1.0])
     found = jc.indifference_interval(levels, [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
     assert np.isnan(found.length)
     assert not found.extrapolated
-
-
-def test_no_scatter_at_the_base_alone_is_not_a_root_where_scatter_outgrows_the_mean():
-    levels = np.array([-1.0, 0.0, 1.0])
     found = jc.indifference_interval(levels, [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
     assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
 
@@ -118,12 +111,12 @@ def test_the_length_keeps_12_digits_however_small_the_response_beside_its_mean(b
 
 
 @given(
-    half=st.floats(-12.0, -0.5).map(lambda p: 10.0**p),
+    power=st.floats(-12.0, -0.5),
     base=st.sampled_from([1e-9, 0.2, 8.0, 78e9]),
     samples=st.sampled_from([2, 3, 20, 1000]),
 )
-def test_the_length_keeps_12_digits_however_close_the_levels(half, base, samples):
-    levels = base * np.array([1.0 - half, 1.0, 1.0 + half])
+def test_the_length_keeps_12_digits_however_close_the_levels(power, base, samples):
+    levels = base * (1.0 + 10.0**power * np.array([-1.0, 0.0, 1.0]))
     means, deviations = [0.091, 0.081, 0.074], [0.0081, 0.0078, 0.0083]
     found = jc.indifference_interval(levels, means, deviations, samples)
     assert_exact(found, levels, means, deviations, samples, 1e-12)
@@ -162,11 +155,11 @@ def test_a_straight_line_stays_one_however_its_values_are_rounded(offset):
         assert np.isnan(found.length)
 
 
-def test_a_response_of_rounding_alone_is_none():
+@pytest.mark.parametrize("deviation", [0.0, 0.1])
+def test_a_response_of_rounding_alone_is_none(deviation):
     means = [0.1 + 0.2, 0.3, 0.3]
     assert means[0] != means[1]
-    assert np.isnan(jc.indifference_interval(LEVELS, means, [0.0] * 3, 20).length)
-    assert np.isnan(jc.indifference_interval(LEVELS, means, [0.1] * 3, 20).length)
+    assert np.isnan(jc.indifference_interval(LEVELS, means, [deviation] * 3, 20).length)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -217,23 +210,78 @@ def test_more_than_three_levels_are_fitted_and_tested():
     ],
 )
 def test_bad_input_is_refused_by_name(change, named):
-    good = {
-        "levels": [1.0, 2.0, 3.0],
-        "means": [1.0] * 3,
-        "standard_deviations": [1.0] * 3,
-        "samples": 20,
-    }
+    good = {"levels": [1.0, 2.0, 3.0], "means": [1.0] * 3, "standard_deviations": [1.0] * 3}
     with pytest.raises(jc.InputError, match=named):
-        jc.indifference_interval(**(good | change))
+        jc.indifference_interval(**(good | {"samples": 20} | change))
 
 
-def test_the_bootstrap_covers_the_length_that_it_resamples():
+def test_an_interval_of_lengths_is_that_of_the_normal_distribution_and_counts_missing_roots():
+    lengths = scipy.stats.norm.ppf((np.arange(20_000) + 0.5) / 20_000, 5.0, 0.4)
+    found = interval_of_lengths(lengths, 0.95)
+    reach = 1.96 * 0.4
+    assert found == pytest.approx((5.0 - reach, 5.0 + reach, 0.0, 0.4), rel=1e-3)
+    lengths[-4000:] = np.nan
+    found = interval_of_lengths(lengths, 0.95)
+    assert (found.high, found.share_without_root, found.standard_error) == (np.inf, 0.2, np.inf)
+
+
+@pytest.mark.parametrize("paired", [False, True])
+def test_the_bootstrap_covers_the_length_that_it_resamples(paired):
     random = generator(7)
-    base = random.normal(3.0, 0.05, 20)
-    samples = np.stack([base - 0.02 * (level - 78.0) for level in LEVELS])
-    found = jc.indifference_interval(LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20)
-    interval = bootstrap_length(LEVELS, samples, generator(1), base=78.0, resamples=300)
-    assert interval.low < found.length < interval.high
-    assert interval.share_without_root == 0.0
-    again = bootstrap_length(LEVELS, samples, generator(1), base=78.0, resamples=300)
-    assert again == interval
+    samples = random.normal(3.0, 0.05, 20) - 0.02 * (LEVELS - 78.0)[:, None]
+    samples = samples + 0.02 * random.normal(size=samples.shape)
+    of_one = paired_indifference_interval(LEVELS, samples)
+    if not paired:
+        moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+        of_one = jc.indifference_interval(LEVELS, *moments, 20)
+    stated = {"base": 78.0, "resamples": 200, "paired": paired}
+    interval = bootstrap_length(LEVELS, samples, generator(1), **stated)
+    assert 0.3 * of_one.length < interval.low < of_one.length < interval.high
+    assert interval.high < 3.0 * of_one.length
+    assert bootstrap_length(LEVELS, samples, generator(1), **stated) == interval
+
+
+LEVELS_OF_STUDIES = [70e9, 78e9, 85e9], [0.15, 0.25, 0.35], [4.0, 6.0, 8.0, 10.0, 12.0]
+
+
+@pytest.mark.parametrize("levels", LEVELS_OF_STUDIES)
+@pytest.mark.parametrize("n", [2, 20])
+def test_many_lengths_at_once_are_those_of_one_by_one(levels, n):
+    levels, random = np.array(levels), np.random.default_rng(n)
+    effect = 10.0 ** random.uniform(-3.0, 0.5, (600, 1))  # from strong ones to none
+    means = 1.0 + effect * random.normal(size=(600, levels.size))
+    deviations = 0.2 * random.uniform(0.2, 2.0, means.shape)
+    many = indifference_lengths(levels, means, deviations, n)
+    moments = zip(means, deviations, strict=True)
+    single = np.array([jc.indifference_interval(levels, m, s, n).length for m, s in moments])
+    assert 0.02 < np.isnan(single).mean() < 0.9  # dashes are among them
+    np.testing.assert_allclose(many, single, rtol=1e-9)
+    fits = fit_quadratic(levels, means, levels[1])
+    for i, row in enumerate(means[:50]):  # bit for bit
+        assert (fits.b[i], fits.c[i], fits.d[i]) == fit_quadratic(levels, row, levels[1])[:3]
+
+
+def test_many_lengths_keep_the_shape_and_the_special_cases():
+    levels = np.array([-1.0, 0.0, 1.0])
+    means = np.array([[[1.0, 1.0, 1.0], [1.1, 1.0, 0.9]], [[1.1, 1.0, 0.9], [0.1, 0.0, 0.1]]])
+    spreads = np.array([[[0.1, 0.1, 0.1], [0.0, 0.0, 0.0]], [[0.1, 0.1, 0.1], [2.0, 1.0, 2.0]]])
+    many = indifference_lengths(levels, means, spreads, 20)
+    single = jc.indifference_interval(levels, means[1, 0], spreads[1, 0], 20).length
+    np.testing.assert_allclose(many, [[np.nan, 0.0], [single, np.nan]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4])
+def test_the_largest_roots_are_those_of_each_polynomial_alone(degree):
+    random = np.random.default_rng(degree)
+    sizes = 10.0 ** random.uniform(-6.0, 6.0, (1000, degree + 1))
+    polynomials = random.normal(size=sizes.shape) * sizes
+    for polynomial, largest in zip(polynomials, largest_real_roots(polynomials), strict=True):
+        roots = real_roots(polynomial)
+        expected = np.abs(roots).max() if roots.size else np.nan
+        assert abs(largest) == pytest.approx(expected, rel=1e-9, nan_ok=True)
+
+
+def test_multiple_roots_at_the_turns_of_all_derivatives_are_found():
+    found = largest_real_roots(np.array([np.poly([2.0] * 4), np.poly([1.0, 1.0, 1.0, -3.0])]))
+    assert found[0] == pytest.approx(2.0, rel=1e-3)
+    assert found[1] == pytest.approx(-3.0, rel=1e-12)

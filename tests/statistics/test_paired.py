@@ -3,7 +3,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.paired import (
     difference_scatter,
@@ -32,7 +31,7 @@ def t_value(levels, samples, base, p):
 
 
 @pytest.mark.parametrize("count", [3, 5, 9])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_at_the_root_the_paired_t_is_critical_and_nowhere_closer(count, seed):
     levels = np.linspace(70.0, 86.0, count)
     samples = responses(generator(seed), levels, 20)
@@ -51,15 +50,6 @@ def test_without_an_irregular_part_any_change_is_seen_where_the_slope_is_signifi
     assert paired_indifference_interval(LEVELS, samples).length == pytest.approx(0.0, abs=1e-6)
 
 
-def test_three_levels_keep_the_mean_of_the_two_measured_variances_of_differences():
-    samples = responses(generator(2), LEVELS, 20)
-    differences = samples[[0, 2]] - samples[1]
-    scatter = difference_scatter(LEVELS, samples, 78.0)
-    assert scatter.slope > 0.0
-    both = scatter.slope + 2.0 * scatter.irregular
-    assert both == pytest.approx(differences.var(axis=1, ddof=1).mean(), rel=1e-9)
-
-
 @pytest.mark.parametrize("count", [3, 5])
 def test_the_irregular_part_and_the_scatter_of_slopes_are_estimated_without_bias(count):
     levels = np.linspace(70.0, 86.0, count)
@@ -72,13 +62,11 @@ def test_the_irregular_part_and_the_scatter_of_slopes_are_estimated_without_bias
 def test_surfaces_that_differ_only_in_height_leave_the_length_alone():
     random = generator(4)
     samples = responses(random, LEVELS, 20)
-    other = paired_indifference_interval(LEVELS, samples + 5.0 * random.normal(size=20))
+    other = paired_indifference_interval(1e9 * LEVELS, samples + 5.0 * random.normal(size=20))
     found = paired_indifference_interval(LEVELS, samples)
-    assert other.length == pytest.approx(found.length, rel=1e-9)
-    unpaired = jc.indifference_interval(
-        LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20
-    )
-    assert found.length < 0.5 * unpaired.length
+    assert other.length == pytest.approx(1e9 * found.length, rel=1e-9)
+    moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    assert found.length < 0.5 * jc.indifference_interval(LEVELS, *moments, 20).length
 
 
 def test_a_change_of_the_length_is_seen_in_about_half_of_the_studies_made_with_it():
@@ -114,33 +102,14 @@ def test_a_paired_test_sees_what_an_unpaired_one_does_not():
     assert p_of_difference(low, low + 0.25, paired=True) < 1e-10
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-def test_the_paired_length_scales_with_parameter_and_target(scale):
-    samples = responses(generator(7), LEVELS, 20)
-    one = paired_indifference_interval(LEVELS, samples)
-    other = paired_indifference_interval(LEVELS * scale, samples / scale)
-    assert other.length == pytest.approx(one.length * scale, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("change", "named"),
-    [
-        ({"levels": [1.0, 3.0, 2.0]}, "levels"),
-        ({"samples": np.ones((2, 5))}, "samples"),
-    ],
+    [({"levels": [1.0, 3.0, 2.0]}, "levels"), ({"samples": np.ones((2, 5))}, "samples")],
 )
 def test_bad_input_is_refused_by_name(change, named):
     good = {"levels": [1.0, 2.0, 3.0], "samples": np.ones((3, 5))}
     with pytest.raises(jc.InputError, match=named):
         paired_indifference_interval(**(good | change))
-
-
-def test_the_bootstrap_covers_the_paired_length_that_it_resamples():
-    samples = responses(generator(8), LEVELS, 20)
-    found = paired_indifference_interval(LEVELS, samples)
-    kept = {"base": 78.0, "resamples": 200}
-    interval = bootstrap_length(LEVELS, samples, generator(1), **kept, paired=True)
-    assert 0.3 * found.length < interval.low < found.length < interval.high < 3.0 * found.length
 
 
 @pytest.mark.parametrize("count", [5, 9])

@@ -14,13 +14,15 @@ from jointclosure.statistics.drawn_studies import (
 )
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.predictive import (
+    joint_test,
     length_distribution,
+    log_likelihoods,
     p_of_table,
     share_as_short,
     two_sided_p,
 )
 from jointclosure.statistics.randomness import generator
-from tests.statistics.statistics_world import LEVELS, closures, published, sensitivity, table_of
+from tests.statistics.statistics_world import LEVELS, published, sensitivity, table_of
 
 
 def test_drawn_means_scatter_as_a_new_study_does_about_the_mean_of_a_pool():
@@ -52,22 +54,14 @@ def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_
 
 def test_parameters_share_the_surfaces_of_the_base_level():
     random = generator(3)
-    base = Pool(random.normal(size=(1, 40)), "base")
+    pools = {name: Pool(random.normal(size=(1, 40)), name) for name in "abcde"}
     both = {
-        name: Sensitivity(
-            LEVELS,
-            0.0,
-            (
-                Pool(random.normal(size=(1, 40)), f"{name} low"),
-                base,
-                Pool(random.normal(size=(1, 40)), f"{name} high"),
-            ),
-        )
-        for name in ("E", "nu")
+        key: Sensitivity(LEVELS, 0.0, tuple(pools[name] for name in names))
+        for key, names in (("E", "acb"), ("nu", "dce"))
     }
-    drawn = draw_studies(both, Design(), 50, random)
-    same = drawn["E"].means[..., 1] == drawn["nu"].means[..., 1]
-    assert same.all()
+    means = [one.means for one in draw_studies(both, Design(), 50, random).values()]
+    np.testing.assert_array_equal(means[0][..., 1], means[1][..., 1])
+    assert (means[0] != means[1]).any(axis=(0, 1)).tolist() == [True, False, True]
 
 
 def test_lengths_are_those_of_the_means_and_deviations_drawn():
@@ -162,26 +156,13 @@ def test_pools_of_the_same_surfaces_are_resampled_together():
     [
         (lambda s: s._replace(pools=s.pools[:2]), "2 pools for 3 levels"),
         (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones(5), "c"))), r"\(targets, N\)"),
-        (
-            lambda s: s._replace(pools=(*s.pools[:2], Pool(np.full((2, 5), np.nan), "c"))),
-            "not finite",
-        ),
+        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones((2, 5)) * np.nan, "c"))), "finite"),
     ],
 )
 def test_bad_pools_are_refused_by_name(change, named):
     one = sensitivity(generator(7), 0.1, 20, "x")
     with pytest.raises(jc.InputError, match=named):
         draw_studies({"x": change(one)}, Design(), 10, generator(1))
-
-
-def test_the_table_of_lengths_has_the_targets_of_each_key_together():
-    random = generator(8)
-    both = {name: sensitivity(random, 0.1, 20, name) for name in ("E", "nu")}
-    drawn = draw_studies(both, Design(), 30, random)
-    table = table_of(drawn)
-    assert table.shape == (30, 4)
-    np.testing.assert_array_equal(table[:, 2:], drawn["nu"].lengths)
-    assert closures(random, 0.0, 3).shape == (2, 3)
 
 
 def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
@@ -200,3 +181,92 @@ def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
     shifts = random.normal(size=40) * 0.1  # pools that differ
     pools = [[p + shift for p, shift in zip(of, shifts, strict=True)] for of in (resampled, again)]
     assert pool_error(pools[0], 200, pools[1]) == pytest.approx(np.std(shifts), rel=0.3)
+
+
+EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}
+
+
+def pools(random, effects, size=60):
+    return {name: sensitivity(random, e, size, "rock", True) for name, e in effects.items()}
+
+
+def table(random, effects):
+    """The lengths that one study publishes, in the order of `lengths_table`."""
+    means, deviations = published(random, list(effects.values()))
+    return indifference_lengths(LEVELS, means, deviations, 20).ravel()
+
+
+def test_the_likelihood_of_log_normal_lengths_and_dashes_is_the_known_one():
+    random = generator(1)
+    drawn = np.exp(random.normal(2.0, 0.5, (20000, 2)))
+    drawn[random.random(20000) < 0.25, 1] = np.inf
+    at = np.exp(np.linspace(1.0, 3.0, 9))
+    tables = np.column_stack([at, np.full(9, np.inf)])
+    expected = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.25)
+    np.testing.assert_allclose(log_likelihoods(drawn, tables), expected, atol=0.08)
+    roots = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.75)
+    roots += scipy.stats.norm.logpdf(2.0, 2.0, 0.5)
+    tables[:, 1] = np.exp(2.0)
+    np.testing.assert_allclose(log_likelihoods(drawn, tables), roots, atol=0.1)
+    assert log_likelihoods(drawn, np.array([[1e9, 7.0]]))[0] < -10.0
+
+
+def test_many_tables_have_the_likelihoods_of_each_alone_and_the_least_likely_is_ranked_by_them():
+    random = generator(2)
+    drawn, tables = np.exp(random.normal(size=(2, 2000, 3)))
+    many = log_likelihoods(drawn, tables)
+    single = np.concatenate([log_likelihoods(drawn, row[None]) for row in tables[:40]])
+    np.testing.assert_allclose(many[:40], single, atol=1e-2)
+    # a rank counts the published table itself, so that no p is 0
+    drawn = drawn[:200]
+    assert p_of_table(drawn, np.full(3, 1e9)) == 1.0 / 201.0
+    assert p_of_table(drawn, np.ones(3)) > 0.9
+
+
+def test_the_error_of_a_likelihood_is_its_scatter_over_sets_of_repetitions():
+    random, observed = generator(3), np.exp(np.linspace(-1.5, 1.5, 8))
+    found = [joint_test(np.exp(random.normal(size=(400, 8))), observed) for _ in range(60)]
+    scatter = np.std([one.log_likelihood for one in found], ddof=1)
+    stated = np.mean([one.standard_error for one in found])
+    assert 0.7 < stated / scatter < 1.4
+
+
+def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
+    random = generator(4)
+    effects = {"a": 0.3, "b": 0.4}
+    sensitivities = pools(random, effects)
+    drawn = table_of(draw_studies(sensitivities, Design(), 2000, random))
+    none = table_of(draw_studies(without_effect(sensitivities), Design(), 2000, random))
+    own = [joint_test(drawn, table(random, effects)).p for _ in range(12)]
+    assert 0.2 < np.mean(own) < 0.8
+    observed = np.median([table(random, effects) for _ in range(9)], axis=0)
+    assert joint_test(none, observed).p < 0.01
+    assert joint_test(drawn, np.full(4, np.nan)).p < 0.001  # all dashes
+    unlikely = joint_test(drawn, 5.0 * observed)
+    assert unlikely.p < 0.01
+    assert unlikely.log_likelihood < joint_test(drawn, observed).log_likelihood - 5.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("null", [False, True])
+def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
+    random = generator(5)
+    effects = dict.fromkeys(EFFECTS, 0.0) if null else EFFECTS
+    p = []
+    for _ in range(300):
+        sensitivities = pools(random, effects)
+        if null:
+            sensitivities = without_effect(sensitivities)
+        drawn = table_of(draw_studies(sensitivities, Design(), 400, random))
+        p.append(joint_test(drawn, table(random, effects)).p)
+    assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
+    assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09
+
+
+@pytest.mark.parametrize(
+    ("lengths", "observed", "named"),
+    [(np.ones((200, 3)), np.ones(2), "entries"), (np.full((200, 1), np.nan), np.ones(1), "NaN")],
+)
+def test_bad_tables_are_refused_by_name(lengths, observed, named):
+    with pytest.raises(jc.InputError, match=named):
+        joint_test(lengths, observed)

@@ -7,9 +7,12 @@ from jointclosure.statistics.standard_errors import (
     deviation_covariance,
     deviation_of,
     elasticity,
+    harmonic_mean,
+    jackknife_error,
     mean_covariance,
     mean_of,
     quadratic_errors,
+    ratio_of_means,
     resampled,
     rounded,
     variation_of,
@@ -45,20 +48,6 @@ def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
     np.testing.assert_allclose(np.sqrt(np.mean(stated, axis=0)), np.std(fits, axis=0), rtol=0.1)
 
 
-def test_errors_in_the_parameter_are_those_of_the_coefficients_that_it_has():
-    # exact for a linear map: coefficients of values that are 0 but at one level
-    levels = np.array([60.0, 78.0, 85.0])
-    random = generator(5)
-    shape = random.normal(size=(3, 3))
-    covariance = shape @ shape.T
-    columns = [fit_quadratic(levels, row, 78.0).in_parameter() for row in np.eye(3)]
-    matrix = np.array(columns).T
-    expected = np.sqrt(np.diag(matrix @ covariance @ matrix.T))
-    np.testing.assert_allclose(
-        quadratic_errors(levels, covariance, 78.0).in_parameter, expected, rtol=1e-9
-    )
-
-
 @pytest.mark.parametrize("paired", [True, False])
 def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
     found = np.array([elasticity(LEVELS, s, 78.0, paired) for s in studies(2000, paired)])
@@ -66,9 +55,11 @@ def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.05)
 
 
-def test_common_draws_give_the_smaller_error_of_an_elasticity():
-    one = studies(1, True)[0]
-    assert elasticity(LEVELS, one, 78.0, True)[1] < 0.3 * elasticity(LEVELS, one, 78.0, False)[1]
+def test_the_jackknife_of_means_is_their_standard_error():
+    samples = generator(3).normal(size=(20, 2))
+    left_out = (samples.sum(axis=0) - samples) / 19
+    expected = [mean_of(column).standard_error for column in samples.T]
+    np.testing.assert_allclose(jackknife_error(left_out), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("estimate", [mean_of, deviation_of, variation_of])
@@ -97,6 +88,37 @@ def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_
         )
         expected = elasticity(LEVELS, samples, 78.0, paired).standard_error
         assert stated == pytest.approx(expected, rel=0.15)
+
+
+def test_the_error_is_the_scatter_of_the_ratio_over_repetitions():
+    random = np.random.default_rng(7)
+    found, stated = [], []
+    for _ in range(2000):
+        under = 1.0 + 0.2 * random.standard_normal(30)
+        over = 1.3 * under + 0.1 * random.standard_normal(30)
+        ratio, error = ratio_of_means(over, under)
+        found.append(ratio)
+        stated.append(error)
+    assert np.mean(found) == pytest.approx(1.3, abs=0.002)
+    assert np.mean(stated) == pytest.approx(np.std(found), rel=0.05)
+
+
+def test_pairs_that_lack_a_value_are_left_out_and_a_common_scatter_leaves_no_error():
+    under = np.array([1.0, 2.0, 4.0, 3.0])
+    assert ratio_of_means(1.5 * under, under) == pytest.approx((1.5, 0.0))
+    over, under = np.array([1.0, np.nan, 3.0]), np.array([2.0, 5.0, np.nan])
+    ratio, error = ratio_of_means(over, under)
+    assert ratio == 0.5
+    assert np.isnan(error)
+    assert np.isnan(ratio_of_means(over, np.full(3, np.nan)).value)
+
+
+def test_a_mean_stiffness_is_that_of_the_mean_curve():
+    """Compliances add: a joint that is nearly rigid counts as one that hardly closes."""
+    stiffness = np.array([1.0, 2.0, 1e9, np.nan])
+    mean, error = harmonic_mean(stiffness)
+    assert mean == pytest.approx(3.0 / 1.5)
+    assert harmonic_mean(10.0 * stiffness) == pytest.approx((10.0 * mean, 10.0 * error))
 
 
 @pytest.mark.parametrize(

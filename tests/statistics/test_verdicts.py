@@ -19,33 +19,26 @@ from tests.statistics.statistics_world import SCATTER, sensitivity
 
 
 @pytest.mark.parametrize(
-    ("interval", "expected"),
+    ("interval", "above", "alike", "expected"),
     [
-        ((0.1, 0.2), STANDS),
-        ((0.1, float("inf")), STANDS),
-        ((-0.1, 0.2), UNDECIDED),
-        ((-0.2, -0.1), FALLS),
-        ((0.0, 0.0), FALLS),
-        ((float("nan"), 1.0), UNDECIDED),
+        ((0.1, 0.2), 0.0, None, STANDS),
+        ((0.1, float("inf")), 0.0, None, STANDS),
+        ((-0.1, 0.2), 0.0, None, UNDECIDED),
+        ((-0.2, -0.1), 0.0, None, FALLS),
+        ((0.0, 0.0), 0.0, None, FALLS),
+        ((float("nan"), 1.0), 0.0, None, UNDECIDED),
+        ((0.11, 0.2), 0.1, 0.1, STANDS),
+        ((0.05, 0.2), 0.1, 0.1, UNDECIDED),
+        ((-0.03, -0.01), 0.1, 0.1, NO_DIFFERENCE),
+        ((-0.1, 0.1), 0.1, 0.1, NO_DIFFERENCE),
+        ((-0.2, -0.05), 0.1, 0.1, UNDECIDED),
+        ((-0.2, -0.11), 0.1, 0.1, FALLS),
     ],
 )
-def test_a_claim_stands_above_falls_below_and_is_open_between(interval, expected):
-    assert verdict(interval, 0.0) == expected
-
-
-@pytest.mark.parametrize(
-    ("interval", "expected"),
-    [
-        ((0.11, 0.2), STANDS),
-        ((0.05, 0.2), UNDECIDED),
-        ((-0.03, -0.01), NO_DIFFERENCE),
-        ((-0.1, 0.1), NO_DIFFERENCE),
-        ((-0.2, -0.05), UNDECIDED),
-        ((-0.2, -0.11), FALLS),
-    ],
-)
-def test_a_difference_within_the_tolerance_is_none(interval, expected):
-    assert verdict(interval, 0.1, alike=0.1) == expected
+def test_a_claim_stands_above_falls_below_and_a_difference_within_the_tolerance_is_none(
+    interval, above, alike, expected
+):
+    assert verdict(interval, above, alike) == expected
 
 
 def test_a_wrong_verdict_is_as_rare_as_the_confidence_says():
