@@ -15,6 +15,33 @@ TWO_WALLS = Path(
 """Scans of both walls of a fracture, where they are at hand."""
 
 
+ELASTIC = jc.Effects(breakage=False, gouge=False)
+
+
+def pair(cells=24, seed=3):
+    """Two walls of JRC 8, square or of a shape."""
+    shape = (cells, cells) if isinstance(cells, int) else cells
+    return jc.wall_pair(8.0, shape, SPACING, seed, roll_off=None)
+
+
+def _stated(stated):
+    """Arguments of `simulate` or `equilibrium`, fields of numerics and choices taken by name."""
+    for key, settings in (("numerics", jc.Numerics), ("choices", jc.Choices)):
+        fields = {name: stated.pop(name) for name in settings._fields if name in stated}
+        stated.setdefault(key, settings(**fields))
+    return {"spacing": SPACING, "rock": DOLERITE} | stated
+
+
+def closed(walls, stress=4e6, **stated):
+    """Walls of dolerite closed by `simulate`."""
+    return jc.simulate(*walls, **_stated({"max_normal_stress": stress} | stated))
+
+
+def balanced(walls, closure, **stated):
+    """Forces between walls of dolerite by `equilibrium`."""
+    return jc.equilibrium(*walls, closure=closure, **_stated(stated))
+
+
 def on_softer_half_spaces(history, compliance=2e-12):
     """The same joint where half-spaces give way by more, in proportion to the stress [m/Pa]."""
     more = compliance * history.normal_stress

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from jointclosure.mechanics.contact import force_of_overlap
-from jointclosure.solvers import conjugate_gradients, equilibrium
 from jointclosure.solvers.coarse_space import coarse_space, patch_shares, precondition
+from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_roots
+from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     influence_matrix,
     influence_of,
@@ -65,7 +66,7 @@ def test_direction_solves_newtons_equation(shortfall):
     active = stiffness > 0.0
     forces = np.zeros((30, 30))
     forces.ravel()[cells[~active]] = 1e3  # of contacts at their limit, which do not move
-    direction, shift, used = conjugate_gradients.newton_direction(
+    direction, shift, used = newton_direction(
         influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, forces
     )
     interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
@@ -83,23 +84,18 @@ def test_direction_solves_newtons_equation(shortfall):
 def test_a_given_interaction_saves_a_product_and_changes_nothing():
     influence, cells, _ = contacts_of((30, 30), 0.5)
     rng = np.random.default_rng(5)
-    contacts = equilibrium.Contacts(
-        cells,
-        1e-6 * rng.standard_normal(cells.size),
-        1e-8 * rng.random(cells.size),
-        np.full(cells.size, np.inf),
-        SUBSTRATE,
-    )
-    start = np.zeros(cells.size)
-    solved = equilibrium.solve_equilibrium(influence, contacts, start, np.nan, 1e-11)
-    again = equilibrium.solve_equilibrium(
-        influence, contacts, solved.force, np.nan, 1e-10, elastic_displacement=solved.interaction
-    )
-    assert again.newton_steps == 0
-    assert again.products == 1
-    misled = equilibrium.solve_equilibrium(
-        influence, contacts, start, np.nan, 1e-11, elastic_displacement=np.full(cells.size, 1.0)
-    )
+    n = cells.size
+    overlap, compliance = 1e-6 * rng.standard_normal(n), 1e-8 * rng.random(n)
+    contacts = Contacts(cells, overlap, compliance, np.full(n, np.inf), SUBSTRATE)
+
+    def solve(start, tolerance, given=None):
+        about = (start, np.nan, tolerance)
+        return solve_equilibrium(influence, contacts, *about, elastic_displacement=given)
+
+    solved = solve(np.zeros(n), 1e-11)
+    again = solve(solved.force, 1e-10, solved.interaction)
+    assert (again.newton_steps, again.products) == (0, 1)
+    misled = solve(np.zeros(n), 1e-11, np.full(n, 1.0))
     assert misled.residual <= 1e-11
     np.testing.assert_allclose(misled.force, solved.force, atol=1e-9 * solved.force.max())
     # zero forces are in equilibrium with so large a displacement: not believed

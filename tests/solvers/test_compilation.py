@@ -23,26 +23,24 @@ def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():
             assert any(file.is_relative_to(part) for part in parts), file
 
 
-COLD_START = """
-import jointclosure as jc
-flat = [[0.0, 0.0, 0.0]] * 3
-jc.equilibrium(flat, flat, spacing=1e-3, rock=jc.Rock(1e9, 0.2, 1e6), closure=1e-9,
-               effects=jc.Effects(True, False, False, False, False))
-"""
+def run(*arguments, folder=None, **environment):
+    """Run Python with kernels in a folder; return what it prints, on both streams."""
+    environment = os.environ | environment
+    if folder:
+        environment["JOINTCLOSURE_CACHE"] = str(folder)
+    done = subprocess.run(
+        [sys.executable, "-c", *arguments], env=environment, capture_output=True, text=True,
+        cwd=PACKAGE.parents[1],
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout, done.stderr
+
+
+SMALL = "from jointclosure.mechanics.strength import von_mises_on_axis as f; print(f(0.5, 0.2))"
 
 
 def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
-    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
-    printed = [
-        subprocess.run(
-            [sys.executable, "-c", COLD_START],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stderr
-        for _ in range(2)
-    ]
+    printed = [run(SMALL, folder=tmp_path)[1] for _ in range(2)]
     assert printed[0].count("compiling kernels") == 1
     assert printed[1] == ""
 
@@ -59,9 +57,7 @@ with contextlib.redirect_stderr(io.StringIO()):
 
 
 def test_a_job_that_compiles_announces_it_outside_of_its_log():
-    words = [sys.executable, "-c", COMPILING_JOB]
-    ended = subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE.parents[1])
-    assert (ended.returncode, ended.stderr) == (0, "jointclosure: compiling\n")
+    assert run(COMPILING_JOB)[1] == "jointclosure: compiling\n"
 
 
 def test_every_closure_of_a_factory_has_a_name_of_its_own():
@@ -92,14 +88,9 @@ theirs(1)
 """
 
 
-def test_importing_changes_nothing_for_other_users_of_numba_in_the_process(tmp_path):
-    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
-    environment.pop("NUMBA_CACHE_DIR", None)
-    answer = subprocess.run(
-        [sys.executable, "-c", PROCESS], env=environment, capture_output=True, text=True
-    )
-    assert answer.returncode == 0, answer.stderr
-    assert "compiling kernels" not in answer.stderr
+def test_importing_changes_nothing_for_other_users_of_numba_in_the_process(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    assert "compiling kernels" not in run(PROCESS, folder=tmp_path)[1]
 
 
 MOVED = """
@@ -110,36 +101,17 @@ print(double(2.0), compiles())
 
 
 def test_machine_code_of_a_kernel_outside_of_the_package_follows_its_file(tmp_path):
-    source = (
+    head = (
         "from jointclosure.compilation.kernels import kernel\n@kernel\ndef double(x):\n    return "
     )
-    file = tmp_path / "moved.py"
-    environment = os.environ | {
-        "JOINTCLOSURE_CACHE": str(tmp_path / "cache"),
-        "PYTHONPATH": str(tmp_path),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-
-    def run(text: str) -> str:
-        file.write_text(source + text)
-        command = [sys.executable, "-c", MOVED]
-        return subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True
-        ).stdout.strip()
-
-    assert run("2.0 * x\n") == "4.0 1"
-    assert run("2.0 * x\n") == "4.0 0"
-    assert run("3.0 * x\n") == "6.0 1"
+    environment = {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    printed = []
+    for text in ("2.0 * x\n", "2.0 * x\n", "3.0 * x\n"):
+        (tmp_path / "moved.py").write_text(head + text)
+        printed.append(run(MOVED, folder=tmp_path / "cache", **environment)[0].strip())
+    assert printed == ["4.0 1", "4.0 0", "6.0 1"]
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
     (tmp_path / "file").write_text("in the way")
-    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path / "file" / "below")}
-    program = (
-        "from jointclosure.mechanics.strength import von_mises_on_axis as f; print(f(0.5, 0.2))"
-    )
-    answer = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, text=True
-    )
-    assert answer.returncode == 0, answer.stderr
-    assert float(answer.stdout) > 0.0
+    assert float(run(SMALL, folder=tmp_path / "file" / "below")[0]) > 0.0

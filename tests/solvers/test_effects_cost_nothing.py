@@ -10,21 +10,14 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.solvers import elastic, interaction_operator, joint
-from tests.joints import DOLERITE, SPACING
+from jointclosure.solvers import elastic, fast, interaction_operator, joint
+from tests import joints
+from tests.joints import ELASTIC, pair
 
 
-def closed(effects, breakage="fixed_step", cells=10):
-    walls = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1, roll_off=None)
-    return jc.simulate(
-        *walls,
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=1e5,
-        seating_stress=0.0,
-        effects=effects,
-        numerics=jc.Numerics(breakage=breakage),
-    )
+def closed(effects, breakage="fixed_step"):
+    about = {"effects": effects, "breakage": breakage, "seating_stress": 0.0}
+    return joints.closed(pair(10, 1), 1e5, **about)
 
 
 CODE = """
@@ -81,12 +74,8 @@ def test_without_interaction_there_is_neither_transform_nor_influence(monkeypatc
 
 
 def test_a_scene_without_breakage_calls_no_breakage_and_takes_no_steps(monkeypatch):
-    from jointclosure.solvers import fast
-
     monkeypatch.setattr(fast, "breakage_kernel", refuse)
     monkeypatch.setattr(fast.FastSolver, "settle", refuse)
-    found = closed(jc.Effects(breakage=False, gouge=False))
+    found = closed(ELASTIC)
     assert found.breakage_steps == 0
-    assert np.array_equal(
-        found.upper_final, closed(jc.Effects(False, False, False, False)).upper_final
-    )
+    np.testing.assert_array_equal(found.upper_final, pair(10, 1)[0])

@@ -7,8 +7,8 @@ import scipy.optimize
 import jointclosure as jc
 from jointclosure.engine import oracle
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.solvers import elastic
-from tests.joints import DOLERITE, SPACING, bump
+from jointclosure.solvers import elastic, equilibrium
+from tests.joints import DOLERITE, SPACING, balanced, bump, closed, pair
 
 SCENES = {
     "asperities": jc.Effects(False, False, False, False, True),
@@ -18,62 +18,41 @@ SCENES = {
 }
 
 
-def closed(walls, effects, stress=30e6, **options):
-    return jc.simulate(
-        *walls,
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=stress,
-        effects=effects,
-        **{"seating_stress": 0.0} | options,
-    )
+def curve_of(walls, scene="interaction", stress=30e6, **stated):
+    about = {"effects": SCENES[scene], "seating_stress": 0.0, "cycles": 1}
+    return closed(walls, stress, **about | stated)
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_each_point_is_an_equilibrium_at_its_closure(small_joint, scene):
-    curve = closed(small_joint, SCENES[scene], cycles=1)
+    curve = curve_of(small_joint, scene)
     assert int(curve.status) == 0
     assert float(curve.equilibrium_residual.max()) <= 1e-10
     for step in (1, 9, 20):
-        found = jc.equilibrium(
-            *small_joint,
-            spacing=SPACING,
-            rock=DOLERITE,
-            closure=float(curve.closure[step]),
-            effects=SCENES[scene],
-            numerics=jc.Numerics(force_tolerance=1e-12),
-        )
-        assert found.normal_stress == pytest.approx(float(curve.normal_stress[step]), rel=1e-9)
-        assert found.interaction_displacement.mean() == pytest.approx(
-            float(curve.bulk_indentation[step]), rel=1e-9, abs=1e-30
-        )
-        assert np.count_nonzero(found.force) == round(
-            float(curve.contact_fraction[step]) * found.force.size
-        )
+        at = curve.isel(step=step)
+        about = {"effects": SCENES[scene], "force_tolerance": 1e-12}
+        found = balanced(small_joint, float(at.closure), **about)
+        assert found.normal_stress == pytest.approx(float(at.normal_stress), rel=1e-9)
+        bulk = float(at.bulk_indentation)
+        assert found.interaction_displacement.mean() == pytest.approx(bulk, rel=1e-9, abs=1e-30)
+        contacts = round(float(at.contact_fraction) * found.force.size)
+        assert np.count_nonzero(found.force) == contacts
 
 
 def test_the_stresses_are_evenly_spaced_and_hold_the_seating_stress(small_joint):
-    numerics = jc.Numerics(curve_points=8)
-    curve = closed(small_joint, SCENES["interaction"], 8e6, cycles=1, numerics=numerics)
+    curve = curve_of(small_joint, stress=8e6, curve_points=8)
     up = [0, 1, 2, 3, 4, 5, 6, 7, 8]
     np.testing.assert_allclose(curve.normal_stress / 1e6, up + up[-2::-1], rtol=1e-9)
-    seated = closed(
-        small_joint, SCENES["interaction"], 8e6, cycles=1, numerics=numerics, seating_stress=0.5e6
-    )
+    seated = curve_of(small_joint, stress=8e6, curve_points=8, seating_stress=0.5e6)
     assert seated.sizes["step"] == curve.sizes["step"] + 2
-    found = jc.equilibrium(
-        *small_joint,
-        spacing=SPACING,
-        rock=DOLERITE,
-        closure=float(seated.max_closure[0] - seated.max_closure_seated[0]),
-        effects=SCENES["interaction"],
-    )
+    seat = float(seated.max_closure[0] - seated.max_closure_seated[0])
+    found = balanced(small_joint, seat, effects=SCENES["interaction"])
     assert found.normal_stress == pytest.approx(0.5e6, rel=1e-6)
 
 
 def test_loading_unloading_and_all_cycles_are_one_curve(small_joint):
-    curve = closed(small_joint, SCENES["interaction"], cycles=3)
-    closure = curve.closure.values.reshape(-1)
+    curve = curve_of(small_joint, cycles=3)
+    closure = curve.closure.values
     np.testing.assert_array_equal(closure[:41], closure[:41][::-1])
     np.testing.assert_array_equal(closure[40:81], closure[:41])
     np.testing.assert_array_equal(closure[80:], closure[:41])
@@ -82,55 +61,38 @@ def test_loading_unloading_and_all_cycles_are_one_curve(small_joint):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
-    stress = 3e6
-    slow = jc.Numerics(solver="reference", stress_tolerance=1e-7, sweep_tolerance=1e-10)
-    stepped = closed(small_joint, SCENES[scene], stress, cycles=1, numerics=slow)
-    curve = closed(small_joint, SCENES[scene], stress, cycles=1)
+    slow = {"solver": "reference", "stress_tolerance": 1e-7, "sweep_tolerance": 1e-10}
+    stepped, curve = (curve_of(small_joint, scene, 3e6, **more) for more in (slow, {}))
     np.testing.assert_allclose(stepped.max_closure, curve.max_closure, rtol=1e-6)
 
 
 def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
     upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4, roll_off=None)
     lower = -upper + 1e-7 * np.random.default_rng(4).standard_normal(upper.shape)
-    curve = closed((upper, lower), SCENES["interaction"], cycles=1)
+    curve = curve_of((upper, lower))
     assert int(curve.status) == 0
     assert float(curve.contact_fraction.max()) > 0.7
     assert float(curve.equilibrium_residual.max()) <= 1e-10
 
 
 def test_flat_contacts_without_substrate_are_rigid_and_said_to_be():
-    flat = np.zeros((4, 5))
-    curve = closed((flat, flat), SCENES["asperities"], cycles=1)
+    curve = curve_of([np.zeros((4, 5))] * 2, "asperities")
     assert FLAGS[int(curve.status)] == "rigid_contact"
     assert np.all(np.isnan(curve.max_closure))
 
 
 def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
-    from jointclosure.solvers import equilibrium
-
-    monkeypatch.setattr(equilibrium, "interacting_equilibrium", _given_up_on(equilibrium))
-    curve = closed(small_joint, SCENES["interaction"], cycles=1)
-    monkeypatch.undo()
-    usual = closed(small_joint, SCENES["interaction"], cycles=1)
-    np.testing.assert_allclose(curve.closure, usual.closure, rtol=1e-9)
-
-
-def _given_up_on(equilibrium):
-    """A Newton that never finds the shift, but solves at a given one."""
     kernel = equilibrium.interacting_equilibrium
 
     def half(*given):
+        """Newton that never finds the shift, but solves at a given one."""
         *problem, target, tolerance = given
         found = kernel(*problem, np.nan, tolerance)
         return found if np.isnan(target) else found._replace(residual=1.0)
 
-    return half
-
-
-def test_points_of_the_curve_are_checked(small_joint):
-    for bad in (0, 2.5, True):
-        with pytest.raises(jc.InputError, match="curve_points"):
-            closed(small_joint, SCENES["substrate"], numerics=jc.Numerics(curve_points=bad))
+    usual = curve_of(small_joint)
+    monkeypatch.setattr(equilibrium, "interacting_equilibrium", half)
+    np.testing.assert_allclose(curve_of(small_joint).closure, usual.closure, rtol=1e-9)
 
 
 @pytest.mark.parametrize("substrate", [True, False])
@@ -142,7 +104,8 @@ def test_a_curve_of_a_sphere_on_a_flat_is_hertzian_over_12_decades_of_force(deca
     area = upper.size * SPACING**2
     force = 10.0**decade  # at most 10 N: the sphere is alone in touch up to 15 um
     effects = jc.Effects(substrate, False, False, False, False)
-    curve = closed((upper, lower), effects, force / area, cycles=1, unusual_values=True)
+    about = {"effects": effects, "cycles": 1, "unusual_values": True}
+    curve = closed((upper, lower), force / area, **about)
     modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
     forces = curve.normal_stress.values * area
     expected = (9.0 * forces**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0)
@@ -161,7 +124,7 @@ def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
     upper, lower = np.maximum(one, two), np.zeros(shape)
     curvature = oracle.curvature(upper, SPACING)[2, [2, 2 + apart]]
     area = upper.size * SPACING**2
-    curve = closed((upper, lower), jc.Effects(True, True, False, False, False), 30.0 / area)
+    curve = curve_of((upper, lower), "hard peaks", 30.0 / area)
     modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
     substrate = 0.75 / (0.5 * SPACING * modulus)
     compliance = (9.0 * curvature / (16.0 * modulus**2)) ** (1.0 / 3.0)
@@ -189,14 +152,12 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
         return solve(influence, contacts, *given)
 
     monkeypatch.setattr(elastic, "solve_equilibrium", counted)
-    walls = jc.wall_pair(8.0, (80, 80), SPACING, seed=4, roll_off=None)
-    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 60e6, "cycles": 1}
-    stated["effects"] = jc.Effects(breakage=False, gouge=False)
-    touching = jc.simulate(*walls, **stated)
+    walls = pair(80, 4)
+    touching = curve_of(walls, stress=60e6)
     in_touching = sizes[-1]
     monkeypatch.setattr(elastic, "_FEW", np.inf)
     sizes.clear()
-    overlapping = jc.simulate(*walls, **stated)
+    overlapping = curve_of(walls, stress=60e6)
     assert in_touching < 0.6 * sizes[-1]
     assert in_touching >= int(touching.contact_fraction.max() * walls[0].size)
     np.testing.assert_allclose(touching.closure, overlapping.closure, rtol=1e-9)
@@ -205,10 +166,8 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
 
 def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
     """Started from half of the cells, the curve is the same."""
-    walls = jc.wall_pair(8.0, (60, 60), SPACING, seed=4, roll_off=None)
-    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 30e6, "cycles": 1}
-    stated["effects"] = jc.Effects(breakage=False, gouge=False)
-    curve = jc.simulate(*walls, **stated)
+    walls = pair(60, 4)
+    curve = curve_of(walls)
     predicted = elastic._predicted
 
     def halved(*given):
@@ -217,6 +176,6 @@ def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypat
         return point
 
     monkeypatch.setattr(elastic, "_predicted", halved)
-    from_half = jc.simulate(*walls, **stated)
+    from_half = curve_of(walls)
     assert int(from_half.solver_iterations) > int(curve.solver_iterations)
     np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)

@@ -14,91 +14,74 @@ from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint
-from tests.joints import DOLERITE, SPACING
+from tests import joints
+from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
 MODULUS = 4e10
 NO_MATRIX = np.empty((0, 0))
 
 
-def closed(seed, cells=24, stress=4e6, largest_radius=20e-3, **numerics):
-    return jc.simulate(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None),
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=stress,
-        choices=jc.Choices(largest_radius=largest_radius),
-        numerics=jc.Numerics(**numerics),
-    )
+def closed(seed, cells=24, stress=4e6, largest_radius=20e-3, **stated):
+    return joints.closed(pair(cells, seed), stress, largest_radius=largest_radius, **stated)
+
+
+def total(count, seeds, **stated):
+    """A count of the effort, summed over surfaces."""
+    return sum(int(closed(seed, **stated)[count]) for seed in range(seeds))
 
 
 def test_breakage_begins_at_the_extrapolated_interaction(monkeypatch):
     """That of the step before is too low while a joint closes, and too much breaks (0006)."""
-    seeds = range(8)
-    now = [closed(seed, 40) for seed in seeds]
+    now = [closed(seed, 40) for seed in range(8)]
     monkeypatch.setattr(fast, "_note_rates", lambda *_: None)
-    before = [closed(seed, 40) for seed in seeds]
-    steps = [sum(int(each.breakage_steps) for each in runs) for runs in (now, before)]
+    before = [closed(seed, 40) for seed in range(8)]
+    steps = [sum(int(joint.breakage_steps) for joint in runs) for runs in (now, before)]
     assert steps[0] < 0.98 * steps[1]
-    closures = [np.mean([each.max_closure[0] for each in runs]) for runs in (now, before)]
+    closures = [np.mean([joint.max_closure[0] for joint in runs]) for runs in (now, before)]
     assert closures[0] < closures[1]
 
 
-def test_the_predictor_of_resolved_breakage_knows_the_strength(monkeypatch):
-    now = closed(1, breakage="resolved")
+LARGE = {"cells": 40, "stress": 10e6}
+
+
+@pytest.mark.parametrize(
+    ("part", "without", "count", "seeds", "stated", "share"),
+    [
+        # the predictor knows the strength; without it displacement steps shrink
+        ("strength_limits", None, "settled_states", 2, {}, 0.8),
+        # predictions and steps begin at what is extrapolated, and not at a closure before
+        ("_PathToRest.extrapolate", lambda *_: None, "solver_iterations", 3, LARGE, 0.95),
+        # what is clear of its strength is solved without a stage between
+        (
+            "_PathToRest._is_clear_of_strength", lambda _: False, "equilibria", 8,
+            LARGE | {"largest_radius": None}, 0.9,
+        ),
+    ],
+)  # fmt: skip
+def test_a_part_of_resolved_breakage_saves_what_it_is_for(
+    monkeypatch, part, without, count, seeds, stated, share
+):
     limits = fast.strength_limits
-    monkeypatch.setattr(fast, "strength_limits", lambda *given: np.inf * limits(*given))
-    blind = closed(1, breakage="resolved")
-    # it misses the force, and the displacement steps shrink
-    assert now.sizes["step"] < 0.8 * blind.sizes["step"]
+    now = total(count, seeds, breakage="resolved", **stated)
+    blind = without or (lambda *given: np.inf * limits(*given))
+    monkeypatch.setattr(f"jointclosure.solvers.fast.{part}", blind)
+    assert now < share * total(count, seeds, breakage="resolved", **stated)
 
 
 def test_the_estimated_error_shortens_displacement_steps(monkeypatch):
     """At coarse tolerances it seldom does: there the rise of the force sets the steps."""
-
-    def steps():
-        stated = {"breakage": "resolved", "tolerance": 0.001}
-        return sum(closed(seed, **stated).sizes["step"] for seed in range(4))
-
-    now = steps()
+    stated = {"breakage": "resolved", "tolerance": 0.001}
+    now = total("settled_states", 3, **stated)
     monkeypatch.setattr(step_control, "_CORRECTION", 1e12)
-    assert now > 1.03 * steps()
-
-
-def test_predictions_and_steps_begin_at_what_is_extrapolated(monkeypatch):
-    """Else each begins at the forces of a closure before, and takes more products."""
-
-    def products():
-        found = [closed(seed, cells=40, stress=10e6, breakage="resolved") for seed in range(3)]
-        return sum(int(each.solver_iterations) for each in found)
-
-    now = products()
-    monkeypatch.setattr(fast._PathToRest, "extrapolate", lambda *_: None)
-    assert now < 0.95 * products()
-
-
-def test_what_is_clear_of_its_strength_is_solved_without_a_stage_between(monkeypatch):
-    def equilibria():
-        setting = {"cells": 40, "stress": 10e6, "largest_radius": None, "breakage": "resolved"}
-        found = [closed(seed, **setting) for seed in range(12)]
-        return sum(int(each.equilibria) for each in found)
-
-    now = equilibria()
-    monkeypatch.setattr(fast._PathToRest, "_is_clear_of_strength", lambda _: False)
-    assert now < 0.9 * equilibria()
+    assert now > 1.03 * total("settled_states", 3, **stated)
 
 
 def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(monkeypatch):
     """A long step may leave a joint at a higher force than shorter ones to the same closure do."""
 
     def jumped(seed):
-        closed = jc.simulate(
-            *jc.wall_pair(8.0, (24, 24), SPACING, seed, roll_off=None),
-            spacing=SPACING,
-            rock=DOLERITE,
-            max_normal_stress=4e6,
-            numerics=jc.Numerics(breakage="resolved"),
-        )
-        return int(closed.status) & protocol.TARGET_JUMPED
+        joint = closed(seed, largest_radius=None, breakage="resolved")
+        return int(joint.status) & protocol.TARGET_JUMPED
 
     misled = (93, 98, 114, 149)  # of 150 seeds
     assert not any(jumped(seed) for seed in misled)
@@ -140,14 +123,7 @@ def test_the_patches_system_has_the_mean_influence_between_their_cells():
 
 def test_the_elastic_curve_is_warm_started(monkeypatch):
     def curve():
-        return jc.simulate(
-            *jc.wall_pair(8.0, (60, 60), SPACING, seed=2, roll_off=None),
-            spacing=SPACING,
-            rock=DOLERITE,
-            max_normal_stress=30e6,
-            cycles=1,
-            effects=jc.Effects(breakage=False, gouge=False),
-        )
+        return joints.closed(pair(60, 2), 30e6, cycles=1, effects=ELASTIC)
 
     predicted = elastic._predicted
 
@@ -164,17 +140,8 @@ def test_the_elastic_curve_is_warm_started(monkeypatch):
 
 
 @pytest.mark.parametrize("radius", [None, 20e-3])
-def test_what_was_chosen_is_written_into_the_result(small_joint, radius):
-    found = jc.simulate(
-        *small_joint,
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=1e5,
-        seating_stress=0.0,
-        cycles=1,
-        choices=jc.Choices(largest_radius=radius),
-        numerics=jc.Numerics(breakage="resolved"),
-    )
+def test_what_was_chosen_is_written_into_the_result(radius):
+    found = closed(3, 12, 1e5, radius, cycles=1, breakage="resolved")
     assert json.loads(found.attrs["choices"])["largest_radius"] == radius
     assert json.loads(found.attrs["numerics"])["breakage"] == "resolved"
     assert json.loads(found.attrs["effects"])["gouge"] is True
@@ -213,14 +180,8 @@ def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage
 def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
     numerics, looked_at = jc.Numerics(), 0
     for seed in range(6):
-        joint = Joint(
-            *jc.wall_pair(8.0, (32, 32), SPACING, seed, roll_off=None),
-            SPACING,
-            (DOLERITE, DOLERITE),
-            jc.Effects(),
-            jc.Choices(),
-            numerics,
-        )
+        given = (DOLERITE, DOLERITE), jc.Effects(), jc.Choices(), numerics
+        joint = Joint(*pair(32, seed), SPACING, *given)
         area = joint.upper.size * SPACING**2
         load = [LoadCycle(5e6 * area), LoadCycle(10e6 * area)]
         history = protocol.run_cycles(joint, FastSolver(), numerics, load)

@@ -1,9 +1,7 @@
 """Every kernel with the JIT on and off: the same tests, and the same numbers.
 
-The tests named in `BOTH` run in the suite with the JIT on. Here they run
-without, in a process of their own; together they must call every kernel that
-there is. And small joints closed by interpreted kernels must come out as by
-compiled ones.
+The tests named in `BOTH` run in the suite with the JIT on. Here they run without, in a process of
+their own, and together call every kernel. Small joints come out as by compiled kernels.
 """
 
 import ast
@@ -11,15 +9,15 @@ import os
 import pickle
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import jointclosure as jc
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.parameters import well_posed_scenes
-from tests.joints import DOLERITE, SPACING
+from tests.joints import closed, pair
 
 ROOT = Path(__file__).parents[2]
 BOTH = (
@@ -62,30 +60,15 @@ def interpreted(*arguments: str, **environment: str) -> None:
 
 def small_joints() -> dict:
     """Closures, stresses and walls of a tiny joint in every scene, by every method."""
-    walls = jc.wall_pair(8.0, (5, 5), SPACING, seed=6, roll_off=None)
-    answers = {}
-    for effects in well_posed_scenes():
-        for peaks in ("pristine", "current"):
-            for solver, breakage in (
-                ("fast", "fixed_step"),
-                ("fast", "resolved"),
-                ("reference", "fixed_step"),
-            ):
-                closed = jc.simulate(
-                    *walls,
-                    spacing=SPACING,
-                    rock=DOLERITE,
-                    max_normal_stress=5e5,
-                    seating_stress=0.0,
-                    cycles=1,
-                    effects=effects,
-                    choices=jc.Choices(peaks=peaks),
-                    numerics=jc.Numerics(
-                        solver=solver, breakage=breakage, curve_points=2, stress_tolerance=0.05
-                    ),
-                )
-                names = ("closure", "normal_stress", "upper_final", "lower_final", "status")
-                answers[effects, peaks, solver, breakage] = [closed[n].values for n in names]
+    walls, answers = pair(5, 6), {}
+    names = ("closure", "normal_stress", "upper_final", "lower_final", "status")
+    about = {"seating_stress": 0.0, "cycles": 1, "curve_points": 2, "stress_tolerance": 0.05}
+    methods = ("fast", "fixed_step"), ("fast", "resolved"), ("reference", "fixed_step")
+    for case in product(well_posed_scenes(), ("pristine", "current"), methods):
+        effects, peaks, (solver, breakage) = case
+        stated = {"effects": effects, "peaks": peaks, "solver": solver, "breakage": breakage}
+        joint = closed(walls, 5e5, **about | stated)
+        answers[case] = [joint[name].values for name in names]
     return answers
 
 

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-import jointclosure as jc
 from jointclosure.solvers import joint
-from jointclosure.solvers.interaction_operator import (
-    Neighbours,
-    influence_table,
-)
-from tests.joints import DOLERITE, SPACING
+from jointclosure.solvers.interaction_operator import Neighbours, influence_table
+from tests.joints import SPACING, closed, pair
 
 SHAPE = (17, 23)
 
@@ -46,19 +42,10 @@ def test_what_is_known_of_the_matrix_is_not_filled_in_again(monkeypatch):
     assert not np.any(near.matrix[100:110, :110] == -1.0)
 
 
-def closed(cells, **numerics):
-    return jc.simulate(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, 5, roll_off=None),
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=4e6,
-        numerics=jc.Numerics(**numerics),
-    )
-
-
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 def test_a_kept_matrix_and_the_convolution_give_the_same_joint(monkeypatch, breakage):
-    kept = closed(24, breakage=breakage, force_tolerance=1e-11)
+    walls, exact = pair(24, 5), {"breakage": breakage, "force_tolerance": 1e-11}
+    kept = closed(walls, **exact)
     monkeypatch.setattr(joint, "dense_limit", lambda _: 0)
-    convolved = closed(24, breakage=breakage, force_tolerance=1e-11)
+    convolved = closed(walls, **exact)
     assert kept.max_closure.values == pytest.approx(convolved.max_closure.values, rel=1e-6)
