@@ -9,17 +9,18 @@ from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.measured import Scan
-from tests.joints import SPACING
+from tests import joints
+from tests.joints import SPACING, pair
 from tests.measured.test_calibration import GOOD
 from tests.studied import study_of
 
-ELASTIC = {"effects": jc.Effects(breakage=False, gouge=False), "cycles": 1}
+ELASTIC = {"effects": joints.ELASTIC, "cycles": 1}
 
 
 @pytest.fixture
 def walls():
     """A joint that is long enough for scans."""
-    return jc.wall_pair(8.0, (24, 24), SPACING, seed=3, roll_off=None)
+    return pair(24)
 
 
 def scanned(upper, lower, **conditions):
@@ -90,15 +91,12 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     assert checked == checked.checked()
 
 
-def test_commands_and_fit_take_a_load_below_the_usual_seating_stress(tmp_path, capsys):
+def test_a_command_and_fit_take_a_load_below_the_usual_seating_stress(tmp_path):
     words = ["simulate", "--rock", "granite", "--jrc", "8", "--cells", "12", "--stress", "0.027"]
     assert cli.main([*words, "--output", str(tmp_path / "joint.nc")]) == 0
     assert read_netcdf(tmp_path / "joint.nc").attrs["seating_stress_Pa"] == pytest.approx(2.7e3)
     curve = tmp_path / "kPa.csv"
     curve.write_text(GOOD.replace("stress_MPa", "stress_kPa"))
-    words = ["fit", str(curve), "--rock", "granite", "--jrc", "10", "--cells", "12"]
-    assert cli.main([*words, "--surfaces", "4", "--without", "breakage", "gouge"]) == 0
-    fitted = jc.fit(curve, rock="granite", jrc=10, shape=(12, 12), surfaces=4,
-                    effects=ELASTIC["effects"])  # fmt: skip
+    about = {"rock": "granite", "jrc": 10, "shape": (10, 10), "surfaces": 3}
+    fitted = jc.fit(curve, **about, effects=joints.ELASTIC)
     assert fitted.measured.seating == pytest.approx(500.0)
-    assert fitted.sentences()[0] in capsys.readouterr().out

@@ -1,12 +1,15 @@
 """Curves, stiffness and laws of a closed joint, held against what they must be."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli.exports import itasca_tables
+from jointclosure.cli import main as cli
+from jointclosure.cli.exports import geos_aperture_table, itasca_tables
 from jointclosure.joint.curves import area_of, curve_table, cycle_table
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
@@ -16,16 +19,30 @@ from jointclosure.joint.stiffness import (
     secant_stiffness,
     stiffness_table,
 )
-from tests.joints import DOLERITE, SPACING, on_softer_half_spaces
+from jointclosure.plotting.joint import engineering_figure
+from jointclosure.storage.netcdf import read_netcdf
+from tests import joints
+from tests.joints import ELASTIC, SPACING, on_softer_half_spaces, pair
 
 SEATING, LARGEST = 0.5, 10.0
 
 
+def joint(**stated):
+    return joints.closed(pair((20, 24)), 5e6, **{"seating_stress": 0.5e6} | stated)
+
+
 @pytest.fixture(scope="module")
 def closed():
-    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
-    about = {"max_normal_stress": 5e6, "seating_stress": 0.5e6}
-    return jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, **about)
+    return joint(flow=True)
+
+
+def on(table, cycle, branch):
+    return table[(table.cycle == cycle) & (table.branch == branch)]
+
+
+def here(closed, cycle=1):
+    """The steps of a loading."""
+    return (closed.cycle.values == cycle) & (closed.branch.values == "loading")
 
 
 def following(law, *parameters):
@@ -83,14 +100,13 @@ def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
 def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
     """There the joint looks as stiff as on unloading; by other steps, or without any, it lands."""
     table = stiffness_table(closed)
-    first = table[(table.cycle == 1) & (table.branch == "loading")]
-    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
-    stress, closure = 1e-6 * closed.normal_stress.values[here], closed.closure.values[here]
-    last_whole = stress[1:][np.diff(closure) > 0.999 * 12.5e-6][-1]
+    first = on(table, 1, "loading")
+    stress, closure = (closed[n].values[here(closed)] for n in ("normal_stress", "closure"))
+    last_whole = 1e-6 * stress[1:][np.diff(closure) > 0.999 * 12.5e-6][-1]
     assert SEATING < last_whole < 5.0
     np.testing.assert_array_equal(first.landing, first.to_MPa > last_whole)
     steps = curve_table(closed)
-    loading = steps[(steps.cycle == 1) & (steps.branch == "loading")]
+    loading = on(steps, 1, "loading")
     upper = loading.normal_stress_MPa.shift(-1, fill_value=loading.normal_stress_MPa.iloc[-1])
     np.testing.assert_array_equal(loading.landing, upper > last_whole)
     for chords in (table, steps):
@@ -104,8 +120,7 @@ def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
 def test_chords_before_a_landing_know_nothing_of_it(closed):
     """A cubic through all steps would bring the stiffness of the landing into the chord before."""
     end = landing_stress(closed, 1)
-    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
-    kept = np.flatnonzero(here)[closed.normal_stress.values[here] <= end]
+    kept = np.flatnonzero(here(closed) & (closed.normal_stress.values <= end))
     levels = np.linspace(0.9 * end, end, 4)
     without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
     np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
@@ -129,9 +144,8 @@ def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
     levels = np.array([2e6, end])
     bulk = closures_at(closed, levels, GROSS) - closures_at(closed, levels, NET)
     assert (bulk > 0.0).all()
-    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
-    at_end = closed.bulk_indentation.values[here][closed.normal_stress.values[here] == end]
-    assert bulk[0, 0, 1] == pytest.approx(at_end[0])
+    at_end = here(closed) & (closed.normal_stress.values == end)
+    assert bulk[0, 0, 1] == pytest.approx(closed.bulk_indentation.values[at_end][0])
     rise = np.diff(closures_at(closed, levels, NET)[0, 0])[0]
     stiffness = secant_stiffness(closed, 1, 2e6, 5e6, NET)
     assert stiffness == pytest.approx((end - 2e6) / rise)
@@ -142,31 +156,21 @@ def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"numerics": jc.Numerics(breakage="resolved")},
-        {"effects": jc.Effects(breakage=False, gouge=False)},
-    ],
-)
+@pytest.mark.parametrize("other", [{"breakage": "resolved"}, {"effects": ELASTIC}])
 def test_loading_without_fixed_steps_marks_no_landing(other):
-    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
-    joint = jc.simulate(
-        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=5e6, cycles=1, **other
-    )
-    assert not stiffness_table(joint).landing.any()
+    assert not stiffness_table(joint(cycles=1, **other)).landing.any()
 
 
 def test_curves_agree_with_the_history(closed):
     table = curve_table(closed)
-    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    first = on(table, 1, "loading")
     assert first.closure_gross_mm.iloc[-1] == pytest.approx(1e3 * float(closed.max_closure[0]))
     assert area_of(closed) == pytest.approx(20 * 24 * SPACING**2)
     seated = 1e3 * closed.max_closure_seated.values
     np.testing.assert_allclose(cycle_table(closed).max_closure_seated_mm, seated)
     stays = 1e3 * closed.residual_closure_seated.values
     np.testing.assert_allclose(cycle_table(closed).residual_closure_seated_mm, stays)
-    unloading = table[(table.cycle == 1) & (table.branch == "unloading")]
+    unloading = on(table, 1, "unloading")
     back = np.interp(
         SEATING, *unloading[["normal_stress_MPa", "closure_gross_since_seating_mm"]].values[::-1].T
     )
@@ -215,21 +219,60 @@ def test_what_stays_at_seating_is_most_of_the_first_cycle_and_little_of_the_seco
 
 @pytest.mark.parametrize("breakage", [False, True])
 def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
-    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+    walls = pair((20, 24))
     effects = jc.Effects(breakage=breakage, gouge=False)
-    about = {"spacing": SPACING, "rock": DOLERITE}
-    closed = jc.simulate(upper, lower, max_normal_stress=3e6, cycles=1, effects=effects, **about)
-    start = float(closed.mean_aperture[0])
-    assert start == pytest.approx((upper + lower).max() - (upper + lower).mean())
+    closed = joints.closed(walls, 3e6, cycles=1, effects=effects)
+    start, touch = float(closed.mean_aperture[0]), sum(walls).max()
+    assert start == pytest.approx(touch - sum(walls).mean())
     if breakage:  # what vanished opens the joint again
-        end = (
-            (upper + lower).max()
-            - closed.closure[-1]
-            - (closed.upper_final + closed.lower_final).mean()
-        )
-        assert float(closed.mean_aperture[-1]) == pytest.approx(float(end))
-        assert float(closed.mean_aperture[-1]) > start - float(closed.closure[-1])
+        left = (closed.upper_final + closed.lower_final).mean()
+        end = float(touch - closed.closure[-1] - left)
+        assert float(closed.mean_aperture[-1]) == pytest.approx(end)
+        assert end > start - float(closed.closure[-1])
     else:
-        peak = int(np.argmax(closed.normal_stress.values))
-        state = jc.equilibrium(upper, lower, closure=float(closed.closure[peak]), **about)
-        assert float(closed.mean_aperture[peak]) == pytest.approx(-float(state.overlap.mean()))
+        peak = closed.isel(step=int(np.argmax(closed.normal_stress.values)))
+        state = joints.balanced(walls, float(peak.closure))
+        assert float(peak.mean_aperture) == pytest.approx(-float(state.overlap.mean()))
+
+
+def test_tables_have_hydraulic_apertures_only_where_asked_for(closed):
+    without = closed.drop_vars(["hydraulic_aperture", "flow_status", "flow_imbalance", "direction"])
+    columns = {
+        f"hydraulic_{name}" for name in ("aperture_x_mm", "aperture_y_mm", "ratio_x", "ratio_y")
+    }
+    curves = curve_table(closed)
+    assert set(curves) - set(curve_table(without)) == columns
+    pd.testing.assert_frame_equal(curves.drop(columns=list(columns)), curve_table(without))
+    last, aperture = curves.iloc[-1], float(closed.hydraulic_aperture[-1, 1])
+    assert last.hydraulic_aperture_y_mm == 1e3 * aperture
+    assert last.hydraulic_ratio_y == pytest.approx(aperture / float(closed.mean_aperture[-1]))
+    at_max, cycles = on(curves, 2, "loading").iloc[-1], cycle_table(closed)
+    assert cycles.hydraulic_aperture_x_at_max_mm.iloc[1] == at_max.hydraulic_aperture_x_mm
+    assert "hydraulic_aperture_x_at_max_mm" not in cycle_table(without)
+    assert len(engineering_figure(closed, "").axes) == len(engineering_figure(without, "").axes) + 1
+
+
+def test_geos_is_given_the_hydraulic_aperture_where_there_is_one(closed):
+    gap, aperture = geos_aperture_table(closed)
+    x, y = closed.hydraulic_aperture.values[here(closed, 2)].T
+    assert aperture[0] == pytest.approx(np.sqrt(x[-1] * y[-1]), rel=1e-9)
+    plain = closed.drop_vars(["hydraulic_aperture", "direction"])
+    mean = closed.mean_aperture.values[here(closed, 2)]
+    assert geos_aperture_table(plain)[1][0] == pytest.approx(float(mean[-1]), rel=1e-9)
+    assert set(np.delete(geos_aperture_table(plain)[0], -2)) <= set(gap)  # but for its end slope
+
+
+def test_the_command_says_and_writes_hydraulic_apertures(tmp_path, capsys):
+    words = ["simulate", "--rock", "slate", "--cells", "14x12", "--stress", "2", "--flow"]
+    file, folder = tmp_path / "joint.nc", tmp_path / "tables"
+    assert cli.main([*words, "--output", str(file), "--tables", str(folder)]) == 0
+    out, stored = capsys.readouterr().out, read_netcdf(file)
+    largest = stored.hydraulic_aperture.values[stored.normal_stress.values.argmax()]
+    assert re.search(rf"cycle \d +\S+ +{1e3 * largest[0]:.5f} +{1e3 * largest[1]:.5f}", out)
+    tables = (folder / "joint_stiffness.dat").read_text()
+    found = dict(re.findall(r"^table '(aperture-[\w-]+)' add (.*)$", tables, re.M))
+    assert len(found) == 4
+    pairs = np.array(re.findall(r"\(([^,]+),([^)]+)\)", found["aperture-cycle-1-loading"]), float)
+    geometric = np.sqrt(stored.hydraulic_aperture.prod("direction").values)
+    np.testing.assert_allclose(pairs[:, 1], geometric[: len(pairs)], rtol=1e-6)
+    assert (np.diff(pairs[:, 0]) >= 0.0).all()

@@ -1,22 +1,29 @@
-"""What kinds of numbers walls and levels may be, at every public function."""
+"""What walls and numbers may be, at every function that closes a joint."""
+
+import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 import jointclosure as jc
-from tests.joints import DOLERITE, SPACING
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.walls.plausibility import doubts
+from tests import joints
+from tests.joints import DOLERITE, ELASTIC, SPACING
 
-LEVELS = [70.0, 78.0, 85.0]
+SHAPE = (9, 9)  # square: a transposed wall would fit
+X = SPACING * np.arange(9)
+FLAT = np.zeros((4, 4))
 
 
 def simulate(upper, lower, **change):
-    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "cycles": 1}
-    return jc.simulate(upper, lower, **stated | change)
+    return joints.closed((upper, lower), 1e6, **{"cycles": 1} | change)
 
 
 def equilibrium(upper, lower, **change):
-    stated = {"spacing": SPACING, "rock": DOLERITE, "closure": 1e-4}
-    return jc.equilibrium(upper, lower, **stated | change)
+    return joints.balanced((upper, lower), **{"closure": 1e-4} | change)
 
 
 @pytest.fixture(params=[simulate, equilibrium], ids=lambda function: function.__name__)
@@ -27,8 +34,7 @@ def close(request):
 @pytest.fixture(scope="module")
 def walls():
     """Heights in multiples of 2^-16 m, which every type of float holds exactly."""
-    pair = jc.wall_pair(8.0, (9, 11), SPACING, seed=4)
-    return [np.round(wall * 2.0**16) / 2.0**16 for wall in pair]
+    return [np.round(wall * 2.0**16) / 2.0**16 for wall in jc.wall_pair(8.0, SHAPE, SPACING, 4)]
 
 
 FORMS = {
@@ -48,81 +54,63 @@ FORMS = {
 @pytest.mark.parametrize("form", FORMS)
 def test_a_form_that_holds_the_heights_gives_the_same_joint(close, walls, form):
     given = [FORMS[form](wall) for wall in walls]
-    for wall, back in zip(walls, given, strict=True):
-        np.testing.assert_array_equal(np.asarray(back, dtype=float), wall)
+    np.testing.assert_array_equal(np.asarray(given, dtype=float), walls)
     assert close(*given).identical(close(*walls))
 
 
 def test_single_precision_is_promoted_and_its_lost_digits_stay_lost(close):
-    walls = jc.wall_pair(8.0, (9, 11), SPACING, seed=4)
+    walls = jc.wall_pair(8.0, SHAPE, SPACING, seed=4)
     single = [wall.astype(np.float32) for wall in walls]
     found = close(*single)
     assert found.identical(close(*(wall.astype(float) for wall in single)))
     assert not found.identical(close(*walls))
-    for variable in found.data_vars.values():
-        assert variable.dtype != np.float32
+    assert all(variable.dtype != np.float32 for variable in found.data_vars.values())
 
 
-def test_numbers_of_single_precision_do_not_make_the_answer_so(walls):
-    numbers = dict(zip(jc.Rock._fields, DOLERITE, strict=True))
-    single = {name: np.float32(value) for name, value in numbers.items()}
-    double = {name: float(value) for name, value in single.items()}
-    stated = []
-    for rock, real in ((single, np.float32), (double, lambda value: float(np.float32(value)))):
+def test_numbers_of_single_precision_do_not_make_the_answer_so(close, walls):
+    found = []
+    for real in (np.float32, lambda value: float(np.float32(value))):
         numerics = jc.Numerics(*(real(step) for step in (12.5e-6, 5e-6, 6.25e-6, 2.5e-6)))
         choices = jc.Choices(base_radius_in_cells=real(0.3), largest_radius=real(0.02))
-        stated.append(
-            {
-                "spacing": real(SPACING),
-                "rock": jc.Rock(**rock),
-                "numerics": numerics,
-                "choices": choices,
-            }
-        )
-    for closed in (
-        [
-            simulate(*walls, max_normal_stress=np.float32(1e6), **stated[0]),
-            simulate(*walls, **stated[1]),
-        ],
-        [equilibrium(*walls, closure=2.0**-13, **each) for each in stated],
-    ):
-        assert closed[0].identical(closed[1])
-        assert all(v.dtype != np.float32 for v in closed[0].variables.values())
+        load = {"max_normal_stress": real(1e6)} if close is simulate else {"closure": real(2**-13)}
+        about = {"numerics": numerics, "choices": choices, "rock": jc.Rock(*map(real, DOLERITE))}
+        found.append(close(*walls, spacing=real(SPACING), **about, **load))
+    assert found[0].identical(found[1])
+    assert all(v.dtype != np.float32 for v in found[0].variables.values())
 
 
 REFUSED = {
-    "complex": (np.zeros((4, 4), complex), "values of type complex128"),
-    "object": (np.zeros((4, 4), object), "values of type object"),
-    "boolean": (np.zeros((4, 4), bool), "values of type bool"),
+    "complex": (FLAT.astype(complex), "values of type complex128"),
+    "object": (FLAT.astype(object), "values of type object"),
+    "boolean": (FLAT.astype(bool), "values of type bool"),
     "text": (np.full((4, 4), "0.1"), "values of type <U3"),
     "dates": (np.zeros((4, 4), "M8[s]"), r"values of type datetime64\[s\]"),
-    "masked": (np.ma.masked_array(np.zeros((4, 4)), np.eye(4)), "masked values"),
+    "masked": (np.ma.masked_array(FLAT, np.eye(4)), "masked values"),
     "ragged": ([[1.0, 2.0], [3.0]], "is not an array"),
     "nothing": (None, "values of type object"),
     "one-dimensional": (np.zeros(4), "shape"),
     "empty": (np.zeros((0, 4)), "shape"),
     "too large a height": (np.full((4, 4), 1e16), "a height of 1e[+]16 m"),
+    "dataset": (xr.Dataset({"height": (("y", "x"), FLAT)}), "is an xarray.Dataset of height; must"),
+    **{
+        f"{value} in {kind.__name__}": (
+            np.where(np.arange(4200).reshape(60, 70) == 41 * 70 + 37, kind(value), kind(0.0)),
+            r"1 values are not finite, the first at \(y, x\) = \(41, 37\)",
+        )
+        for value in (np.nan, np.inf, -np.inf)
+        for kind in (np.float16, np.float64)
+    },
 }
 
 
-@pytest.mark.parametrize("side", ["upper", "lower"])
+@pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize("kind", REFUSED)
 def test_what_is_no_wall_of_real_heights_is_refused_by_name(close, kind, side):
     wall, printed = REFUSED[kind]
-    pair = (wall, np.zeros((4, 4))) if side == "upper" else (np.zeros((4, 4)), wall)
-    with pytest.raises(jc.InputError, match=f"{side}: .*{printed}"):
+    pair = [FLAT, FLAT]
+    pair[side] = wall
+    with pytest.raises(jc.InputError, match=f"{('upper', 'lower')[side]}: .*{printed}"):
         close(*pair)
-
-
-@pytest.mark.parametrize("side", ["upper", "lower"])
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64])
-def test_one_bad_height_deep_inside_a_wall_is_found_and_said_where(close, kind, value, side):
-    pair = {"upper": np.zeros((60, 70), kind), "lower": np.zeros((60, 70), kind)}
-    pair[side][41, 37] = value
-    printed = rf"{side}: 1 values are not finite, the first at \(y, x\) = \(41, 37\)"
-    with pytest.raises(jc.InputError, match=printed):
-        close(**pair)
 
 
 def test_denormal_heights_are_as_good_as_flat(close):
@@ -139,38 +127,22 @@ def test_denormal_heights_are_as_good_as_flat(close):
 @pytest.mark.parametrize("spacing", [1e-30, 1e30, float("nan")])
 def test_a_spacing_whose_powers_do_not_fit_is_refused(close, spacing):
     with pytest.raises(jc.InputError, match="spacing = "):
-        close(np.zeros((4, 4)), np.zeros((4, 4)), spacing=spacing)
+        close(FLAT, FLAT, spacing=spacing)
 
 
 @pytest.mark.parametrize("name", ["displacement_step", "later_displacement_step"])
 def test_a_step_that_rounding_of_the_heights_would_swallow_is_refused(name):
-    wall = np.zeros((4, 4))
+    wall = FLAT.copy()
     wall[1, 1] = 1e6
-    numerics = jc.Numerics()._replace(
-        breakage_step=1e-12, later_breakage_step=1e-12, **{name: 2e-11}
-    )
+    steps = {"breakage_step": 1e-12, "later_breakage_step": 1e-12, name: 2e-11}
     with pytest.raises(jc.InputError, match=f"{name} = 2e-11 m: must be at least"):
-        simulate(wall, 0.0 * wall, numerics=numerics, unusual_values=True)
-
-
-@pytest.mark.parametrize(
-    ("settings", "field", "value"),
-    [
-        (jc.Numerics, "idle_interaction", 2),
-        (jc.Numerics, "displacement_step", -1.0),
-        (jc.Numerics, "breakage", "x"),
-        (jc.Choices, "concave", "x"),
-    ],
-)
-def test_settings_are_checked_when_they_are_made(settings, field, value):
-    with pytest.raises(jc.InputError, match=f"{field} = {value!r}"):
-        settings(**{field: value})
+        simulate(wall, FLAT, unusual_values=True, **steps)
 
 
 @pytest.mark.parametrize("closure", [float("nan"), 1e300, True])
 def test_a_closure_that_is_no_length_is_refused(closure):
     with pytest.raises(jc.InputError, match="closure = "):
-        equilibrium(np.zeros((4, 4)), np.zeros((4, 4)), closure=closure)
+        equilibrium(FLAT, FLAT, closure=closure)
 
 
 def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
@@ -193,17 +165,128 @@ def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
     ],
 )
 def test_statistics_of_what_is_no_real_number_are_refused_by_name(name, values, printed):
-    good = {"levels": LEVELS, "means": [3.0, 2.0, 1.0], "standard_deviations": [0.1] * 3}
+    good = {"levels": [70.0, 78.0, 85.0], "means": [3.0, 2.0, 1.0]}
+    good |= {"standard_deviations": [0.1] * 3, name: values}
     with pytest.raises(jc.InputError, match=f"{name}: .*{printed}"):
-        jc.indifference_interval(**good | {name: values}, samples=20)
+        jc.indifference_interval(**good, samples=20)
 
 
 @pytest.mark.parametrize("kind", [np.float16, np.float32, np.longdouble])
 def test_walls_do_not_depend_on_the_type_of_the_numbers_they_are_made_of(kind):
-    given = {"jrc": kind(8), "spacing": kind(2.0**-12), "hurst": kind(0.75), "seed": np.int64(3)}
-    plain = {"jrc": 8.0, "spacing": 2.0**-12, "hurst": 0.75, "seed": 3}
-    for one, other in zip(
-        jc.wall_pair(shape=(9, 9), **given), jc.wall_pair(shape=(9, 9), **plain), strict=True
+    given = {"jrc": 8, "spacing": 2.0**-12, "hurst": 0.75}
+    typed = {name: kind(value) for name, value in given.items()}
+    one = jc.wall_pair(shape=SHAPE, seed=np.int64(3), **typed)
+    assert one[0].dtype == one[1].dtype == np.float64
+    np.testing.assert_array_equal(one, jc.wall_pair(shape=SHAPE, seed=3, **given))
+
+
+def named(wall, dims=("y", "x"), **coords):
+    return xr.DataArray(wall, dims=dims, coords=coords)
+
+
+def test_a_transposed_wall_is_turned_by_the_names_of_its_dimensions(walls):
+    upper, lower = walls
+    plain = simulate(upper, lower)
+    assert not plain.equals(simulate(upper, lower.T))  # it matters
+    for given in (
+        (named(upper), named(lower.T, ("x", "y"))),
+        (named(upper.T, ("x", "y")), named(lower.T, ("x", "y"))),
+        (upper, named(lower.T, ("x", "y"))),
+        (named(upper, ("row", "column")), named(lower.T, ("column", "row"))),
+        (named(upper, x=X), named(lower, x=X * (1.0 + 1e-9))),
     ):
-        assert one.dtype == np.float64
-        np.testing.assert_array_equal(one, other)
+        assert simulate(*given).identical(plain)
+
+
+@pytest.mark.parametrize(
+    ("given", "printed"),
+    [
+        ({"dims": ("y", "z")}, r"dimensions \('y', 'x'\) and \('y', 'z'\)"),
+        *(({"x": other}, "coordinates x differ") for other in (X + SPACING, X[::-1], 2.0 * X)),
+    ],
+)
+def test_walls_of_other_dimensions_or_at_other_places_are_refused_by_name(walls, given, printed):
+    with pytest.raises(jc.InputError, match=printed):
+        checked_walls(named(walls[0], x=X), named(walls[1], **given))
+
+
+@pytest.mark.parametrize(
+    ("places", "units"),
+    [(SPACING, None), (-SPACING, None), (1e3 * SPACING, "mm"), (1e6 * SPACING, "micrometre")],
+)
+def test_coordinates_of_the_spacing_are_those_of_the_walls(places, units, walls):
+    x = ("x", 7.0 + places * np.arange(9), {} if units is None else {"units": units})
+    checked = checked_walls(named(walls[0], x=x), walls[1], SPACING)
+    np.testing.assert_array_equal(checked[0], walls[0])
+    checked_walls(named(walls[0], x=np.arange(9), y=np.arange(1, 10)), walls[1], SPACING)
+
+
+@pytest.mark.parametrize(
+    ("x", "printed"),
+    [
+        (1e3 * X, "its coordinate x has steps of 0.25 m, and spacing"),
+        (SPACING * np.arange(9) ** 2, "steps of 0.00025 to 0.00375 m"),
+        (("x", X, {"units": "inch"}), "coordinate x: units = 'inch'"),
+    ],
+)
+def test_coordinates_that_contradict_the_spacing_are_refused(close, x, printed, walls):
+    for pair in ((named(walls[0], x=x), walls[1]), (walls[0], named(walls[1], x=x))):
+        with pytest.raises(jc.InputError, match=printed):
+            close(*pair)
+
+
+def test_a_data_frame_is_what_its_labels_say(walls):
+    upper, lower = walls
+    letters, turned = list("abcdefghi"), pd.DataFrame(lower.T, X, X).rename_axis("x", columns="y")
+    for given in (
+        [pd.DataFrame(wall) for wall in walls],
+        (pd.DataFrame(upper, X, X), turned),
+        [pd.DataFrame(wall, letters) for wall in walls],
+    ):
+        np.testing.assert_array_equal(checked_walls(*given, SPACING), walls)
+    for rows, other, spacing, printed in (
+        (X, X + SPACING, SPACING, "their coordinates y differ"),
+        (letters, letters[::-1], SPACING, "their labels y differ"),
+        (X, X, 2.0 * SPACING, r"steps of 0.00025 m, and spacing = 0.0005 m"),
+    ):
+        with pytest.raises(jc.InputError, match=printed):
+            checked_walls(pd.DataFrame(upper, rows), pd.DataFrame(lower, other), spacing)
+
+
+def mates():
+    return jc.wall_pair(8.0, (24, 24), SPACING, seed=3, correlation=0.95, roll_off=None)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.5, 1.0])
+def test_walls_of_a_joint_raise_no_doubt(correlation):
+    for seed in range(5):
+        about = {"correlation": correlation, "roll_off": None}
+        assert doubts(*jc.wall_pair(8.0, (24, 24), SPACING, seed, **about), SPACING) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "printed"),
+    [
+        (lambda upper, lower: (-upper, lower), ["the walls are alike"]),
+        (lambda upper, lower: (np.flip(upper, 0), lower), ["reversed along y"]),
+        (lambda upper, lower: (np.flip(upper, 1), lower), ["reversed along x"]),
+        (lambda upper, lower: (1e3 * upper, 1e3 * lower), ["rms slope"] * 2),
+        (lambda upper, lower: (1e-4 * upper, 1e-4 * lower), ["rms slope"] * 2),
+    ],
+)
+def test_slips_of_units_and_orientation_are_told(change, printed):
+    found = doubts(*change(*mates()), SPACING)
+    assert [text in line for text, line in zip(printed, found, strict=True)] == [True] * len(found)
+
+
+def test_simulate_warns_once_unless_told_that_values_are_unusual():
+    upper, lower = mates()
+    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "cycles": 1}
+    stated["effects"] = ELASTIC
+    with pytest.warns(UserWarning, match="alike") as heard:
+        jc.simulate(-upper, lower, **stated)
+    assert [warning.filename for warning in heard] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jc.simulate(-upper, lower, unusual_values=True, **stated)
+        jc.simulate(upper, lower, **stated)

@@ -5,15 +5,11 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.protocol import FAILURE
+from tests import joints
 from tests.joints import DOLERITE, SPACING
 
 SOFT = jc.Rock(20e9, 0.3, 60e6)
-STEPS = (
-    "displacement_step",
-    "breakage_step",
-    "later_displacement_step",
-    "later_breakage_step",
-)
+STEPS = [f"{part}{name}_step" for part in ("", "later_") for name in ("displacement", "breakage")]
 ELASTIC = {
     "asperities": jc.Effects(False, False, False, False, True),
     "substrate": jc.Effects(True, False, False, False, True),
@@ -32,29 +28,22 @@ METHODS = [("fast", "fixed_step"), ("fast", "resolved"), ("reference", "fixed_st
 ELASTIC_BOUND = 1e-9
 
 
-def scaled_rock(rock, stresses):
-    return rock._replace(
-        youngs_modulus=rock.youngs_modulus * stresses,
-        compressive_strength=rock.compressive_strength * stresses,
-    )
-
-
 def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load=4e6, **options):
     """A joint with all its lengths and all its stresses multiplied."""
-    solver, breakage = method
-    numerics = jc.Numerics(solver=solver, breakage=breakage)
-    numerics = numerics._replace(**{name: lengths * getattr(numerics, name) for name in STEPS})
+    steps = {name: lengths * getattr(jc.Numerics(), name) for name in STEPS}
     rocks = options.pop("rock", (DOLERITE, DOLERITE))
-    return jc.simulate(
-        *(lengths * wall for wall in walls),
+    return joints.closed(
+        [lengths * wall for wall in walls],
+        stresses * load,
         spacing=lengths * SPACING,
-        rock=tuple(scaled_rock(rock, stresses) for rock in rocks),
-        max_normal_stress=stresses * load,
+        rock=tuple(jc.Rock(stresses * e, nu, stresses * sigma) for e, nu, sigma in rocks),
         seating_stress=0.0,
         effects=effects,
-        choices=jc.Choices(largest_radius=lengths * 20e-3),
-        numerics=numerics,
+        largest_radius=lengths * 20e-3,
+        solver=method[0],
+        breakage=method[1],
         unusual_values=True,
+        **steps,
         **options,
     )
 
@@ -62,19 +51,15 @@ def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load
 def assert_scaled(other, one, lengths, stresses, **tolerance):
     assert other.sizes == one.sizes
     assert int(other.status) == int(one.status) < FAILURE
-    for names, factor in (
-        (("closure", "bulk_indentation", "max_closure", "residual_closure"), lengths),
-        (("upper_final", "lower_final"), lengths),
-        (("normal_stress",), stresses),
-        (("contact_fraction", "locked_share", "flat_share"), 1.0),
-    ):
-        for name in names:
-            expected = factor * one[name].values
-            if tolerance:
-                atol = tolerance["rtol"] * np.abs(expected).max()
-                np.testing.assert_allclose(other[name], expected, atol=atol, **tolerance)
-            else:
-                np.testing.assert_array_equal(other[name], expected, err_msg=name)
+    closures = "closure", "bulk_indentation", "max_closure", "residual_closure"
+    factors = dict.fromkeys((*closures, "upper_final", "lower_final"), lengths)
+    factors |= dict.fromkeys(("contact_fraction", "locked_share", "flat_share"), 1.0)
+    for name, factor in (factors | {"normal_stress": stresses}).items():
+        expected = factor * one[name].values
+        atol = tolerance.get("rtol", 0.0) * np.abs(expected).max()
+        np.testing.assert_allclose(
+            other[name], expected, **{"rtol": 0.0} | tolerance, atol=atol, err_msg=name
+        )
 
 
 @pytest.mark.parametrize(
@@ -201,10 +186,7 @@ def test_a_composite_describes_walls_of_one_shape_and_no_others(effects):
         "peak in a hollow": ((100.0, 100.0), (-50.0, -50.0)),
     }
     closed = {
-        name: jc.simulate(
-            *bowls(walls), spacing=SPACING, rock=DOLERITE, max_normal_stress=3e6, effects=effects
-        )
-        for name, walls in same_sums.items()
+        name: joints.closed(bowls(walls), 3e6, effects=effects) for name, walls in same_sums.items()
     }
     first = {name: float(joint.max_closure[0]) for name, joint in closed.items()}
     assert first["halves"] == pytest.approx(first["composite"], rel=3e-3)
