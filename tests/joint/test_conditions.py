@@ -97,6 +97,6 @@ def test_a_command_and_fit_take_a_load_below_the_usual_seating_stress(tmp_path):
     assert read_netcdf(tmp_path / "joint.nc").attrs["seating_stress_Pa"] == pytest.approx(2.7e3)
     curve = tmp_path / "kPa.csv"
     curve.write_text(GOOD.replace("stress_MPa", "stress_kPa"))
-    about = {"rock": "granite", "jrc": 10, "shape": (10, 10), "surfaces": 3}
+    about = {"rock": "granite", "jrc": 10, "shape": (10, 10), "surfaces": 4}
     fitted = jc.fit(curve, **about, effects=joints.ELASTIC)
     assert fitted.measured.seating == pytest.approx(500.0)

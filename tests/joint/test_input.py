@@ -145,7 +145,8 @@ def test_a_closure_that_is_no_length_is_refused(closure):
         equilibrium(FLAT, FLAT, closure=closure)
 
 
-def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
+def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant():
+    walls = jc.wall_pair(8.0, (9, 11), SPACING, seed=4)
     with pytest.raises(jc.InputError, match=r"closure = 0\.2 m: not usual of this joint"):
         equilibrium(*walls, closure=0.2)
     with pytest.raises(jc.InputError, match=r"closure = 0\.001 m: takes a stress of"):
@@ -237,7 +238,10 @@ def test_coordinates_that_contradict_the_spacing_are_refused(close, x, printed, 
 
 def test_a_data_frame_is_what_its_labels_say(walls):
     upper, lower = walls
-    letters, turned = list("abcdefghi"), pd.DataFrame(lower.T, X, X).rename_axis("x", columns="y")
+    letters, turned = (
+        list("abcdefghi"),
+        pd.DataFrame(lower.T, X, X).rename_axis(index="x", columns="y"),
+    )
     for given in (
         [pd.DataFrame(wall) for wall in walls],
         (pd.DataFrame(upper, X, X), turned),
