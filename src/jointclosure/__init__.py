@@ -12,6 +12,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
+    from jointclosure.engine.assess import assess
     from jointclosure.engine.choice import choose_effects
     from jointclosure.engine.ensembles import simulate_ensemble
     from jointclosure.engine.scanned_joint import close
@@ -34,6 +35,7 @@ _MODULES = {
     "InputError": "inputs",
     "Numerics": "parameters",
     "Rock": "parameters",
+    "assess": "engine.assess",
     "choose_effects": "engine.choice",
     "close": "engine.scanned_joint",
     "equilibrium": "joint.simulation",
@@ -54,6 +56,7 @@ __all__ = [
     "InputError",
     "Numerics",
     "Rock",
+    "assess",
     "choose_effects",
     "close",
     "equilibrium",

@@ -3,7 +3,10 @@
 import numpy as np
 
 from jointclosure.engine import oracle
+from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
+from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
+from jointclosure.solvers.registry import solver_named
 
 VOLUME_TOLERANCE = 1e-12
 STRENGTH_TOLERANCE = 1e-6
@@ -39,6 +42,15 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
         "volume": np.inf if lost else VOLUME_TOLERANCE if effects.breakage else 0.0,
         "strength": STRENGTH_TOLERANCE + tolerances["strength"] + digits,
     }
+
+
+def tolerances_of(effects, numerics) -> dict[str, float]:
+    """Return the limits of the oracle's numbers that follow from effects and numerics, by name."""
+    residual = numerics.force_tolerance
+    if not effects.breakage and solver_named(numerics.solver).elastic_curve:
+        residual = min(residual, ELASTIC_TOLERANCE)
+    resolved = numerics.breakage == "resolved"
+    return {"residual": residual, "strength": 0.5 * BAND * numerics.tolerance if resolved else 0.0}
 
 
 class Judge:

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from jointclosure.engine.assessment import CLOSURE, Assessment
 from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import Increments
@@ -69,6 +70,32 @@ def range_figure(budget: Budget, title: str) -> Figure:
         axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
         axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
     figure.suptitle(title, parse_math=False)
+    sns.despine(figure)
+    return figure
+
+
+@styled
+def price_figure(assessment: Assessment, title: str) -> Figure:
+    """Draw the error of each setting of the numerics over its time, with the request."""
+    table = assessment.differences
+    table = table[(table.reference != table.variant) & (table.quantity == CLOSURE)]
+    settings = table[~table.variant.str.startswith("without ")]
+    figure, axes = subplots(figsize=(5.6, 3.8))
+    errors = settings.assign(error=100.0 * settings[["low", "high"]].abs().max(axis=1))
+    for cycle, rows in errors.groupby("cycle"):
+        axes.plot(rows.seconds, rows.error, "o", label=f"cycle {cycle}")
+    for name, rows in errors.groupby("variant"):
+        axes.plot(rows.seconds, rows.error, "-", color="0.7", zorder=0)
+        top = rows.seconds.iloc[0], rows.error.max()
+        axes.annotate(str(name), top, (0, 6), textcoords="offset points", ha="center")
+    axes.axhline(100.0 * assessment.within, color="0.5", linestyle="--", label="request")
+    axes.set(xscale="log", yscale="log", title=title)
+    axes.set(xlabel="processor time of a joint (s)")
+    axes.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
+    for axis in (axes.xaxis, axes.yaxis):
+        decimal_ticks(axis)
+    axes.margins(x=0.3, y=0.15)
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     sns.despine(figure)
     return figure
 

@@ -1,0 +1,249 @@
+"""Assessment of a scene: what accuracy costs on it, how hard it is, and which effects it needs.
+
+The same walls are closed by variants of the scene: with other numerics, without an effect, and as
+copies that must close alike. All results are read from the differences between variants on the same
+walls (`jointclosure.engine.assessment`). A lone joint is compared on its copies, whose scatter is
+that of the order of breakage; several joints are compared as they are.
+"""
+
+import json
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.compilation.sources import code_digest
+from jointclosure.engine import oracle
+from jointclosure.engine.assessment import ASSESSED, REFINEMENT, Assessment, assessed
+from jointclosure.engine.cache import digest
+from jointclosure.engine.joints import Reading, read_joint
+from jointclosure.engine.judging import limits_of, tolerances_of
+from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.engine.walls import Walls
+from jointclosure.engine.workers import Failed, number_of_workers, shared
+from jointclosure.inputs import InputError, check_number
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.joint.protocol import FAILURE, LOADING
+from jointclosure.joint.simulation import close_walls, height_datum
+from jointclosure.joint.warmup import compile_kernels
+from jointclosure.parameters import Numerics
+
+COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
+    "as it is": lambda wall: wall,
+    "last digits": lambda wall: wall * (1.0 + 1e-12),
+    "mirrored": lambda wall: np.ascontiguousarray(wall[:, ::-1]),
+    "transposed": lambda wall: np.ascontiguousarray(wall.T),
+}
+"""Copies of a wall that close alike but for rounding and the order of breakage."""
+DROPS = (
+    ("gouge",),
+    ("breakage", "gouge"),
+    ("interaction",),
+    ("substrate", "interaction"),
+    ("soft_peaks",),
+)
+"""Effects that are left out together."""
+_MOST_JUDGED = 20_000
+"""Number of loaded cells up to which the oracle, which is dense, judges a state."""
+
+
+def resolved(tolerance: float) -> Numerics:
+    """Return resolved numerics whose first steps shrink with the tolerance."""
+    part = tolerance / RESOLVED.tolerance
+    steps = {name: part * getattr(RESOLVED, name) for name in Numerics._fields if "_step" in name}
+    return RESOLVED._replace(tolerance=tolerance, **steps)
+
+
+LADDER = {"the paper's steps": Numerics()} | {
+    f"tolerance {tolerance:g}": resolved(tolerance)
+    for tolerance in (RESOLVED.tolerance * REFINEMENT**power for power in (1, 0, -1))
+}
+"""Settings of the numerics that are compared, from the cheapest to the finest."""
+
+
+@takes_conditions
+def assess(
+    walls: Any,
+    *,
+    conditions: Conditions | None = None,
+    within: float = 0.05,
+    budget: float | None = None,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    report: Callable[[float, str], None] = lambda share, variant: None,
+    **changes: Any,
+) -> Assessment:
+    """Say what accuracy costs on a scene, how hard it is, and which effects it needs.
+
+    Parameters
+    ----------
+    walls : (upper, lower), or list of such pairs
+        Arrays (y, x) of heights towards the other wall [m]; or two scans as for
+        `jointclosure.close`.
+    within : float
+        Relative error that is requested of mean closures, and up to which an effect can be left
+        out, in (0, 1).
+    budget : float, optional
+        Processor time [s] whose use is described instead.
+    folder : path, optional
+        Existing folder where closures are kept, so that an interrupted assessment goes on.
+    workers : int, optional
+        Number of processes, by default that of the processors available to this process.
+    report : callable
+        Receives the finished share and the variant that was closed.
+    conditions, **changes
+        As for `jointclosure.simulate`; breakage is resolved unless ``numerics`` are given.
+
+    Returns
+    -------
+    Assessment
+
+    Raises
+    ------
+    InputError
+        If an argument is out of its range or a scan cannot be read.
+    """
+    for name, value, most in (("within", within, 1.0), ("budget", budget or 1.0, math.inf)):
+        check_number(name, value)
+        if not 0.0 < value < most:
+            raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
+    changes = changes if conditions else {"numerics": RESOLVED} | changes
+    given = conditions_from(conditions, changes, "assess")
+    pairs, spacing = _checked_pairs(walls, given.spacing)
+    given = given._replace(spacing=spacing, flow=False).checked()
+    stated, variants = variants_of(given)
+    ladder = [name for name in variants if not name.startswith("without ")]
+    copies = list(COPIES) if len(pairs) == 1 else list(COPIES)[:1]
+    joints = range(len(pairs))
+    tasks = [(name, joint, copy) for name in variants for joint in joints for copy in copies]
+    tasks += [(stated, 0, copy) for copy in COPIES if copy not in copies]
+    closures = _closures(tasks, variants, pairs, folder, number_of_workers(workers), report)
+    return assessed(closures, ladder, stated, within, budget)
+
+
+def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
+    """Return the name of a scene as it is stated, and its variants by name, finest settings last.
+
+    Joints that break have no equilibrium without a substrate.
+    """
+    variants = {"as stated": given}
+    if given.effects.breakage:
+        settings = {name: given._replace(numerics=numerics) for name, numerics in LADDER.items()}
+        variants = settings if given in settings.values() else variants | settings
+    stated = next(name for name, variant in variants.items() if variant == given)
+    for names in DROPS:
+        acting = [name for name in names if getattr(given.effects, name)]
+        fewer = given.effects._replace(**dict.fromkeys(acting, False))
+        if acting and (fewer.substrate or not fewer.breakage):
+            name = f"without {' and '.join(acting)}".replace("_", " ")
+            variants[name] = given._replace(effects=fewer)
+    return stated, variants
+
+
+def _checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
+    """Return checked pairs of walls and their spacing [m]; scans are registered."""
+    pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
+    if len(pairs) == 1 and not all(isinstance(wall, np.ndarray) for wall in pairs[0]):
+        upper, lower = pairs[0]
+        pair = registered_walls(upper, lower, {}, spacing)
+        return [(pair.upper, pair.lower)], pair.spacing
+    if spacing is None:
+        raise InputError("spacing = None: must be given for walls that are arrays")
+    if not len(pairs):
+        raise InputError("walls: 0 pairs, must be at least one")
+    return [checked_walls(upper, lower, spacing) for upper, lower in pairs], spacing
+
+
+def _closures(
+    tasks: Sequence[tuple[str, int, str]],
+    variants: Mapping[str, Conditions],
+    pairs: Sequence[Walls],
+    folder: str | Path | None,
+    workers: int,
+    report: Callable[[float, str], None],
+) -> pd.DataFrame:
+    """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
+    file = Path(folder) / "closures.jsonl" if folder else None
+    kept = _kept(file)
+    code = code_digest(f"{__name__}:close_variant")
+    walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
+    keys = [digest(code, walls[joint], copy, variants[name]) for name, joint, copy in tasks]
+    places = [place for place, key in enumerate(keys) if key not in kept]
+    asked = []
+    for name, joint, copy in (tasks[place] for place in places):
+        copied = tuple(COPIES[copy](wall) for wall in pairs[joint])
+        asked.append((copied, variants[name], copy == "as it is"))
+    used = [variant for _, variant, _ in asked]
+    for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
+        compile_kernels(*one)  # before processes need them, and no part of a measured time
+    for done, (place, row) in enumerate(shared(close_variant, asked, workers) if asked else (), 1):
+        at = places[place]
+        kept[keys[at]] = {"error": str(row.error)} if isinstance(row, Failed) else row
+        if file:
+            with file.open("a", encoding="utf-8") as lines:
+                lines.write(json.dumps({"key": keys[at], "row": kept[keys[at]]}) + "\n")
+        report(done / len(places), tasks[at][0])
+    lacking = dict.fromkeys((*ASSESSED, "status", "seconds", "unbreakable", "oracle"), math.nan)
+    rows = []
+    for (name, joint, copy), key in zip(tasks, keys, strict=True):
+        cycles = np.arange(1, variants[name].cycle_count + 1)
+        about = {"variant": name, "joint": joint, "copy_of_walls": copy, "cycle": cycles}
+        rows.append(pd.DataFrame(about | {"error": ""} | lacking | kept[key]))
+    return pd.concat(rows, ignore_index=True)
+
+
+def _kept(file: Path | None) -> dict[str, Any]:
+    """Read closures that were kept; a line that was cut off is left out."""
+    kept: dict[str, Any] = {}
+    for line in file.read_text(encoding="utf-8").splitlines() if file and file.exists() else ():
+        if line.endswith("}}"):
+            entry = json.loads(line)
+            kept[entry["key"]] = entry["row"]
+    return kept
+
+
+def close_variant(walls: Walls, conditions: Conditions, judged: bool) -> dict[str, Any]:
+    """Close walls, and return `ASSESSED` by cycle, and facts, as plain numbers."""
+    kept = (float(conditions.largest_stress),) if judged else ()
+    start = time.process_time()
+    closed = close_walls(*walls, conditions, snapshots=kept)
+    seconds, status = time.process_time() - start, int(closed.status)
+    row = read_joint(walls, closed, seconds, Reading(conditions, tuple(ASSESSED)))
+    facts = {"status": status, "seconds": seconds}
+    if status < FAILURE:
+        facts["unbreakable"] = float((closed.locked_share + closed.flat_share).max())
+    if judged and status < FAILURE:
+        facts["oracle"] = oracle_ratio(walls, closed, conditions)
+    return {name: np.asarray(values).tolist() for name, values in row.items()} | facts
+
+
+def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:
+    """Return the oracle's largest number over its limit, at the first maximum.
+
+    NaN for more cells in contact than it can judge.
+    """
+    at = int(np.flatnonzero(closed.snapshot_branch.values == LOADING)[0])
+    snapshot, area = closed.isel(snapshot=at), walls[0].size * conditions.grid_spacing**2
+    force, step = snapshot.snapshot_force.values, int(snapshot.snapshot_step)
+    if np.count_nonzero(force) > _MOST_JUDGED:
+        return math.nan
+    datums = [height_datum(wall) for wall in walls]  # the solver sees walls without them
+    broken = snapshot.snapshot_upper.values - datums[0], snapshot.snapshot_lower.values - datums[1]
+    upper, lower = (wall - datum for wall, datum in zip(walls, datums, strict=True))
+    model = conditions.rock, conditions.effects, conditions.choices
+    joint = oracle.Joint(upper, lower, conditions.grid_spacing, *model)
+    total = float(closed.normal_stress[step]) * area
+    state = oracle.State(*broken, force, float(closed.closure[step]), total)
+    verdict = oracle.judge(joint, state)
+    tolerances = tolerances_of(conditions.effects, conditions.numerics)
+    limits = limits_of(verdict, conditions.effects, tolerances)
+    numbers = verdict._asdict()
+    beyond = [math.inf for name, value in numbers.items() if value > limits.get(name, 0.0) == 0.0]
+    within = [numbers[name] / limit for name, limit in limits.items() if 0.0 < limit < math.inf]
+    return max([*beyond, *within])

@@ -1,0 +1,269 @@
+"""Tables and sentences of an assessment, read from paired differences of its closures."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.statistics.two_level import Interval, Plan, best_plan, t_interval
+
+CLOSURE = "max_closure_seated_net"
+"""Closure whose accuracy is priced, and that decides on effects."""
+ASSESSED = {
+    CLOSURE: "net closure",
+    "max_closure": "gross closure",
+    "stiffness_net": "net stiffness",
+    "mean_aperture_at_max": "aperture",
+}
+"""Quantities that are compared, and their short titles."""
+LARGEST_UNBREAKABLE = 0.1
+"""Share of the force on contacts that cannot break from which a joint is hard."""
+REFINEMENT = 5.0
+"""Tolerance of a resolved setting over that of the next finer one."""
+_EFFECT = "without "
+_UNBREAKABLE = "is on contacts that cannot break"
+
+
+class Assessment(NamedTuple):
+    """What accuracy costs on a scene, how hard it is, and which effects it needs.
+
+    Attributes
+    ----------
+    closures : DataFrame
+        One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
+        `ASSESSED` [SI], the share of the force on contacts that cannot break, the oracle's largest
+        number over its limit, and the ``error`` of walls that could not be closed.
+    differences : DataFrame
+        One row per variant, quantity of `ASSESSED` and cycle: the mean difference from the
+        ``reference`` on the same walls over the mean of the reference, with its 95 % interval
+        (``value``, ``low``, ``high`` [1]), and ``seconds`` of a joint. The reference of a setting
+        of the numerics is the finest one, that of a scene without effects has all of them.
+    hardness : dict
+        ``verdict`` and its ``reason``; ``spread`` of the copies of a joint by cycle,
+        ``unbreakable`` share, and the ``oracle``'s number.
+    sentences : tuple of str
+        What follows for the request.
+    within, budget : float
+        Request [1], and time [s] or None.
+    """
+
+    closures: pd.DataFrame
+    differences: pd.DataFrame
+    hardness: dict[str, Any]
+    sentences: tuple[str, ...]
+    within: float
+    budget: float | None = None
+
+    @property
+    def price(self) -> pd.DataFrame:
+        """Seconds and difference from the finest setting (%), one row per setting."""
+        return self._table(False, (CLOSURE,))
+
+    @property
+    def effects(self) -> pd.DataFrame:
+        """Seconds, changes (%), and verdict, one row per group of effects left out."""
+        table = self._table(True, tuple(ASSESSED))
+        return table.assign(verdict=[self.verdict(name) for name in table.index])
+
+    def _table(self, without: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
+        """Format the differences of settings, or of scenes without effects."""
+        rows: dict[str, dict[str, str]] = {}
+        for row in self.differences.itertuples():
+            if row.variant.startswith(_EFFECT) == without and row.quantity in quantities:
+                shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+                shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = percent_of(row)
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+    def verdict(self, variant: str) -> str:
+        """Say whether effects can be left out within the request, by the closures of all cycles."""
+        rows = self.differences[self.differences.variant == variant]
+        inside = [
+            interval_of(row).within(self.within)
+            for row in rows[rows.quantity == CLOSURE].itertuples()
+        ]
+        return (
+            "needed" if False in inside else "not decided" if None in inside else "can be left out"
+        )
+
+    def __str__(self) -> str:
+        effects = self.effects[[c for c in self.effects if not c.startswith(("gross", "aperture"))]]
+        tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
+        return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
+
+
+def assessed(
+    closures: pd.DataFrame, ladder: Sequence[str], stated: str, within: float, budget: float | None
+) -> Assessment:
+    """Make an assessment of its closures.
+
+    ``ladder`` names the settings of the numerics, from the cheapest to the finest; ``stated`` is
+    the variant as the scene is stated.
+    """
+    lone = len(closures.joint.unique()) == 1
+    compared = closures if lone else closures[closures.copy_of_walls == "as it is"]
+    differences = paired_differences(compared, ladder, stated)
+    limits = limit_lines(compared, ladder, within)
+    hardness = hardness_of(closures, stated, within)
+    costs = (
+        _of_joint(differences, ladder, within, budget)
+        if lone
+        else _of_mean(compared, ladder, within, budget)
+    )
+    words = f"this scene is {hardness['verdict']}: {hardness['reason']}"
+    return Assessment(closures, differences, hardness, (*limits, costs, words), within, budget)
+
+
+def paired_differences(closures: pd.DataFrame, ladder: Sequence[str], stated: str) -> pd.DataFrame:
+    """Return `Assessment.differences`."""
+    rows = []
+    for variant, own in closures.groupby("variant", sort=False):
+        reference = stated if str(variant).startswith(_EFFECT) else ladder[-1]
+        about = {"variant": variant, "reference": reference, "seconds": own.seconds.mean()}
+        if variant in ladder or reference == stated:
+            rows += [
+                about
+                | {"quantity": name, "cycle": cycle}
+                | _apart(closures, variant, reference, cycle, name)._asdict()
+                for name in ASSESSED
+                for cycle in sorted(closures.cycle.unique())
+            ]
+    return pd.DataFrame(rows)
+
+
+def _values(closures: pd.DataFrame, variant: str, cycle: int, quantity: str) -> np.ndarray:
+    """Return values (n,) of a variant in a cycle, by joint and copy."""
+    rows = closures[(closures.variant == variant) & (closures.cycle == cycle)]
+    return rows[quantity].to_numpy(dtype=float)
+
+
+def _apart(
+    closures: pd.DataFrame, variant, reference, cycle: int, quantity: str = CLOSURE
+) -> Interval:
+    """Return the relative difference of the means of two variants."""
+    one, two = (_values(closures, name, cycle, quantity) for name in (variant, reference))
+    known = np.isfinite(one) & np.isfinite(two)
+    if not known.any():
+        return Interval(math.nan, -math.inf, math.inf)
+    return t_interval((one - two)[known] / two[known].mean())
+
+
+def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str, Any]:
+    """Return `Assessment.hardness`: the spread is that of the first joint's copies."""
+    own = closures[(closures.variant == stated) & (closures.joint == closures.joint.min())]
+    values = own.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
+    spread = (values.std(axis=1) / values.mean(axis=1)).to_dict()
+    share, judged = float(own.unbreakable.max()), float(closures.oracle.max())
+    failed = closures[~(closures.status < FAILURE)]
+    scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
+    if len(failed):
+        first = failed.iloc[0]
+        named = ", ".join(
+            name for bit, name in FLAGS.items() if not first.error and int(first.status) & bit
+        )
+        verdict, reason = (
+            "not stable",
+            f"{first.variant} ({first.copy_of_walls}): {first.error or named}",
+        )
+    elif judged > 1.0:
+        verdict, reason = (
+            "not stable",
+            f"a state is {judged:.2g} times beyond a limit of the oracle",
+        )
+    elif not max(spread.values()) <= 0.5 * within:
+        verdict, reason = "hard", f"copies that must close alike scatter by {scatter}"
+    elif share > LARGEST_UNBREAKABLE:
+        verdict, reason = "hard", f"{100 * share:.0f} % of its force {_UNBREAKABLE}"
+    else:
+        reason = f"copies that must close alike scatter by {scatter}, {100 * share:.2g} % of its "
+        reason += f"force {_UNBREAKABLE}, and the oracle finds its states right"
+        verdict = "easy"
+    return {
+        "verdict": verdict,
+        "reason": reason,
+        "spread": spread,
+        "unbreakable": share,
+        "oracle": judged,
+    }
+
+
+def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) -> list[str]:
+    """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
+    lines = []
+    for cycle in sorted(closures.cycle.unique()) if len(ladder) > 2 else ():
+        coarse = _apart(closures, ladder[-3], ladder[-2], cycle)
+        last = _apart(closures, ladder[-2], ladder[-1], cycle)
+        limit = {
+            True: "it has a limit within the request",
+            False: "no limit was reached",
+            None: "a limit within the request is neither shown nor excluded",
+        }[last.within(within)]
+        if coarse.within(0.0) is False and last.within(0.0) is False:
+            order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
+            limit += f" (observed order {order:.2g})"
+        change = f"closure with {ladder[-2]} from that with {ladder[-1]}: {percent_of(last)} %"
+        lines.append(f"cycle {cycle}, {change}: {limit}")
+    return lines
+
+
+def _of_joint(
+    differences: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
+) -> str:
+    """Say which setting a lone joint needs, or what the budget buys."""
+    rows = differences[differences.variant.isin(ladder[:-1]) & (differences.quantity == CLOSURE)]
+    errors = rows.assign(error=rows[["low", "high"]].abs().max(axis=1))
+    errors = errors.groupby("variant")[["seconds", "error"]].max()
+    limit, column = (within, "error") if budget is None else (budget, "seconds")
+    allowed = errors[errors[column] <= limit]
+    finest = float(differences.seconds[differences.variant == ladder[-1]].iloc[0])
+    takes = f"{ladder[-1]}, the finest setting, takes {finest:.2g} s of processor time"
+    if budget is not None and (budget >= finest or allowed.empty):
+        return takes
+    if allowed.empty:
+        return f"no cheaper setting is within {100 * within:g} % of the finest; {takes}"
+    row = allowed.loc[(allowed.seconds if budget is None else allowed.error).idxmin()]
+    return f"{row.name} is within {100 * row.error:.2g} % and takes {row.seconds:.2g} s; {takes}"
+
+
+def _of_mean(
+    closures: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
+) -> str:
+    """Say how many joints a mean takes to be within the request, or what the budget buys."""
+    plans: dict[str, Plan] = {}
+    seconds = closures.groupby("variant").seconds.mean()
+    finest = ladder[-1]
+    for name in ladder:
+        both = float(seconds[name] + seconds[finest]) if name != finest else 0.0
+        of_cycles = []
+        for cycle in sorted(closures.cycle.unique()):
+            cheap, best = (_values(closures, v, cycle, CLOSURE) for v in (name, finest))
+            known = np.isfinite(cheap) & np.isfinite(best)
+            cheap, best = cheap[known], best[known]
+            first, second = (float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap))
+            plan = best_plan((first, second), (float(seconds[name]), both), within, budget)
+            of_cycles += [plan] if plan else []
+        if len(of_cycles) == len(closures.cycle.unique()):
+            plans[name] = max(of_cycles, key=lambda plan: (plan.seconds, plan.half_width))
+    if not plans:
+        return f"budget = {budget:g} s: buys no mean, as the fewest joints of a plan take more"
+    of = "seconds" if budget is None else "half_width"
+    name = min(plans, key=lambda name: getattr(plans[name], of))
+    plan = plans[name]
+    further = f", {plan.differences} of them with {finest} too" if name != finest else ""
+    return (
+        f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes {plan.joints} "
+        f"joints with {name}{further}: {plan.seconds:.3g} s of processor time"
+    )
+
+
+def interval_of(row: Any) -> Interval:
+    """Return the interval of a row of `Assessment.differences`."""
+    return Interval(row.value, row.low, row.high)
+
+
+def percent_of(row: Any) -> str:
+    """Format an interval of relative differences in percent, without the sign of percent."""
+    value, low, high = (f"{float(f'{100 * v:.2g}'):+g}" for v in (row.value, row.low, row.high))
+    return f"{value} ({low} to {high})" if math.isfinite(row.low) else value

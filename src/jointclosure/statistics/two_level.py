@@ -1,0 +1,103 @@
+"""Means by two levels of accuracy, and what they cost (M. B. Giles, Acta Numerica 24, 2015, 259).
+
+The mean of n joints at a cheap level, plus the mean of k differences to a finer level on k of the
+same walls, has no bias but that of the finer level. Its variance is V/n + D/k, with the variance V
+of the cheap level and D of the differences.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+CONFIDENCE = 0.95
+FEWEST = 8
+"""Fewest differences that a plan takes: a standard deviation of fewer is not known."""
+
+
+class Interval(NamedTuple):
+    """Estimate, and the ends of its confidence interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def within(self, limit: float) -> bool | None:
+        """Return whether the magnitude is at most a limit; None if the interval decides neither."""
+        if max(abs(self.low), abs(self.high)) <= limit:
+            return True
+        return False if self.low > limit or self.high < -limit else None
+
+
+def t_interval(samples: np.ndarray) -> Interval:
+    """Return the mean of samples (n,) with its interval by Student's t; infinite for one sample."""
+    return _about(float(np.mean(samples)), [_squared_error(samples)], [np.size(samples) - 1])
+
+
+def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
+    """Return the mean at the finer level from cheap values (n,) and differences to it (k,).
+
+    The degrees of freedom are those of B. L. Welch, Biometrika 34, 1947, 28-35.
+    """
+    value = float(np.mean(cheap) + np.mean(differences))
+    squares = [_squared_error(values) for values in (cheap, differences)]
+    return _about(value, squares, [np.size(cheap) - 1, np.size(differences) - 1])
+
+
+class Plan(NamedTuple):
+    """Numbers of joints at the cheap level and of differences, processor time [s], half-width."""
+
+    joints: int
+    differences: int
+    seconds: float
+    half_width: float
+
+
+def best_plan(
+    deviations: tuple[float, float],
+    seconds: tuple[float, float],
+    within: float,
+    budget: float | None = None,
+) -> Plan | None:
+    """Return the cheapest plan with a half-width, or the best one for a time [s]; None if too few.
+
+    ``deviations`` are standard deviations of the cheap level and of the differences, ``seconds``
+    the times of a joint at the cheap level and of a difference at both. A budget replaces the
+    half-width.
+    """
+    joints, best = FEWEST, None
+    while True:
+        plan = _plan(deviations, seconds, joints)
+        if budget is not None and plan.seconds > budget:
+            return best
+        if budget is None and plan.half_width <= within:
+            return plan
+        best, joints = plan, math.ceil(1.02 * joints + 0.5)
+
+
+def _plan(deviations: tuple[float, float], seconds: tuple[float, float], joints: int) -> Plan:
+    """Return the plan with the best number of differences for a number of joints."""
+    (first, second), (cheap, both) = deviations, seconds
+    share = second * math.sqrt(cheap) / (first * math.sqrt(both)) if first * both > 0.0 else 1.0
+    differences = min(max(FEWEST, math.ceil(share * joints)), joints)
+    squares = [d**2 / n for d, n in zip(deviations, (joints, differences), strict=True)]
+    half = _about(0.0, squares, [joints - 1, differences - 1]).high
+    return Plan(joints, differences, joints * cheap + differences * both, half)
+
+
+def _squared_error(samples: np.ndarray) -> float:
+    count = np.size(samples)
+    return float(np.var(samples, ddof=1)) / count if count > 1 else math.inf
+
+
+def _about(value: float, squares: list[float], freedoms: list[int]) -> Interval:
+    """Return an interval about a value from the squared errors of its parts and their freedoms."""
+    total = sum(squares)
+    if not math.isfinite(total):
+        return Interval(value, -math.inf, math.inf)
+    if total == 0.0:
+        return Interval(value, value, value)
+    freedom = total**2 / sum(s**2 / f for s, f in zip(squares, freedoms, strict=True) if s > 0.0)
+    half = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * math.sqrt(total)
+    return Interval(value, value - half, value + half)

@@ -1,0 +1,146 @@
+"""Assessments: plans by two levels cover the truth; variants, tables and what is kept."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure.engine import assess as module
+from jointclosure.engine.assessment import ASSESSED, CLOSURE, assessed
+from jointclosure.plotting.walls import price_figure
+from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
+from tests.joints import DOLERITE, SPACING
+
+LADDER = ["coarse", "middle", "fine"]
+SCENE = {"rock": DOLERITE, "spacing": SPACING, "max_normal_stress": 5e6, "cycles": 1}
+
+
+def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **changes):
+    """Closures of three settings and of a scene without an effect, with known differences."""
+    random = np.random.default_rng(3)
+    rows = []
+    for joint in range(joints):
+        own = random.normal(1e-4, 2e-5)
+        settings = {
+            "coarse": coarse,
+            "middle": middle,
+            "fine": 0.0,
+            "without gouge": middle + effect,
+        }
+        for copy in ("as it is", "mirrored") if joint == 0 else ("as it is",):
+            for variant, bias in settings.items():
+                value = own * (1.0 + bias + scatter * random.normal())
+                row = {"variant": variant, "joint": joint, "copy_of_walls": copy, "cycle": 1}
+                row |= {"status": 0, "seconds": 1.0 + 9.0 * (variant == "fine"), "error": ""}
+                rows.append(
+                    row | {"unbreakable": 0.0, "oracle": 0.5} | dict.fromkeys(ASSESSED, value)
+                )
+    return pd.DataFrame(rows).assign(**changes)
+
+
+def test_two_level_means_cover_the_truth_as_often_as_they_say():
+    random = np.random.default_rng(1)
+    truth, covered, runs = 2.0, 0, 2000
+    for _ in range(runs):
+        cheap = random.normal(truth + 0.5, 1.0, 30)
+        mean = two_level_mean(cheap, random.normal(-0.5, 0.4, 8))
+        covered += mean.low <= truth <= mean.high
+    assert covered / runs == pytest.approx(0.95, abs=0.015)
+
+
+def test_a_plan_reaches_its_half_width_and_a_budget_is_kept():
+    deviations, seconds = (0.2, 0.05), (1.0, 11.0)
+    plan = best_plan(deviations, seconds, 0.05)
+    random = np.random.default_rng(2)
+    samples = (random.normal(0.0, d, (4000, n)) for d, n in zip(deviations, plan[:2], strict=True))
+    means = sum(sample.mean(axis=1) for sample in samples)
+    assert np.quantile(np.abs(means), 0.95) == pytest.approx(plan.half_width, rel=0.12)
+    assert (
+        plan.half_width <= 0.05 < best_plan(deviations, seconds, 1.0, 0.7 * plan.seconds).half_width
+    )
+    assert best_plan(deviations, seconds, 1.0, 50.0) is None
+    for more in (0.9, 0.7):  # no cheaper mix of both levels
+        fewer = best_plan(deviations, seconds, 0.05, more * plan.seconds)
+        assert fewer.half_width > 0.05
+
+
+def test_differences_verdicts_and_limits_are_those_that_were_put_in():
+    assessment = assessed(closures(), LADDER, "middle", 0.05, None)
+    table = assessment.differences.set_index(["variant", "quantity"])
+    for variant, bias in (("coarse", 0.1), ("middle", 0.02), ("without gouge", 0.0)):
+        row = table.loc[(variant, CLOSURE)]
+        assert row.low < bias < row.high < bias + 0.03
+    assert assessment.verdict("without gouge") == "can be left out"
+    assert (
+        assessed(closures(effect=0.3), LADDER, "middle", 0.05, None).verdict("without gouge")
+        == "needed"
+    )
+    assert "a limit within the request" in assessment.sentences[0]
+    diverging = assessed(closures(coarse=0.3, middle=0.2), LADDER, "middle", 0.05, None)
+    assert "no limit was reached" in diverging.sentences[0]
+    assert "joints with" in assessment.sentences[1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({"scatter": 1e-4}, "easy"),
+        ({"scatter": 0.1}, "hard"),
+        ({"scatter": 1e-4, "unbreakable": 0.2}, "hard"),
+        ({"scatter": 1e-4, "oracle": 1.5}, "not stable"),
+        ({"scatter": 1e-4, "status": 16}, "not stable"),
+        ({"scatter": 1e-4, "error": "refused", "status": np.nan}, "not stable"),
+    ],
+)
+def test_hardness_has_its_defined_verdict(changes, verdict):
+    assert (
+        assessed(closures(**changes), LADDER, "middle", 0.05, None).hardness["verdict"] == verdict
+    )
+
+
+def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
+    tmp_path, monkeypatch
+):
+    walls = jc.wall_pair(8.0, (12, 10), SPACING, seed=1, roll_off=None)
+    first = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
+    kept = (tmp_path / "closures.jsonl").read_text()
+    with (tmp_path / "closures.jsonl").open("w") as file:
+        file.write(kept[: int(0.6 * len(kept))])  # killed in a line
+    closed = []
+    close = module.close_variant
+    monkeypatch.setattr(module, "close_variant", lambda *task: closed.append(task) or close(*task))
+    again = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
+    assert 0 < len(closed) < len(kept.splitlines())
+    values = [part.closures[list(ASSESSED)].to_numpy() for part in (first, again)]
+    np.testing.assert_array_equal(*values)
+    assert set(first.closures.copy_of_walls) == set(module.COPIES)
+    alone = jc.simulate(*walls, **SCENE, numerics=module.RESOLVED)
+    own = first.closures.query("variant == 'tolerance 0.01' and copy_of_walls == 'as it is'")
+    assert own.max_closure.iloc[0] == float(alone.max_closure[0])
+    assert float(first.hardness["oracle"]) <= 1.0
+    assert "without breakage and gouge" in str(first)
+    price_figure(first, "joint").canvas.draw()
+
+
+def test_elastic_joints_have_one_setting_and_the_effects_that_act():
+    walls = [jc.wall_pair(8.0, (8, 8), SPACING, seed=seed) for seed in range(2)]
+    elastic = jc.Effects(breakage=False, gouge=False)
+    assessment = jc.assess(walls, **SCENE, effects=elastic, workers=1)
+    assert list(assessment.price.index) == ["as stated"]
+    assert set(assessment.effects.index) == {
+        "without interaction", "without substrate and interaction", "without soft peaks"
+    }  # fmt: skip
+    assert t_interval(np.ones(3)).within(1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"within": 2.0}, "within = 2.0"),
+        ({"budget": -1.0}, "budget = -1.0"),
+        ({"spacing": None}, "spacing"),
+    ],
+)
+def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
+    with pytest.raises(jc.InputError, match=message):
+        jc.assess([(np.zeros((8, 8)),) * 2], **SCENE | changes)
