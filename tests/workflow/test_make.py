@@ -13,7 +13,7 @@ import pytest
 
 from jointclosure.storage.text import read_csv
 from tests.engine.test_forks import wait_for_processes
-from tests.workflow.runs import ROOT, STAMP, checkout, snakemake
+from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
 
 HOSTILE = [
     "a;touch X;.yaml",
@@ -28,86 +28,72 @@ HOSTILE = [
 ]
 
 
+NEEDED = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock")
+"""Files that `make setup` reads before there is an environment."""
+
+
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    """A checkout with its Makefile and the environment of these tests."""
     return checkout(tmp_path_factory.mktemp("make") / "project")
 
 
-def test_set_up_does_not_empty_what_a_linked_environment_leads_to(tmp_path):
-    folder = checkout(tmp_path / "clone")
-    (folder / ".venv").unlink()
-    for name in ("pyproject.toml", "requirements.lock", "requirements-uv.lock"):
-        shutil.copy(ROOT / name, folder)
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other/kept").touch()
-    (folder / ".venv").symlink_to(tmp_path / "other")
-    done = subprocess.run(["make", "setup"], cwd=folder, capture_output=True, text=True)
-    assert done.returncode != 0
-    assert ".venv is a link" in done.stdout
-    assert (tmp_path / "other/kept").exists()
-
-
 def make(folder: Path, *words: str, **settings) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        ["make", "-o", STAMP, *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        **settings,
-    )
+    return answer(["make", "-o", STAMP, *words], folder, **settings)
+
+
+@pytest.fixture
+def new(tmp_path):
+    """A folder with a line break in its name, which has no environment."""
+    folder = tmp_path / "a\nb"
+    folder.mkdir()
+    for name in NEEDED:
+        shutil.copy(ROOT / name, folder)
+    return folder
+
+
+def test_set_up_is_refused_where_it_would_harm_or_fail(new, tmp_path):
+    refused = answer(["make", "setup"], new)
+    assert "line break" in refused.stderr
+    assert not (new / ".venv").exists()
+    folder, other = new.rename(tmp_path / "new"), tmp_path / "other"
+    for name in ("`touch X`", "$(shell touch X)"):
+        refused = answer(["make", "setup", f"PYTHON={name}"], folder)
+        assert f"{name} is not installed" in refused.stdout
+        assert not (folder / "X").exists()
+    other.mkdir()
+    (other / "kept").touch()
+    (folder / ".venv").symlink_to(other)
+    refused = answer(["make", "setup"], folder)
+    assert refused.returncode != 0
+    assert ".venv is a link" in refused.stdout
+    assert (other / "kept").exists()
 
 
 @pytest.mark.parametrize(
     ("key", "name"),
     [*(("CONFIG", name) for name in HOSTILE[1:4]), ("PROFILE", HOSTILE[3]), ("CORES", HOSTILE[0])],
 )
-def test_what_make_is_told_is_never_run(project, key, name):
-    answer = make(project, "study", f"{key}={name}")
-    assert answer.returncode != 0
-    assert f"{key}={name}: " in answer.stderr
+def test_what_make_gets_is_never_run(project, key, name):
+    refused = make(project, "study", f"{key}={name}")
+    assert refused.returncode != 0
+    assert f"{key}={name}: " in refused.stderr
     assert not list(project.rglob("X*"))
-
-
-def test_set_up_in_a_folder_with_a_line_break_is_refused(tmp_path):
-    folder = tmp_path / "a\nb"
-    folder.mkdir()
-    for name in ("Makefile", "requirements.lock", "requirements-uv.lock", "pyproject.toml"):
-        shutil.copy(ROOT / name, folder)
-    answer = subprocess.run(["make", "setup"], cwd=folder, capture_output=True, text=True)
-    assert answer.returncode != 0
-    assert "line break" in answer.stderr
-    assert not (folder / ".venv").exists()
-
-
-@pytest.mark.parametrize("name", ["`touch X`", "$(shell touch X)"])
-def test_a_python_of_any_name_is_looked_for_and_never_run_by_a_shell(project, tmp_path, name):
-    shutil.copy(ROOT / "Makefile", tmp_path)
-    for needed in ("requirements.lock", "requirements-uv.lock", "pyproject.toml"):
-        (tmp_path / needed).write_text("")
-    answer = subprocess.run(
-        ["make", "setup", f"PYTHON={name}"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert answer.returncode != 0
-    assert f"{name} is not installed" in answer.stdout
-    assert not (tmp_path / "X").exists()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_configuration_of_any_name_is_read(project, name):
     (project / name).write_text("study: {name: hostile}\ngrid: {cells_x: 2}\n")
-    answer = make(project, "study", f"CONFIG={name}")
-    assert answer.returncode != 0
-    assert "grid.cells_x = 2: must be at least 3" in answer.stderr
+    refused = make(project, "study", f"CONFIG={name}")
+    assert refused.returncode != 0
+    assert "grid.cells_x = 2: must be at least 3" in refused.stderr
     assert not (project / "X").exists()
 
 
 def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
     (project / "out.yaml").write_text("study: {name: ../../out}\n")
-    answer = make(project, "study", "CONFIG=out.yaml")
-    assert "study.name = '../../out'" in answer.stderr
+    refused = make(project, "study", "CONFIG=out.yaml")
+    assert "study.name = '../../out'" in refused.stderr
     assert not (project.parent / "out").exists()
 
 
@@ -145,12 +131,11 @@ def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, targ
     [("slurm", "make setup-slurm"), ("kubernetes", "requirements-kubernetes.lock")],
 )
 def test_a_profile_whose_plugin_is_missing_says_what_to_install(project, profile, advice):
-    answer = make(project, "study", "CONFIG=tiny.yaml", f"PROFILE=workflow/profiles/{profile}")
-    if "is not installed" not in answer.stderr:
+    refused = make(project, "study", "CONFIG=tiny.yaml", f"PROFILE=workflow/profiles/{profile}")
+    if "is not installed" not in refused.stderr:
         pytest.skip("the plugin is there")
-    assert answer.returncode != 0
-    assert advice in answer.stderr
-    assert "invalid choice" not in answer.stderr
+    assert refused.returncode != 0
+    assert advice in refused.stderr
 
 
 FAKE = """import sys, time
@@ -159,30 +144,27 @@ for number in (1, 2, 3):
     print(f"Finished jobid: {number} (Rule: close)", flush=True)
     print(f"{number} of 3 steps (33%) done", flush=True)
 """
-FAILS = (
-    FAKE
-    + """
-print("jointclosure: close failed: InputError: grid.cells_x = 2; its log is job.log", flush=True)
-sys.exit(7)
+FAILED = "close failed: InputError: grid.cells_x = 2; its log is job.log"
+FAILS = f"{FAKE}print('jointclosure: {FAILED}', flush=True); sys.exit(7)"
+SILENT = f"{FAKE}print('returned non-zero exit status 137.'); sys.exit(7)"
+KILLED = f"{FAKE}import os; os.kill(os.getpid(), 9)"
+WAITS = f"{FAKE}time.sleep(600)"
+FOLLOW = """import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from following import follow
+from process_group import EndRequest
+with open('run.log', 'a') as stream:
+    command = [sys.executable, '-c', sys.argv[2]]
+    sys.exit(follow(command, stream, Path('run.log'), EndRequest()))
 """
-)
-WAITS = FAKE + "time.sleep(600)\n"
 
 
 def follow(folder: Path, program: str) -> subprocess.Popen:
     """The runner over a program that speaks as Snakemake does."""
     (folder / "run.log").write_text("")
-    code = (
-        "import sys; from pathlib import Path\n"
-        f"sys.path.insert(0, {str(ROOT / 'workflow/scripts')!r})\n"
-        "from following import follow; from process_group import EndRequest\n"
-        f"program, log = {program!r}, Path('run.log')\n"
-        "with open(log, 'a') as stream:\n"
-        "    command = [sys.executable, '-c', program]\n"
-        "    sys.exit(follow(command, stream, log, EndRequest()))\n"
-    )
     return subprocess.Popen(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", FOLLOW, str(ROOT / "workflow/scripts"), program],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -191,7 +173,20 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
     )
 
 
-def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
+@pytest.fixture
+def waiting(tmp_path):
+    """A run whose program has done its steps, and waits."""
+
+    def started(program: str = WAITS) -> subprocess.Popen:
+        run = follow(tmp_path, program)
+        while "3 of 3 steps" not in run.stdout.readline():
+            assert run.poll() is None
+        return run
+
+    return started
+
+
+def test_a_run_shows_how_far_it_is_and_what_is_for_the_user(tmp_path):
     run = follow(tmp_path, FAKE)
     printed, wrong = run.communicate()
     assert run.returncode == 0, wrong
@@ -201,34 +196,49 @@ def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
     assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
 
 
-def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
-    run = follow(tmp_path, FAILS)
-    _, wrong = run.communicate()
-    assert run.returncode == 7
-    assert "close failed: InputError: grid.cells_x = 2; its log is job.log" in wrong
-    assert "run.log" in wrong
-
-
-SILENT = FAKE + "print('returned non-zero exit status 137.'); sys.exit(7)"
-KILLED = FAKE + "import os; os.kill(os.getpid(), 9)\n"
-
-
-@pytest.mark.parametrize("program", [SILENT, KILLED], ids=["job", "snakemake"])
-def test_what_is_killed_has_the_usual_cause_and_what_to_do(tmp_path, program):
+@pytest.mark.parametrize(
+    ("program", "status", "printed"),
+    [
+        (FAILS, 7, (FAILED, "run.log")),
+        (SILENT, 7, ("out of memory", "CORES=1")),
+        (KILLED, 128 + 9, ("out of memory", "CORES=1")),
+    ],
+    ids=["failed", "job killed", "snakemake killed"],
+)
+def test_a_run_that_fails_shows_why_and_what_to_do_and_keeps_the_status(
+    tmp_path, program, status, printed
+):
     run = follow(tmp_path, program)
     _, wrong = run.communicate()
-    assert run.returncode in (7, 128 + 9)
-    for words in ("out of memory", "CORES=1"):
-        assert words in wrong.splitlines()[0]
+    assert run.returncode == status
+    assert all(words in wrong for words in printed)
 
 
-def test_no_process_is_left_of_a_run_that_is_killed(tmp_path):
-    run = follow(tmp_path, WAITS)
-    wait_for_processes(tmp_path, 2)
-    time.sleep(0.2)
+def test_no_process_is_left_of_a_run_that_is_killed(waiting, tmp_path):
+    run = waiting()
     run.kill()
     run.communicate()
     wait_for_processes(tmp_path, 0, most=5.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_asked_to_end_says_how_it_goes_on(waiting, number):
+    run = waiting()
+    os.killpg(run.pid, number)
+    printed, wrong = run.communicate()
+    assert run.returncode == 128 + number
+    assert "the same command goes on from there" in printed
+    assert "Traceback" not in wrong
+
+
+def test_a_second_request_kills_what_heeds_no_interrupt(waiting):
+    run = waiting("import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + WAITS)
+    os.kill(run.pid, signal.SIGINT)
+    time.sleep(1.5)
+    assert run.poll() is None  # within its grace period
+    os.kill(run.pid, signal.SIGINT)
+    run.communicate(timeout=5)
+    assert run.returncode == 128 + signal.SIGINT
 
 
 PRINTS = """
@@ -308,33 +318,7 @@ def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
     assert (folder / table).is_file()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_run_that_is_asked_to_end_says_how_it_goes_on(tmp_path, number):
-    run = follow(tmp_path, WAITS)
-    for line in run.stdout:
-        if "3 of 3 steps" in line:
-            break
-    os.killpg(run.pid, number)
-    printed, wrong = run.communicate()
-    assert run.returncode == 128 + number
-    assert "the same command goes on from there" in printed
-    assert "Traceback" not in wrong
-
-
-def test_a_second_request_kills_what_heeds_no_interrupt(tmp_path):
-    run = follow(tmp_path, "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + WAITS)
-    for line in run.stdout:
-        if "3 of 3 steps" in line:
-            break
-    os.kill(run.pid, signal.SIGINT)
-    time.sleep(1.5)
-    assert run.poll() is None  # within its grace period
-    os.kill(run.pid, signal.SIGINT)
-    run.communicate(timeout=5)
-    assert run.returncode == 128 + signal.SIGINT
-
-
-WISH = """study: {name: wish, rocks: [slate], pool: null}
+ACCURATE = """study: {name: accurate, rocks: [slate], pool: null}
 grid: {cells_x: 12, cells_y: 12}
 rocks:
   slate:
@@ -348,19 +332,17 @@ output: {stress_points: 5}
 
 @pytest.mark.slow
 def test_a_study_adds_surfaces_until_the_accuracy_wanted_is_reached_and_closes_none_twice(project):
-    (project / "wish.yaml").write_text(WISH)
-    answer = make(project, "study", "CONFIG=wish.yaml")
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-    assert "preset quick" in answer.stdout
-    assert "core-minutes a case" in answer.stdout
-    assert "not reached in" in answer.stdout
-    assert "continues with" in answer.stdout
-    table = read_csv(project / "results/wish/tables/accuracy_reached.csv")
+    (project / "accurate.yaml").write_text(ACCURATE)
+    done = make(project, "study", "CONFIG=accurate.yaml")
+    assert done.returncode == 0, done.stdout + done.stderr
+    for words in ("preset quick", "core-minutes a case", "not reached in", "continues with"):
+        assert words in done.stdout
+    table = read_csv(project / "results/accurate/tables/accuracy_reached.csv")
     assert table.met.all()
     assert (table.surfaces > 20).all()
-    log = (project / "results/wish/logs/make_study.log").read_text()
+    log = (project / "results/accurate/logs/make_study.log").read_text()
     assert "cases: joints closed" in log
     # the same command finds all there
-    again = make(project, "study", "CONFIG=wish.yaml")
+    again = make(project, "study", "CONFIG=accurate.yaml")
     assert "nothing was left to do" in again.stdout
     assert "accuracy: mean within 15 % reached" in again.stdout

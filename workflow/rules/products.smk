@@ -11,10 +11,10 @@ for NAME, PRODUCT in PLANNED.items():
                 for name, path in PLAN.inputs(PRODUCT).items()
             },
         output:
-            # Snakemake's report shows the PNG
+            # Snakemake's report shows the PNG, and reads captions from the folder of this file
             files=[
                 (
-                    report(path, caption=caption(path), category="Figures")
+                    report(path, caption=caption(path).resolve(), category="Figures")
                     if path.endswith(".png")
                     else path
                 )
