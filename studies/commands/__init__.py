@@ -1,4 +1,4 @@
-"""Commands on finished studies, one module each: `add_to` declares it, `run` executes it."""
+"""Commands on finished studies, one module each, as in `jointclosure.cli`; and their files."""
 
 COMMANDS = {
     "compare": "list the differences between two studies",

@@ -1,35 +1,27 @@
-"""`python -m studies compare`: differences between two studies."""
+"""Mean closures, indifference intervals and verdicts of two studies. Surfaces with the same seeds
+are compared in pairs.
+"""
 
+import argparse
 from pathlib import Path
 
 import pandas as pd
 
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from studies.commands import COMMANDS
 from studies.commands.finished import existing, study_of
 from studies.frame.ensemble import comparison
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "compare",
-        help=COMMANDS["compare"],
-        description="Mean closures, indifference intervals and verdicts of two studies. "
-        "Surfaces with the same seeds are compared in pairs.",
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("first", type=Path, help="results folder, such as results/paper")
     command.add_argument("second", type=Path, help="results folder of the other study")
-    command.add_argument(
-        "--exact",
-        action="store_true",
-        help="list all differences except in provenance and timing; fails if there is one",
-    )
-    command.set_defaults(run=run)
+    what = "list all differences except in provenance and timing; fails if there is one"
+    command.add_argument("--exact", action="store_true", help=what)
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the differences between two studies."""
     folders = arguments.first, arguments.second
     first, second = (read_netcdf(study_of(folder)) for folder in folders)
@@ -49,13 +41,8 @@ def run(arguments) -> int:
     else:
         print("\nNo indifference interval in common")
     claims = (read_csv(existing(folder / "tables/claims.csv")) for folder in folders)
-    both = {
-        name: table.set_index("number").verdict
-        for name, table in zip(("first", "second"), claims, strict=True)
-    }
-    verdicts = pd.DataFrame(both).fillna("not judged")
+    both = (table.set_index("number").verdict for table in claims)
+    verdicts = pd.DataFrame(dict(zip(("first", "second"), both, strict=True))).fillna("not judged")
     moved = verdicts[verdicts["first"] != verdicts["second"]]
-    print("\nVerdicts that differ" if len(moved) else "\nNo verdict differs")
-    if len(moved):
-        print(moved.to_string())
+    print(f"\nVerdicts that differ\n{moved.to_string()}" if len(moved) else "\nNo verdict differs")
     return 0

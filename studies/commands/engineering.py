@@ -1,41 +1,29 @@
-"""`python -m studies engineering`: curves and stiffness of a study, with bands over its joints."""
+"""Writes a table for each case: closure, normal stiffness and, for a study with flow, apertures
+over stress, with mean, median and a band of 90 % over its joints (docs/export.md). No joint is
+closed again.
+"""
 
+import argparse
 from pathlib import Path
 
-from jointclosure.cli.exports import FIGURES
-from jointclosure.cli.options import check_folder
+from jointclosure.cli.options import add_file, check_folder
+from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import write_csv
-from studies.commands import COMMANDS
 from studies.commands.finished import study_of
 from studies.frame.ensemble.tables import QUANTILES, band_table
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "engineering",
-        help=COMMANDS["engineering"],
-        description="Writes a table for each case: closure, normal stiffness and, for a study with "
-        "flow, apertures over stress, with mean, median and a band of 90 % over its joints "
-        "(docs/export.md). No joint is closed again.",
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
-    command.add_argument(
-        "--case",
-        nargs="+",
-        action="extend",
-        metavar="NAME",
-        help="name of a case, such as dolerite-base; by default the base case of each rock",
-    )
-    command.add_argument(
-        "--output", type=Path, metavar="FOLDER", help="default: engineering in the results folder"
-    )
-    command.set_defaults(run=run)
+    what = "name of a case, such as dolerite-base; by default the base case of each rock"
+    command.add_argument("--case", nargs="+", action="extend", metavar="NAME", help=what)
+    add_file(command, "--output", "default: engineering in the results folder")
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write the tables."""
     folder = arguments.output or arguments.results / "engineering"
     with reading_netcdf(study_of(arguments.results)) as study:
@@ -44,8 +32,7 @@ def run(arguments) -> int:
         for name in asked:
             if name not in known:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
-        check_folder(folder)
-        folder.mkdir(exist_ok=True)
+        check_folder(folder).mkdir(exist_ok=True)
         for name in asked:
             table = band_table(study.sel(case=name).load())
             write_csv(table, folder / f"{name}.csv", FIGURES)

@@ -1,5 +1,8 @@
-"""`python -m studies repeat`: repeat one realisation of a study, from its files or logs."""
+"""Closes one surface pair of a study again, with the settings of its files and logs, and reports
+whether the results are the stored ones.
+"""
 
+import argparse
 import json
 from pathlib import Path
 
@@ -9,7 +12,6 @@ from jointclosure.engine.cache import is_kept
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text
-from studies.commands import COMMANDS
 from studies.frame.config.configuration import resolved
 from studies.frame.ensemble.closing import Ensemble, close_block
 from studies.frame.ensemble.comparison import differences
@@ -17,24 +19,16 @@ from studies.frame.ensemble.comparison import differences
 _CONFIGURATION = "configuration: "
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "repeat",
-        help=COMMANDS["repeat"],
-        description="Closes one surface pair of a study again, with the settings of its files "
-        "and logs, and reports whether the results are the stored ones.",
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
     command.add_argument("realization", type=int, help="number of the realisation, from 0")
-    command.add_argument(
-        "--pool", action="store_true", help="a realisation of the pool of common surfaces"
-    )
-    command.set_defaults(run=run)
+    what = "a realisation of the pool of common surfaces"
+    command.add_argument("--pool", action="store_true", help=what)
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
     results, label, realization = arguments.results, arguments.case, arguments.realization
     name = "pool" if arguments.pool else "cases"

@@ -1,5 +1,8 @@
-"""`python -m studies report`: page on a finished study, without any computation."""
+"""Writes report.html from the results of a study. They may be from another machine; nothing is
+computed again. Every file must be as it was written.
+"""
 
+import argparse
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,35 +15,38 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
-from studies.commands import COMMANDS
 from studies.frame.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.jobs.seals import check_folder
 
 if TYPE_CHECKING:  # not loaded by other commands
-    from jointclosure.cli.page import Picture
     from studies.paper.report.content import Material
+    from studies.paper.report.sheets import Picture
 
 CAPTIONS = ROOTS["studies"] / "paper/report/texts"
+_TABLES = {
+    "intervals": "table_3_indifference",
+    "claims": "claims",
+    "margins": "claim_margins",
+    "predictive": "table_3_predictive",
+    "joint": "table_3_joint_tests",
+    "elasticities": "elasticities",
+    "measured": "measured_fit",
+    "flow": "hydraulic_aperture",
+    "conclusions": "conclusions",
+}
+"""Tables that not every study has, by the name of their `Material`."""
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "report",
-        help=COMMANDS["report"],
-        description="Writes report.html from the results of a study. They may be from another "
-        "machine; nothing is computed again. Every file must be as it was written.",
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
-    command.add_argument(
-        "--output", type=Path, help="file of the page (default: report.html in the folder)"
-    )
-    command.set_defaults(run=run)
+    what = "file of the page (default: report.html in the folder)"
+    command.add_argument("--output", type=Path, help=what)
 
 
-def run(arguments) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
     output = arguments.output or arguments.results / "report.html"
     size = write_report(arguments.results, output)
@@ -66,35 +72,33 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
     """Collect the material of the page."""
     from studies.paper.report.content import Material
 
-    stated = read_text(_sealed(folder / "tables/configuration.json", sealed))
-    study, configuration = study.assign_attrs(configuration=stated), json.loads(stated)
+    def needed(name: str) -> Path:
+        path = folder / "tables" / name
+        if path not in sealed:
+            raise InputError(f"{path}: must exist with a seal; is the study finished?")
+        return path
+
+    stated = read_text(needed("configuration.json"))
+    accuracy = folder.parent / "accuracy"  # of `make accuracy`, if it was run beside this study
     return Material(
-        study=study,
-        closures=_needed(folder / "tables/max_closure.csv", sealed),
-        intervals=_table(folder / "tables/table_3_indifference.csv", sealed),
-        claims=_table(folder / "tables/claims.csv", sealed),
-        margins=_table(folder / "tables/claim_margins.csv", sealed),
-        predictive=_table(folder / "tables/table_3_predictive.csv", sealed),
-        joint=_table(folder / "tables/table_3_joint_tests.csv", sealed),
-        elasticities=_table(folder / "tables/elasticities.csv", sealed),
-        checks=_needed(folder / "tables/checks.csv", sealed),
+        study=study.assign_attrs(configuration=stated),
+        closures=read_csv(needed("max_closure.csv")),
+        checks=read_csv(needed("checks.csv")),
         paper=read_csv(PAPER_TABLE_3),
         default=read_plain(DEFAULT),
         schema=json_schema(model()),
-        pictures=_pictures(folder, sealed, configuration),
+        pictures=_pictures(folder, sealed, json.loads(stated)),
         benchmarks=read_benchmarks(folder / "benchmarks"),
-        measured=_table(folder / "tables/measured_fit.csv", sealed),
-        accuracy=_accuracy(folder.parent / "accuracy"),
+        accuracy=_table(accuracy / "tables/accuracy_cost.csv", check_folder(accuracy)),
         presets=read_csv(MEASURED),
-        flow=_table(folder / "tables/hydraulic_aperture.csv", sealed),
-        conclusions=_table(folder / "tables/conclusions.csv", sealed),
+        **{name: _table(folder / f"tables/{file}.csv", sealed) for name, file in _TABLES.items()},
     )
 
 
 def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
     """Return sealed figures that have a caption, in the order in which they were drawn."""
-    from jointclosure.cli.page import Picture
     from studies.paper.report.page import read_caption
+    from studies.paper.report.sheets import Picture
 
     figures = [path for path in sealed if path.parent == folder / "figures"]
     return [
@@ -105,21 +109,6 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
     ]
 
 
-def _accuracy(folder: Path) -> pd.DataFrame | None:
-    """Return the measurements of `make accuracy`, if it was run beside this study."""
-    return _table(folder / "tables/accuracy_cost.csv", check_folder(folder))
-
-
 def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
     """Read a table that not every study has."""
     return read_csv(path) if path in sealed else None
-
-
-def _needed(path: Path, sealed: list[Path]) -> pd.DataFrame:
-    return read_csv(_sealed(path, sealed))
-
-
-def _sealed(path: Path, sealed: list[Path]) -> Path:
-    if path not in sealed:
-        raise InputError(f"{path}: must exist with a seal; is the study finished?")
-    return path

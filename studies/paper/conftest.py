@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.cli.page import Picture
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
@@ -26,6 +25,7 @@ from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
 from studies.paper.report.content import Material, content
 from studies.paper.report.page import read_caption, render
+from studies.paper.report.sheets import Picture
 from studies.paper.world import world
 from tests.studied import DEFAULT
 

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.cli.page import sheet
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.paper.report import content as summary
 from studies.paper.report.content import departures, setting_rows
+from studies.paper.report.sheets import sheet
 
 
 def test_settings_that_differ_from_the_papers_are_found(configuration, default):

@@ -1,4 +1,7 @@
-"""Commands of the command line, one module each: `add_to` declares it, `run` executes it."""
+"""Commands of the command line, one module each, whose docstring is the text of its help.
+
+`declare` adds the arguments of a command to its parser, `run` executes it and returns its status.
+"""
 
 COMMANDS = {
     "close": "close the joint whose two walls were scanned",

@@ -1,4 +1,7 @@
-"""`jointclosure doctor`: check whether the environment is ready, with advice."""
+"""Checks versions, cores, thread settings, compiled kernels, memory, results folder and Snakemake,
+with advice on problems. Run it where `make study` is run; it changes nothing, and fails if there
+is a problem.
+"""
 
 import argparse
 import importlib.util
@@ -11,11 +14,9 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import psutil
 
-from jointclosure.cli import COMMANDS
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.engine.progress import duration
 from jointclosure.inputs.extras import EXTRAS, installed
@@ -23,64 +24,48 @@ from jointclosure.storage.provenance import versions_of
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
-_PYTHONS = ((3, 11), (3, 13))
 _MEMORY_OF_A_JOB = 0.5e9
 """Memory of a job of the paper's study in bytes: 305 MB for closures to 415 MB for tables, rounded
 up."""
 _DISK_OF_A_STUDY = 1e9
 """Disk space of a study in bytes; the paper's study takes 0.2 GB, most of it for surfaces."""
 
-
-class Finding(NamedTuple):
-    """Item checked, its state, and advice if it is not in order."""
-
-    what: str
-    state: str
-    advice: str = ""
+Finding = tuple[str, str, str]
+"""Item checked, its state, and advice if it is not in order."""
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "doctor",
-        help=COMMANDS["doctor"],
-        description="Checks versions, cores, thread settings, compiled kernels, memory, results "
-        "folder and Snakemake, with advice on problems. Run it where `make study` is run; it "
-        "changes nothing, and fails if there is a problem.",
-    )
-    command.set_defaults(run=run)
+def declare(command: argparse.ArgumentParser) -> None:
+    """The command has no arguments."""
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print all findings; return 1 if there is any advice."""
     unwell = 0
-    for finding in findings(Path.cwd()):
-        mark = "!" if finding.advice else " "
-        print(f"{mark} {finding.what + ':':<18}{finding.state}", flush=True)
-        if finding.advice:
+    for what, state, advice in findings(Path.cwd()):
+        print(f"{'!' if advice else ' '} {what + ':':<18}{state}", flush=True)
+        if advice:
             unwell += 1
-            print(f"{'':20}-> {finding.advice}")
+            print(f"{'':20}-> {advice}")
     print(f"\n{unwell} with advice" if unwell else "\nno problems")
     return 1 if unwell else 0
 
 
 def findings(folder: Path) -> Iterator[Finding]:
     """Generate all findings for a study that is run in a folder."""
-    low, high = _PYTHONS
-    fits = low <= sys.version_info[:2] <= high
+    fits = (3, 11) <= sys.version_info[:2] <= (3, 13)
     advice = "" if fits else "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12"
-    yield Finding("python", f"{platform.python_version()} at {sys.executable}", advice)
+    yield "python", f"{platform.python_version()} at {sys.executable}", advice
     versions = versions_of("jointclosure", *_PACKAGES).items()
     package, *others = (f"{name} {version}" for name, version in versions)
-    yield Finding("packages", f"{package}; {', '.join(others)}")
+    yield "packages", f"{package}; {', '.join(others)}", ""
     missing = [extra for extra in EXTRAS if not installed(extra)]
     state = f"with {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}"
     if missing:
         state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
-    yield Finding("extras", state)
+    yield "extras", state, ""
     machine = os.cpu_count() or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
-    yield Finding("cores", f"{cores} for this process, {machine} of the machine")
+    yield "cores", f"{cores} for this process, {machine} of the machine", ""
     yield _threads(cores)
     yield _memory(cores)
     yield _kernels()
@@ -91,16 +76,15 @@ def findings(folder: Path) -> Iterator[Finding]:
 def _threads(cores: int) -> Finding:
     settings = {name: os.environ.get(name) for name in THREADS}
     state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
-    if cores == 1 or all(value == "1" for value in settings.values()):
-        return Finding("threads", state)
-    if not any(settings.values()):  # as in any shell
-        return Finding("threads", f"{state}; make sets all to 1, and scripts should do the same")
-    return Finding(
-        "threads",
-        state,
+    advice = (
         "jobs that run side by side slow each other down unless each has one thread: set all to "
-        "1 (make does this; .ci/environment has the line for a shell)",
+        "1 (make does this; .ci/environment has the line for a shell)"
     )
+    if cores == 1 or all(value == "1" for value in settings.values()):
+        advice = ""
+    elif not any(settings.values()):  # as in any shell
+        state, advice = f"{state}; make sets all to 1, and scripts should do the same", ""
+    return "threads", state, advice
 
 
 def _memory(cores: int) -> Finding:
@@ -108,23 +92,21 @@ def _memory(cores: int) -> Finding:
     jobs = int(memory.available / _MEMORY_OF_A_JOB)
     takes = f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}"
     state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
-    return Finding("memory", state, takes if jobs < cores else "")
+    return "memory", state, takes if jobs < cores else ""
 
 
 def _kernels() -> Finding:
     folder = cache_folder()
     number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
-    state = f"{folder}: " + (
-        f"warm, {number} kernels, {_megabytes(folder):.0f} MB"
-        if number
-        else "cold; the first joint compiles them, which takes about a minute of processor time"
-    )
+    state = "cold; the first joint compiles them, which takes about a minute of processor time"
+    if number:
+        state = f"warm, {number} kernels, {_megabytes(folder):.0f} MB"
     if older := [path for path in folder.parent.glob("numba-*") if path != folder]:
         size = sum(map(_megabytes, older))
         state += f"; {len(older)} of other versions, {size:.0f} MB, can be deleted"
     place = next(path for path in (folder, *folder.parents) if path.exists())
     advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
-    return Finding("compiled kernels", state, "" if os.access(place, os.W_OK) else advice)
+    return "compiled kernels", f"{folder}: {state}", "" if os.access(place, os.W_OK) else advice
 
 
 def _megabytes(folder: Path) -> float:
@@ -140,9 +122,9 @@ def _results(folder: Path) -> Finding:
         with tempfile.NamedTemporaryFile(dir=place):
             pass
     except OSError as error:
-        return Finding("results", f"{state}, {error.strerror}", f"make {place} writable")
+        return "results", f"{state}, {error.strerror}", f"make {place} writable"
     room = "a study may take a gigabyte: make room" if free < _DISK_OF_A_STUDY else ""
-    return Finding("results", state, room)
+    return "results", state, room
 
 
 def _snakemake(folder: Path) -> Finding:
@@ -150,17 +132,17 @@ def _snakemake(folder: Path) -> Finding:
     here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if importlib.util.find_spec("snakemake") is None:
         advice = "pip install 'jointclosure[workflow]'" if here else ""
-        return Finding("snakemake", "not installed; only studies need it", advice)
+        return "snakemake", "not installed; only studies need it", advice
     start = time.perf_counter()
-    command = [sys.executable, "-m", "snakemake", "--version"]
+    words = ["--version"]
     if here:
-        profile = ["--workflow-profile", "workflow/profiles/default"]
-        smoke = ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
-        command = [*command[:-1], *profile, *smoke]
+        words = ["--workflow-profile", "workflow/profiles/default"]
+        words += ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
+    command = [sys.executable, "-m", "snakemake", *words]
     answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
     took = duration(time.perf_counter() - start)
     if answer.returncode == 0:
         did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
-        return Finding("snakemake", f"{did}, in {took}")
+        return "snakemake", f"{did}, in {took}", ""
     output = (answer.stderr.strip() or answer.stdout.strip() or "no output").splitlines()
-    return Finding("snakemake", output[-1], "make clean setup sets up the environment again")
+    return "snakemake", output[-1], "make clean setup sets up the environment again"

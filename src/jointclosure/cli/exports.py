@@ -1,6 +1,5 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli.results import FIGURES, failed, write
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import (
     curve_table,
@@ -19,14 +19,10 @@ from jointclosure.joint.curves import (
 )
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.laws import describe_law, fitted_laws, parameter
-from jointclosure.joint.protocol import FAILURE, LOADING
+from jointclosure.joint.protocol import LOADING
 from jointclosure.joint.stiffness import closures_at, stiffness_table, stress_levels
-from jointclosure.storage.figures import save_figure, write_vtu
-from jointclosure.storage.text import write_csv, write_text
+from jointclosure.storage.figures import write_vtu
 
-FIGURES = 7
-"""Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
-neighbouring steps."""
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
 the aperture equals the gap, and therefore needs a slope below 1. The mean aperture of a joint has
@@ -47,13 +43,9 @@ _NET = (
 )
 
 
-def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
-    """Write tables, figure and inputs of other programs of a joint that did not fail; print notes.
-
-    The notes are the kind of closure, the best law of each cycle's loading, and the reasons of
-    inputs that could not be written.
-    """
-    if int(history.status) >= FAILURE:
+def write_exports(history: xr.Dataset, title: str, folder: Path) -> None:
+    """Write `EXPORTS` and their figure of a joint that did not fail; print laws and refusals."""
+    if failed(history):
         return
     from jointclosure.plotting.joint import engineering_figure
 
@@ -64,22 +56,14 @@ def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
         try:
             contents = export(history)
             for file, content in zip(files, contents if files[1:] else [contents], strict=True):
-                _write(content, file)
+                if isinstance(content, FractureMesh):
+                    write_vtu(*content, file)
+                else:
+                    write(content, file, FIGURES)
         except InputError as error:  # the files of other programs are still written
             notes.append(f"not written: {error}")
-    save_figure(engineering_figure(history, title), folder / "engineering.png")
+    write(engineering_figure(history, title), folder / "engineering.png")
     print("\n".join(f"- {note}" for note in notes))
-
-
-def _write(content: Any, path: Path) -> None:
-    """Write an export in the form of its type."""
-    if isinstance(content, pd.DataFrame):
-        write_csv(content, path, FIGURES)
-    elif isinstance(content, FractureMesh):
-        write_vtu(*content, path)
-    else:
-        text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
-        write_text(text, path)
 
 
 def _last_from_seating(history: xr.Dataset, program: str) -> int:
@@ -95,12 +79,9 @@ def _last_from_seating(history: xr.Dataset, program: str) -> int:
 def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     """Compute the solid constants of PorePy's Barton-Bandis fracture for the last loading.
 
-    All constants, including the mean aperture, refer to the net closure, because PorePy computes
-    the deformation of the rock itself.
-
-    They are ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m],
-    Vm; and ``residual_aperture`` [m], the mean aperture at seating less Vm. Refused if no loading
-    begins at seating, or if the hyperbola could not be fitted or closes beyond the aperture.
+    ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m], Vm; and
+    ``residual_aperture`` [m], the mean aperture at seating less Vm. They refer to the net closure,
+    because PorePy computes the deformation of the rock itself.
     """
     cycle = _last_from_seating(history, "PorePy")
     fits, cycles = fitted_laws(history), cycle_table(history).set_index("cycle")
@@ -122,14 +103,11 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
 
 
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Return coordinates and values [m] of the aperture table of GEOS' contact models.
+    """Return normal gaps and apertures [m] of the last loading from seating on, as GEOS takes them.
 
-    The table is for the last loading from seating on. Coordinates are the normal gap, the negative
-    net closure since seating, ascending to 0. The value at 0 is the aperture at seating. Values are
-    hydraulic apertures (the geometric mean of both directions), which the flow of GEOS uses, or
-    mean apertures for a history without flow. If the last slope is larger than `OPENING_SLOPE`, a
-    point just before the end reduces it to this value. Refused without a seating stress, if the
-    loading does not extend from it to the maximum, or if an aperture is not positive.
+    Gaps are the negative net closure since seating, ascending to 0. Apertures are hydraulic (the
+    geometric mean of both directions), or mean ones of a history without flow. If the last slope is
+    larger than `OPENING_SLOPE`, a point just before the end reduces it to this value.
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
@@ -144,11 +122,9 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     known = mean_hydraulic(history) if has_flow(history) else history.mean_aperture.values
     aperture = np.interp(closure, net[order], known[of_cycle][order])
     if not (aperture > 0.0).all():
-        kind = "hydraulic" if has_flow(history) else "mean"
-        raise InputError(
-            f"GEOS: the {kind} aperture must be positive, its least value is "
-            f"{1e3 * aperture.min():.2g} mm"
-        )
+        kind, least = "hydraulic" if has_flow(history) else "mean", 1e3 * aperture.min()
+        must = f"must be positive, its least value is {least:.2g} mm"
+        raise InputError(f"GEOS: the {kind} aperture {must}")
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
     values = aperture[::-1]
@@ -162,44 +138,40 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 def geos_files(history: xr.Dataset) -> tuple[str, str, str]:
     """Return gaps and apertures of `geos_aperture_table` as GEOS reads them, and their element."""
     gap, aperture = (
-        "\n".join(f"{value:.9e}" for value in values) + "\n"
-        for values in geos_aperture_table(history)
+        "".join(f"{value:.9e}\n" for value in values) for values in geos_aperture_table(history)
     )
     return gap, aperture, _GEOS
 
 
 def itasca_tables(history: xr.Dataset) -> str:
-    """Write commands that define tables of net normal stiffness [Pa/m] over normal stress [Pa].
+    """Write commands of 3DEC 7 that define tables over normal stress [Pa], by cycle and branch.
 
-    There is one table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
-    ``table 'name' add (x,y) ...``, without the chords of landings (`stiffness_table`). For a
-    history with flow there are also tables of the hydraulic aperture [m] at its steps, the
-    geometric mean of both directions.
+    They are of net normal stiffness [Pa/m], without the chords of landings (`stiffness_table`), and
+    with flow of the geometric mean of the hydraulic apertures [m].
     """
+    chords = stiffness_table(history)
+    chords = chords[~chords.landing]
+    values = 1e9 * chords.normal_stiffness_net_MPa_per_mm
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
-    table = stiffness_table(history)
-    for (cycle, branch), rows in table[~table.landing].groupby(["cycle", "branch"], sort=False):
-        stress, stiffness = rows.normal_stress_MPa, 1e9 * rows.normal_stiffness_net_MPa_per_mm
-        lines.append(_itasca_table(f"kn-cycle-{cycle}-{branch}", stress, stiffness))
+    lines += _tables("kn", chords.assign(value=values))
     if has_flow(history):
+        rows = curve_table(history)
+        values = 1e-3 * np.sqrt(rows.hydraulic_aperture_x_mm * rows.hydraulic_aperture_y_mm)
+        rows = rows.assign(value=values).sort_values("normal_stress_MPa", kind="stable")
         lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")
-        for (cycle, branch), rows in curve_table(history).groupby(["cycle", "branch"], sort=False):
-            aperture = 1e-3 * np.sqrt(rows.hydraulic_aperture_x_mm * rows.hydraulic_aperture_y_mm)
-            order = np.argsort(rows.normal_stress_MPa.to_numpy(), kind="stable")
-            stress = rows.normal_stress_MPa.iloc[order]
-            name = f"aperture-cycle-{cycle}-{branch}"
-            lines.append(_itasca_table(name, stress, aperture.iloc[order]))
+        lines += _tables("aperture", rows)
     return "\n".join(lines) + "\n"
 
 
-def _itasca_table(name: str, stress: pd.Series, values: pd.Series) -> str:
-    """Return a command that defines known values over stresses [MPa]."""
-    pairs = " ".join(
-        f"({1e6 * at:.6e},{value:.6e})"
-        for at, value in zip(stress, values, strict=True)
-        if np.isfinite(value)
-    )
-    return f"table '{name}' add {pairs}"
+def _tables(name: str, rows: pd.DataFrame) -> list[str]:
+    """Return a command for each cycle and branch that defines known values over stresses."""
+    lines = []
+    for (cycle, branch), part in rows.groupby(["cycle", "branch"]):
+        known = part[np.isfinite(part.value)]
+        pairs = zip(1e6 * known.normal_stress_MPa, known.value, strict=True)
+        text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
+        lines.append(f"table '{name}-cycle-{cycle}-{branch}' add {text}")
+    return lines
 
 
 class FractureMesh(NamedTuple):

@@ -1,40 +1,7 @@
-"""`jointclosure fit`: `jointclosure.fit` of a file, with progress and a folder of results."""
+"""Close joints from mated to independent walls, and find the mismatch
+wavelength of those whose closure is the measured one, with a 95 % interval.
 
-import argparse
-import inspect
-import json
-import math
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
-
-from jointclosure.cli import COMMANDS
-from jointclosure.cli.options import (
-    add_keywords,
-    add_model,
-    add_rock,
-    check_folder,
-    jrc_of,
-    keywords,
-    model_of,
-    rock_of,
-)
-from jointclosure.cli.results import attributes, finite
-from jointclosure.engine.progress import bar, duration
-from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.inputs import InputError, check_positive
-from jointclosure.measured.calibration import Interval
-from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
-from jointclosure.measured.fit import Fit, assumptions, fit, read_curve
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.folders import replace_files
-from jointclosure.storage.text import write_text
-from jointclosure.walls.registration import RegisteredPair, registered
-from jointclosure.walls.scans import read_scan
-
-_EXAMPLES = """examples:
+examples:
   jointclosure fit curve.csv --rock granite --jrc 10 --size 25
   jointclosure fit curve.csv --rock granite --jrc 6,10 --size 25 --fit-strength --output my_fit
   jointclosure fit curve.csv --rock granite --scans top.xyz bottom.xyz --units mm
@@ -44,79 +11,75 @@ _EXAMPLES = """examples:
 The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
 (docs/beyond.md).
 """
+
+import argparse
+import inspect
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from jointclosure.cli import options, results
+from jointclosure.engine.progress import bar, duration
+from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.inputs import InputError, check_positive
+from jointclosure.measured.calibration import Interval
+from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+from jointclosure.measured.fit import Fit, assumptions, fit, read_curve
+from jointclosure.storage.folders import replace_files
+from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.scans import read_scan
+
 _USUAL = inspect.signature(fit).parameters
 _CURVE = ("stress_unit", "closure_unit", "columns")
 _JOINT = ("hurst", "roll_off", "fit_strength", "surfaces", "seed", "seating_stress")
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "fit",
-        help=COMMANDS["fit"],
-        description="Close joints from mated to independent walls, and find the mismatch\n"
-        "wavelength of those whose closure is the measured one, with a 95 % interval.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     curve = command.add_argument_group("curve")
-    columns = {"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"}
-    add_keywords(
+    options.add_keywords(
         curve,
         fit,
         "seating_stress",
         stress_unit={"choices": STRESS_UNITS},
         closure_unit={"choices": CLOSURE_UNITS},
-        columns=columns,
+        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
         closure_error={"metavar": "%", "default": 2.0},
     )
-    add_rock(command)
     joint = command.add_argument_group("joint")
-    joint.add_argument(
-        "--scans", nargs=2, metavar=("UPPER", "LOWER"),
-        help="scans of the walls, if there are any: the strength is then fitted",
-    )  # fmt: skip
-    add_keywords(joint, read_scan, "units")
-    add_keywords(joint, registered, "orientation")
+    what = "scans of the walls, if there are any: the strength is then fitted"
+    joint.add_argument("--scans", nargs=2, metavar=("UPPER", "LOWER"), help=what)
+    options.add_keywords(joint, read_scan, "units")
+    options.add_keywords(joint, registered, "orientation")
     size = joint.add_mutually_exclusive_group()
     size.add_argument("--size", type=float, metavar="mm", help="side of the measured joint")
-    size.add_argument(
-        "--cells", type=int, metavar="N",
-        help="cells along the sides of a smaller joint, which takes less time and closes less far",
-    )  # fmt: skip
-    add_keywords(joint, fit, "jrc", "spacing", "fit_strength", "surfaces", "seed")
-    add_keywords(joint, fit, "hurst", "roll_off")
-    add_model(command, RESOLVED)
-    command.add_argument(
-        "--output", type=Path, metavar="FOLDER", help="folder of the results and a figure"
-    )
-    command.set_defaults(run=run)
+    what = "cells along the sides of a smaller joint, which takes less time and closes less far"
+    size.add_argument("--cells", type=int, metavar="N", help=what)
+    options.add_keywords(joint, fit, "jrc", "spacing", "fit_strength", "surfaces", "seed")
+    options.add_keywords(joint, fit, "hurst", "roll_off")
+    options.add_conditions(command, RESOLVED, load=False)
+    options.add_file(command, "--output", "folder of the results and a figure")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Fit the joint, and print and write the result."""
     if arguments.output:
         from jointclosure.plotting.joint import fit_figure
-
-        check_folder(arguments.output)
-    form = keywords(arguments, _CURVE)
+    form = options.given(arguments, _CURVE)
     read_curve(arguments.curve, **form)
     pair = _pair(arguments)
-    rock = rock_of(arguments, *() if pair else ("jrc",))
-    stated = form | keywords(arguments, _JOINT) | model_of(arguments, RESOLVED)
+    rock = options.rock_of(arguments, *() if pair else ("jrc",))
+    stated = form | options.given(arguments, _JOINT) | options.model_of(arguments, RESOLVED)
     stated |= {"rock": rock.intact, "closure_error": 1e-2 * arguments.closure_error}
     if pair is None:
-        stated |= {"jrc": jrc_of(arguments, rock)} | _random_walls(arguments)
-        jrc = stated["jrc"]
-        assumed = assumptions(
-            rock.intact,
-            jrc if isinstance(jrc, tuple) else (jrc, jrc),
-            stated["shape"],
-            stated["spacing"],
-            stated.get("roll_off"),
-            arguments.fit_strength,
-        )
+        stated |= {"jrc": options.jrc_of(arguments, rock)} | _random_walls(arguments)
+        jrcs = stated["jrc"] if isinstance(stated["jrc"], tuple) else (stated["jrc"],) * 2
+        walls = stated["shape"], stated["spacing"], stated.get("roll_off")
+        assumed = assumptions(rock.intact, jrcs, *walls, arguments.fit_strength)
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
     else:
         print("\n".join(f"- {line}" for line in pair.report))
@@ -124,14 +87,13 @@ def run(arguments: argparse.Namespace) -> int:
         result = fit(arguments.curve, pair=pair, report=report, **stated)
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
-        about = attributes({"curve": arguments.curve, "scans": arguments.scans, **stated})
+        about = results.attributes({"curve": arguments.curve, "scans": arguments.scans, **stated})
 
-        def write(folder: Path) -> None:
-            record = _record(result) | {"provenance": about}
-            write_text(json.dumps(record, indent=1) + "\n", folder / "fit.json")
-            save_figure(fit_figure(result, arguments.curve.name), folder / "fit.png")
+        def fill(folder: Path) -> None:
+            results.write(_record(result) | {"provenance": about}, folder / "fit.json")
+            results.write(fit_figure(result, arguments.curve.name), folder / "fit.png")
 
-        names = replace_files(arguments.output, "fit", write)
+        names = replace_files(arguments.output, "fit", fill)
         print(f"wrote {arguments.output}: {', '.join(names)}")
     return 0
 
@@ -163,8 +125,9 @@ def _pair(arguments: argparse.Namespace) -> RegisteredPair | None:
     for option in ("jrc", "size"):
         if getattr(arguments, option, None) is not None:
             raise InputError(f"--{option}: must be left out with --scans")
-    (upper, lower), units = arguments.scans, keywords(arguments, ["units"])
-    return registered_walls(upper, lower, units, **keywords(arguments, ["spacing", "orientation"]))
+    placed = options.given(arguments, ["spacing", "orientation"])
+    upper, lower = arguments.scans
+    return registered_walls(upper, lower, options.given(arguments, ["units"]), **placed)
 
 
 def _random_walls(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -206,4 +169,4 @@ def _record(result: Fit) -> dict[str, Any]:
 
 
 def _scaled(interval: Interval, scale: float) -> dict[str, float | None]:
-    return dict(zip(interval._fields, finite(interval, scale), strict=True))
+    return dict(zip(interval._fields, results.finite(interval, scale), strict=True))

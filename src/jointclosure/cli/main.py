@@ -30,11 +30,15 @@ def parser(
     program = Parser(prog=program_name, description="Closure of rock joints.")
     program.add_argument("--version", action="version", version=__version__)
     commands = program.add_subparsers(required=True, metavar="command")
-    for name, what_it_does in described.items():
+    for name, purpose in described.items():
+        command = commands.add_parser(name, help=purpose)
         if name == named:
-            importlib.import_module(f"{package}.{name}").add_to(commands)
-        else:
-            commands.add_parser(name, help=what_it_does)
+            module = importlib.import_module(f"{package}.{name}")
+            text, _, examples = (module.__doc__ or "").partition("examples:\n")
+            command.formatter_class = argparse.RawDescriptionHelpFormatter
+            command.description, command.epilog = text, examples and f"examples:\n{examples}"
+            command.set_defaults(run=module.run)
+            module.declare(command)
     return program
 
 

@@ -1,4 +1,4 @@
-"""Options of commands that are keywords of the library's functions, and files of their results."""
+"""Options that are keywords of the library's functions: their declaration, and their values."""
 
 import argparse
 import inspect
@@ -16,7 +16,7 @@ from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import in_unit, to_si
 from jointclosure.storage.folders import check_record
-from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
+from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, registered
 
 UNITS = (
     {name: about.unit for name, about in OF_ROCK.items()}
@@ -38,7 +38,8 @@ _CHOICES: dict[str, Iterable[str]] = {
     "shift": SHIFTS,
     "solver": SOLVER_NAMES,
 }
-_NONE = "none"
+_SCANNED = ("units", "scan_spacing", "variable", "orientation", "shift", "single")
+"""Keywords of `jointclosure.close` that are no conditions."""
 PICTURES = (".png", ".pdf", ".svg")
 
 
@@ -73,19 +74,19 @@ def add_keywords(
     """
     texts, signature = documented(function), inspect.signature(function).parameters
     for name in (*names, *changes):
-        given = changes.get(name, {})
-        form = {} if "choices" in given else _form(name, signature[name].annotation)
-        default = usual.get(name, signature[name].default)
+        change = changes.get(name, {})
+        about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}
+        about["help"] = texts[name].replace("%", "%%")
+        about |= {} if "choices" in change else _form(name, signature[name].annotation)
+        default = change.get("default", usual.get(name, signature[name].default))
         if isinstance(default, bool):
-            form["default"] = default
-        about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS} | form | given
-        default = given.get("default", default)
-        if not isinstance(default, bool) and default not in (None, (), inspect.Parameter.empty):
+            about["default"] = default
+        elif default not in (None, (), inspect.Parameter.empty):
             unit = UNITS.get(name, "")
-            shown = in_unit(default, unit) if unit else default
-            texts[name] += f" (default {shown}{' ' * bool(unit)}{unit})"
-        option = about.pop("option", option_of(name))
-        group.add_argument(option, **{"help": texts[name].replace("%", "%%")} | about)
+            shown = f"{in_unit(default, unit)} {unit}" if unit else default
+            about["help"] += f" (default {shown})"
+        about |= change
+        group.add_argument(about.pop("option", option_of(name)), **about)
 
 
 def _form(name: str, hint: Any) -> dict[str, Any]:
@@ -101,65 +102,106 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
     if name not in UNITS and float not in kinds:
         return {}
     several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
-    kind = partial(numbers, name, bool(several), float in kinds, type(None) in kinds)
+    kind = partial(read, numbers, name, bool(several), float in kinds, type(None) in kinds)
     metavar = "NUMBER" if unit == "1" else unit
     return {"type": kind, "metavar": f"{metavar},..." if several else metavar}
 
 
+def read(check: Callable, *words: Any) -> Any:
+    """Return what ``check`` makes of an option; the message of its `InputError` is reported."""
+    try:
+        return check(*words)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
     """Read a number, or several with commas, in the unit of a keyword, in SI; or none."""
-    if none and text == _NONE:
+    if none and text == "none":
         return None
     unit, parts = UNITS.get(keyword, "1"), text.split(",") if several else [text]
     key = keyword if unit == "1" else f"{keyword}_{unit}"
     try:
-        ((_, values),) = to_si({key: [float(part) for part in parts]}).items()
-    except InputError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+        values = [float(part) for part in parts]
     except ValueError:
         what = "numbers with commas between them" if several else "a number"
-        raise argparse.ArgumentTypeError(f"{text!r}: must be {what}") from None
+        raise InputError(f"{text!r}: must be {what}") from None
+    ((_, values),) = to_si({key: values}).items()
     return values[0] if single and len(values) == 1 else tuple(values)
 
 
-def keywords(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
-    """Return the arguments that were given, of the named ones."""
-    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+def _file(suffixes: tuple[str, ...], text: str) -> Path:
+    """Refuse a file that could not be written, before anything is computed."""
+    path = Path(text)
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder {path.parent} not found")
+    return path
 
 
-def add_rock(command: argparse.ArgumentParser) -> None:
-    """Declare the rock, by its name or its properties."""
+def check_folder(folder: str | Path) -> Path:
+    """Refuse a folder of results that cannot be written, before anything is computed."""
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file, must be a folder")
+    if not folder.parent.is_dir():
+        raise InputError(f"{folder}: folder {folder.parent} not found")
+    check_record(folder)
+    return folder
+
+
+def add_file(
+    group: argparse._ActionsContainer, option: str, text: str, *suffixes: str, **changes: Any
+) -> None:
+    """Declare a file of results with one of some suffixes; without any it is a folder."""
+    kind = partial(read, _file, suffixes) if suffixes else partial(read, check_folder)
+    metavar = f"FILE{suffixes[0]}" if suffixes else "FOLDER"
+    group.add_argument(option, help=text, type=kind, metavar=metavar, **changes)
+
+
+def add_walls(command: argparse.ArgumentParser) -> None:
+    """Declare the scans of both walls, and the grid and position of the joint."""
+    from jointclosure.engine.scanned_joint import close  # which other commands do not load
+
+    for wall in ("upper", "lower"):
+        what = "x.txt,y.txt,z.txt for matrices in three files; or flat"
+        command.add_argument(wall, help=f"scan of the {wall} wall; {what}")
+    scans = command.add_argument_group("scans")
+    add_keywords(scans, close, "units", scan_spacing={"option": "--spacing"}, variable={})
+    spikes = {"option": "--spikes", "choices": ("keep", "cut"), "default": "cut"}
+    add_keywords(scans, registered, cut_spikes=spikes)
+    joint = command.add_argument_group("joint")
+    add_keywords(joint, registered, spacing={"option": "--grid-spacing"}, orientation={}, shift={})
+
+
+def add_conditions(command: argparse.ArgumentParser, usual: Numerics, load: bool = True) -> None:
+    """Declare rock, load and what is stored under it, model, and numerics with usual values."""
     rock = command.add_argument_group("rock")
     rock.add_argument("--rock", metavar="NAME", help=f"one of {', '.join(ROCKS)}")
     for name, about in OF_ROCK.items():
         form = _form(name, float) | {"dest": name, "default": argparse.SUPPRESS}
         rock.add_argument(option_of(name), help=f"{about.long_name} {about.symbol}", **form)
+    if load:
+        from jointclosure.joint.simulation import simulate  # which other commands do not load
 
-
-def add_load(command: argparse.ArgumentParser, simulate: Callable) -> None:
-    """Declare the load, and what is stored under it."""
-    load = command.add_argument_group("load")
-    add_keywords(load, Conditions, "max_normal_stress", "cycles", "seating_stress")
-    add_keywords(load, simulate, "snapshots")
-    load.add_argument("--animation", type=Path, metavar="FILE.gif", help="animation of the closure")
-
-
-def add_model(command: argparse.ArgumentParser, usual: Numerics, *fields: str) -> None:
-    """Declare effects, choices, numerics with their usual values, and fields of `Conditions`."""
+        loads = command.add_argument_group("load")
+        add_keywords(loads, Conditions, "max_normal_stress", "cycles", "seating_stress")
+        add_keywords(loads, simulate, "snapshots")
+        add_file(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
-    model.add_argument(
-        "--without",
-        nargs="+",
-        action="extend",
-        choices=Effects._fields,
-        default=[],
-        metavar="EFFECT",
-        help=f"effects to leave out, of {', '.join(Effects._fields)}",
-    )
-    add_keywords(model, Conditions, *fields)
+    names = ", ".join(Effects._fields)
+    model.add_argument("--without", nargs="+", action="extend", choices=Effects._fields, default=[],
+                       metavar="EFFECT", help=f"effects to leave out, of {names}")  # fmt: skip
+    add_keywords(model, Conditions, *(("flow", "unusual_values") if load else ()))
     add_keywords(model, Choices, *Choices._fields)
     numerics = command.add_argument_group("numerics")
     add_keywords(numerics, Numerics, *Numerics._fields, usual=usual._asdict())
+
+
+def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
+    """Return the arguments that were given, of the named ones."""
+    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
 
 
 def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
@@ -167,18 +209,18 @@ def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
 
     Properties that are given replace those of a named rock.
     """
-    given = keywords(arguments, OF_ROCK)
+    stated = given(arguments, OF_ROCK)
     if arguments.rock is None:
         required = [name for name in OF_ROCK if name not in Rock._field_defaults]
         missing = [name for name in (*required, *needed) if not hasattr(arguments, name)]
         if missing:
             options = ", ".join(map(option_of, missing))
             raise InputError(f"without --rock (such as --rock granite): {options} must be given")
-        return KnownRock("Rock", Rock(**given))
+        return KnownRock("Rock", Rock(**stated))
     name = matching(arguments.rock, ROCKS)
     if name is None:
         raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(ROCKS)}")
-    return ROCKS[name]._replace(intact=ROCKS[name].intact._replace(**given))
+    return ROCKS[name]._replace(intact=ROCKS[name].intact._replace(**stated))
 
 
 def jrc_of(arguments: argparse.Namespace, rock: KnownRock) -> Any:
@@ -190,15 +232,15 @@ def jrc_of(arguments: argparse.Namespace, rock: KnownRock) -> Any:
 
 def model_of(arguments: argparse.Namespace, usual: Numerics) -> dict[str, Any]:
     """Return effects, choices and numerics; without a stated rule of breakage the usual ones."""
-    given = keywords(arguments, Numerics._fields)
-    numerics = (Numerics() if "breakage" in given else usual)._replace(**given)
-    if "tolerance" in given and numerics.breakage != "resolved":
+    stated = given(arguments, Numerics._fields)
+    numerics = (Numerics() if "breakage" in stated else usual)._replace(**stated)
+    if "tolerance" in stated and numerics.breakage != "resolved":
         raise InputError(
             "--tolerance: has no effect on fixed steps of breakage, needs --breakage resolved"
         )
     return {
         "effects": Effects()._replace(**dict.fromkeys(arguments.without, False)),
-        "choices": Choices(**keywords(arguments, Choices._fields)),
+        "choices": Choices(**given(arguments, Choices._fields)),
         "numerics": numerics,
     }
 
@@ -208,24 +250,11 @@ def conditions_of(
 ) -> dict[str, Any]:
     """Return the fields of `Conditions` that are given; ``usual`` as for `model_of`."""
     stress = {"max_normal_stress": rock.max_normal_stress}
-    given = keywords(arguments, Conditions._fields) | {"rock": rock.intact}
-    return stress | given | model_of(arguments, usual)
+    stated = given(arguments, Conditions._fields) | {"rock": rock.intact}
+    return stress | stated | model_of(arguments, usual)
 
 
-def check_folder(folder: Path) -> None:
-    """Refuse a folder of results that cannot be written, before anything is computed."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, must be a folder")
-    if not folder.parent.is_dir():
-        raise InputError(f"{folder}: folder {folder.parent} not found")
-    check_record(folder)
-
-
-def check_file(path: Path | None, suffixes: tuple[str, ...]) -> None:
-    """Refuse a file that could not be written, before anything is computed; None is none."""
-    if path is None:
-        return
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} not found")
+def scanned_of(arguments: argparse.Namespace, rock: KnownRock, usual: Numerics) -> dict[str, Any]:
+    """Return the keywords of `jointclosure.close` that are given: conditions, scans and range."""
+    stated = conditions_of(arguments, rock, usual) | given(arguments, _SCANNED)
+    return stated | {"cut_spikes": arguments.cut_spikes == "cut"}

@@ -1,44 +1,55 @@
-"""What commands print and write of a closed joint: closures, status, snapshots and animation."""
+"""What commands print and write of a closed joint: closures, status, snapshots and files."""
 
 import argparse
 import json
 from collections.abc import Iterable, Mapping
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import Budget
 from jointclosure.inputs.plain import to_plain
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import curve_table, cycle_table, has_flow
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.storage.figures import save_animation
+from jointclosure.storage.figures import save_animation, save_figure
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import origin
+from jointclosure.storage.text import write_csv, write_text
+
+if TYPE_CHECKING:
+    from jointclosure.engine.budget import Budget
+
+FIGURES = 7
+"""Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
+neighbouring steps."""
+_SHOWN = {
+    "max_closure_seated_net_mm": "net {since}",
+    "residual_closure_seated_net_mm": "residual net",
+    "max_closure_seated_mm": "gross {since}",
+    "max_closure_mm": "gross from its start",
+}
+_APERTURES = {
+    "mean_aperture_mm": "mean aperture",
+    "hydraulic_aperture_x_mm": "hydraulic along x",
+    "hydraulic_aperture_y_mm": "along y",
+}
 
 
-def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
+def summary(closed: xr.Dataset, budget: "Budget | None" = None) -> str:
     """Format the results of each cycle as lines of text, with their range if it is known."""
     since = f"since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     cycles = cycle_table(closed)
-    names = {
-        "max_closure_seated_net_mm": f"net {since}",
-        "residual_closure_seated_net_mm": "residual net",
-        "max_closure_seated_mm": f"gross {since}",
-        "max_closure_mm": "gross from its start",
-    }
-    if budget:
-        lines = [
-            "gross closure contains the elastic indentation of the half-spaces, net does not"
-            f"; closures {since}; in brackets the range of 9 in 10 "
-            "random sets of the inputs that are not known",
-            str(budget),
-        ]
+    if budget is None:
+        titles = {name: title.format(since=since) for name, title in _SHOWN.items()}
+        about = "gross contains the elastic indentation of the half-spaces, net does not"
+        lines = [f"closure (mm); {about}", _table(cycles, titles)]
     else:
-        lines = [
-            "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
-            _table(cycles, names),
-        ]
+        about = "gross closure contains the elastic indentation of the half-spaces, net does not"
+        ranges = "in brackets the range of 9 in 10 random sets of the inputs that are not known"
+        lines = [f"{about}; closures {since}; {ranges}", str(budget)]
     full = cycles[cycles.mean_aperture_at_max_mm <= 0.0]
     for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
         lines.append(
@@ -47,21 +58,21 @@ def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
         )
     if has_flow(closed):
         curves = curve_table(closed)
-        names = {
-            "mean_aperture_mm": "mean aperture",
-            "hydraulic_aperture_x_mm": "hydraulic along x",
-            "hydraulic_aperture_y_mm": "along y",
-        }
         at_maximum = curves.loc[curves.groupby("cycle").normal_stress_MPa.idxmax()]
-        lines += ["at the maximum (mm)", _table(at_maximum, names)]
+        lines += ["at the maximum (mm)", _table(at_maximum, _APERTURES)]
     return "\n".join(lines)
 
 
-def _table(frame, names: dict[str, str]) -> str:
+def _table(frame: pd.DataFrame, titles: Mapping[str, str]) -> str:
     """Format columns [mm] of a frame with a row per cycle under other names."""
-    shown = frame[list(names)].rename(columns=names)
+    shown = frame[list(titles)].rename(columns=titles)
     shown.index = [f"cycle {number}" for number in frame.cycle]
     return shown.to_string(float_format="{:.5f}".format)
+
+
+def failed(closed: xr.Dataset) -> bool:
+    """Return whether a simulation failed."""
+    return int(closed.status) >= FAILURE
 
 
 def status_text(closed: xr.Dataset) -> str:
@@ -69,7 +80,7 @@ def status_text(closed: xr.Dataset) -> str:
     about, status = closed.status.attrs, int(closed.status)
     named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
     remarks = ", ".join(name for mask, name in named if status & int(mask))
-    word = "failed" if status >= FAILURE else "success"
+    word = "failed" if failed(closed) else "success"
     return f"{word}: {remarks}" if remarks else word
 
 
@@ -106,3 +117,16 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
         return closed.isel(snapshot=np.isin(closed.snapshot_stress.values, asked))
     about = [name for name in closed.variables if str(name).startswith("snapshot_")]
     return closed.drop_vars([*about, "upper_first", "lower_first"], errors="ignore")
+
+
+def write(content: Any, path: Path, figures: int | None = None) -> None:
+    """Write a dataset, table, figure, text or record for JSON in the form of its type."""
+    if isinstance(content, xr.Dataset):
+        write_netcdf(content, path)
+    elif isinstance(content, pd.DataFrame):
+        write_csv(content, path, figures)
+    elif hasattr(content, "savefig"):
+        save_figure(content, path)
+    else:
+        text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
+        write_text(text, path)

@@ -1,4 +1,7 @@
-"""`jointclosure roughness`: roughness of a scanned wall."""
+"""Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra
+jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean plane.
+Every measure has a 95 % confidence interval.
+"""
 
 import argparse
 from pathlib import Path
@@ -6,12 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from jointclosure.cli import COMMANDS
-from jointclosure.cli.options import PICTURES, add_keywords, check_file, keywords
+from jointclosure.cli import options, results
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import write_csv
 from jointclosure.walls.measured import (
     LARGEST_FILLED_SHARE,
     MISSING,
@@ -25,50 +25,34 @@ from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_dou
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan
 
+_MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
+_SPIKES = (
+    "points that differ from all but one of their neighbours: reported (keep, the default), or "
+    "left out (cut)"
+)
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "roughness",
-        help=COMMANDS["roughness"],
-        description="Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra "
-        "jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean "
-        "plane. Every measure has a 95 % confidence interval.",
-    )
+
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("file", type=Path, help="the scanned wall")
-    add_keywords(command, read_scan, "units", "spacing", "variable")
+    options.add_keywords(command, read_scan, "units", "spacing", "variable")
     grid = {"option": "--grid-spacing", "help": "interpolate to this spacing first"}
-    add_keywords(command, registered, spacing=grid | {"dest": "grid_spacing"})
-    command.add_argument(
-        "--missing",
-        choices=MISSING,
-        default="avoid",
-        help="cells without a height: an error (refuse), left out (avoid, the default), or filled",
-    )
-    command.add_argument(
-        "--spikes",
-        choices=("keep", "cut"),
-        default="keep",
-        help="points that differ from all but one of their neighbours: reported (keep, the "
-        "default), or left out (cut)",
-    )
-    command.add_argument(
-        "--picture", type=Path, metavar="PNG", help="draw the wall (png, pdf or svg)"
-    )
-    command.add_argument("--table", type=Path, metavar="CSV", help="write the measures")
-    command.set_defaults(run=run)
+    options.add_keywords(command, registered, spacing=grid | {"dest": "grid_spacing"})
+    command.add_argument("--missing", choices=MISSING, default="avoid", help=_MISSING)
+    command.add_argument("--spikes", choices=("keep", "cut"), default="keep", help=_SPIKES)
+    text = "draw the wall (png, pdf or svg)"
+    options.add_file(command, "--picture", text, *options.PICTURES)
+    options.add_file(command, "--table", "write the measures", ".csv")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the measures, and draw the wall if requested."""
-    for name, value in keywords(arguments, ["spacing", "grid_spacing"]).items():
+    for name, value in options.given(arguments, ["spacing", "grid_spacing"]).items():
         if value is not None and not 0.0 < value < 1e15:
-            raise InputError(f"--{name.replace('_', '-')}: must be a positive number of mm")
-    check_file(arguments.picture, PICTURES)
-    check_file(arguments.table, (".csv",))
+            raise InputError(f"{options.option_of(name)}: must be a positive number of mm")
     if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
-    scan = read_scan(arguments.file, **keywords(arguments, ["units", "spacing", "variable"]))
+    scan = read_scan(arguments.file, **options.given(arguments, ["units", "spacing", "variable"]))
     try:
         scan = without_plateaus(scan)
         kept, spikes = without_spikes(scan)
@@ -82,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         reasons = [str(error), *cautions(scan.remarks)]
         raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
-    print(measures_text(measures, str(arguments.file), wall, step))
+    print(_text(measures, str(arguments.file), wall, step))
     doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
     remarks = [*scan.remarks, *smoothed, *map(caution, doubts)]
     if spikes:
@@ -91,24 +75,20 @@ def run(arguments: argparse.Namespace) -> int:
     print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
         columns = ["measure", *Measure._fields[1:]]
-        write_csv(pd.DataFrame(measures, columns=columns), arguments.table)
+        results.write(pd.DataFrame(measures, columns=columns), arguments.table)
     if arguments.picture:
         figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
-        save_figure(figure, arguments.picture)
+        results.write(figure, arguments.picture)
     return 0
 
 
-def measures_text(measures: list[Measure], title: str, wall: np.ndarray, spacing: float) -> str:
+def _text(measures: list[Measure], title: str, wall: np.ndarray, spacing: float) -> str:
     """Format measures of a wall (y, x) [m] for reading, with its size and missing cells."""
     ny, nx = wall.shape
     gaps = int(np.isnan(wall).sum())
     missing = f", {gaps} of them without a height" if gaps else ""
-    lines = [
-        title,
-        f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed",
-        "",
-        f"{'':32s} {'value':>9s}   {'95 % interval':20s}",
-    ]
+    size = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed"
+    lines = [title, size, "", f"{'':32s} {'value':>9s}   {'95 % interval':20s}"]
     for m in measures:
         unit = "" if m.unit == "1" else m.unit
         interval = f"{m.low:.4g} to {m.high:.4g}"

@@ -1,4 +1,8 @@
-"""`jointclosure validate`: the model beside the published files of measured joints."""
+"""Reads the later loadings, contact maps and scans of three granodiorite joints from clones of
+the repositories danielvogler/hm_coupled_fracture_response and
+danielvogler/contact_stress_evaluation, closes the scanned walls, and prints measured values
+beside those of the model (docs/measured.md).
+"""
 
 import argparse
 from pathlib import Path
@@ -7,35 +11,23 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from jointclosure.cli import COMMANDS
-from jointclosure.cli.options import add_keywords, keywords
+from jointclosure.cli import options, results
 from jointclosure.engine.measured_joints import JOINTS, measured
 from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import cycle_table, net_responses
-from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.published import film, later_loading, scans
-from jointclosure.storage.text import write_csv
 
 SPACING = 0.25e-3
 """Grid spacing [m], that of the synthetic walls of docs/measured.md."""
 
 
-def add_to(commands) -> None:
-    """Declare the command and its arguments."""
-    command = commands.add_parser(
-        "validate",
-        help=COMMANDS["validate"],
-        description="Reads the later loadings, contact maps and scans of three granodiorite "
-        "joints from clones of the repositories danielvogler/hm_coupled_fracture_response and "
-        "danielvogler/contact_stress_evaluation, closes the scanned walls, and prints measured "
-        "values beside those of the model (docs/measured.md).",
-    )
+def declare(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
     command.add_argument("folder", type=Path, help="folder that contains both clones")
-    add_keywords(command, close, "units")
-    command.add_argument("--output", type=Path, help="CSV file for the table")
-    command.set_defaults(run=run)
+    options.add_keywords(command, close, "units")
+    options.add_file(command, "--output", "CSV file for the table", ".csv")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -49,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         read, missing = later_loading(folder, joint)
         reasons += missing
         read |= film(folder, joint)
-        model = {} if pair is None else _modelled(pair, keywords(arguments, ["units"]))
+        model = _modelled(pair, options.given(arguments, ["units"])) if pair else {}
         for name in dict.fromkeys([*read, *model]):
             stored = np.nan if name == "recovered_load" else measured(name, joint).value
             values = {"files": read.get(name, np.nan), "stored": stored}
@@ -61,27 +53,26 @@ def run(arguments: argparse.Namespace) -> int:
     if None in walls.values():
         print("No scans (*.stl) below the folder: the model was not run.")
     if arguments.output:
-        write_csv(table, arguments.output)
+        results.write(table, arguments.output)
     return 0
 
 
 def _modelled(walls: tuple[Path, Path], units: dict[str, Any]) -> dict[str, float]:
     """Close scanned walls as the measured joints were loaded, and read the same quantities."""
     stress = 1e6 * measured("largest_stress").value
-    rock = named_rock("granite")._replace(youngs_modulus=1e9 * measured("youngs_modulus").value)
-    joint = close(
+    history = close(
         *walls,
         **units,
         spacing=SPACING,
-        rock=rock,
+        rock=named_rock("granite")._replace(youngs_modulus=1e9 * measured("youngs_modulus").value),
         max_normal_stress=stress,
         cycles=2,
         seating_stress=1e6 * measured("seating_stress").value,
         single=True,
-    )
-    history = joint.history
-    if int(history.status) >= FAILURE:
-        raise InputError(f"{walls[0]}: the joint could not be closed: status {int(history.status)}")
+    ).history
+    if results.failed(history):
+        status = results.status_text(history)
+        raise InputError(f"{walls[0]}: the joint could not be closed: {status}")
     net = net_responses(history, stress)
     closure, residual = net["max_closure_seated_net"], net["residual_closure_seated_net"]
     stiffness = 1e-9 * net["stiffness_net"]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.page import Picture, Sheet, number_text, provenance_rows, sheet
+from jointclosure.cli.page import number_text, provenance_rows
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
@@ -26,6 +26,7 @@ from studies.frame.config.model import Configuration
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.report import tables
+from studies.paper.report.sheets import Picture, Sheet, sheet
 
 FIRST_PICTURES = {
     "independent": ("closure_since_seating", "table_3_intervals"),

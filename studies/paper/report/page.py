@@ -11,7 +11,7 @@ from importlib import resources
 import jinja2
 
 from jointclosure.cli import page
-from jointclosure.cli.page import Caption
+from studies.paper.report.sheets import Caption
 
 _TONES = {
     "reproduced": "good",
@@ -29,7 +29,7 @@ _TONES = {
 
 def render(content: dict) -> str:
     """Render the content of `studies.paper.report.content.content` as HTML."""
-    return page.render(content, "page.html.j2", _TONES, "studies.paper.report")
+    return page.render(content | {"tones": _TONES}, "page.html.j2", "studies.paper.report")
 
 
 def template_digest() -> str:

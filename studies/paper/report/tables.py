@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.page import Cell, Sheet, cell, given, headings, sheet
 from jointclosure.engine.aggregation import succeeded
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
@@ -22,6 +21,7 @@ from studies.frame.config.presets import (
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name
+from studies.paper.report.sheets import Cell, Sheet, cell, given, headings, sheet
 
 Titles = dict[str, str]
 """Titles of the rocks of a study, in order."""

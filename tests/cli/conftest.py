@@ -1,0 +1,44 @@
+"""Commands as a user calls them, and small inputs for them."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.cli.main import main
+from tests.joints import SPACING
+from tests.measured.test_calibration import GOOD
+
+
+@pytest.fixture
+def command(capsys):
+    """Function that runs a command: its status, what it prints, and its errors."""
+
+    def run(*words):
+        try:
+            status = main([str(word) for word in words])
+        except SystemExit as ended:  # of the parser of arguments
+            status = ended.code
+        return status, *capsys.readouterr()
+
+    return run
+
+
+def write_points(path, heights):
+    """A scan as instruments write it: a head, separators at the ends of lines, millimetres."""
+    y, x = np.indices(heights.shape) * 1e3 * SPACING
+    points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
+    lines = [",".join(f"{value:.6f}" for value in point) + "," for point in points]
+    path.write_text("\n".join(["x,y,z", "x,y,z", *lines]))
+
+
+@pytest.fixture(scope="session")
+def inputs(tmp_path_factory):
+    """Both walls of a joint in one frame, z upwards, as points and arrays; a wall; a curve."""
+    folder = tmp_path_factory.mktemp("inputs")
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
+    for name, heights in (("top", 0.6e-3 - upper), ("bottom", lower)):
+        write_points(folder / f"{name}.xyz", heights)
+        np.save(folder / f"{name}.npy", 1e3 * heights)
+    np.save(folder / "wall.npy", 1e3 * jc.wall_pair(9.0, (40, 48), SPACING, seed=1)[0])
+    (folder / "lab.csv").write_text(GOOD)
+    return folder

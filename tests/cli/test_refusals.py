@@ -1,0 +1,130 @@
+"""Bad input of every command is one line that names it, before anything is computed or written."""
+
+import argparse
+
+import pytest
+
+import jointclosure as jc
+from jointclosure.cli import COMMANDS
+from jointclosure.cli.main import parser
+from jointclosure.cli.options import numbers
+
+SCANS = ["top.xyz", "bottom.xyz", "--units", "mm", "--stress", 2]
+GRANITE = ["--rock", "granite"]
+FIT = ["lab.csv", *GRANITE, "--jrc", 10]
+WALL = ["wall.npy", "--units", "mm"]
+STRENGTH = ["--range", "compressive_strength_MPa"]
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_computed(monkeypatch, inputs):
+    monkeypatch.chdir(inputs)
+    for name in ("joint.simulation.simulate_by", "engine.scanned_joint.close_walls"):
+        monkeypatch.setattr(f"jointclosure.{name}", None)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["close", *SCANS[:2], *GRANITE], "does not state the units"),
+        (["close", "bottom.xyz", "top.xyz", *SCANS[2:], *GRANITE], "lies below the lower one in"),
+        (["close", "top.xyz", "no.xyz", *SCANS[2:], *GRANITE], "no.xyz: file not found"),
+        (["close", *SCANS, "--rock", "granit"], "--rock granit: must be one of dolerite, silt"),
+        (["close", *SCANS], "(such as --rock granite): --youngs-modulus, --poisson-ratio"),
+        (["close", "flat", "flat", *GRANITE], "both walls are flat; one must be a scan"),
+        (["close", *SCANS, *GRANITE, "--output", "no/where"], "no/where: folder no not found"),
+        (["close", *SCANS, *GRANITE, "--output", "lab.csv"], "lab.csv: is a file, must be a fold"),
+        (["close", *SCANS, *GRANITE, "--range", "strength", 1, 2], "--range strength: must be one"),
+        (["close", *SCANS, *GRANITE, *STRENGTH, "a", 2], "a 2: must end in two numbers"),
+        (["close", *SCANS, *GRANITE, *(2 * [*STRENGTH, 1, 2])], "MPa: must be given once"),
+        (["close", *SCANS, *GRANITE, *STRENGTH, 1, 2, "--single"], "left out with --single"),
+        (["simulate"], "(such as --rock granite): --youngs-modulus, --poisson-ratio"),
+        (["simulate", "--rock", "Granite"], "--rock Granite: has no roughness, --jrc must be gi"),
+        (["simulate", "--rock", "slate", "--tolerance", 0.01], "--tolerance: has no effect on"),
+        (["simulate", "--rock", "slate", "--jrc", 30], "jrc = 30.0: yu_vayssade_linear_0.25mm ho"),
+        (["simulate", "--rock", "slate", "--stress", "10e6"], "max_normal_stress = 10000000000000"),
+        (["simulate", "--rock", "slate", "--seed", -1], "seed = -1: must be 0 or above"),
+        (["simulate", "--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),
+        (["simulate", "--rock", "slate", "--output", "no/a.nc"], "no/a.nc: folder no not found"),
+        (["simulate", "--rock", "slate", "--snapshots", 1], "--snapshots: needs --output FILE.nc"),
+        (["simulate", "--cells", "ten"], "--cells: 'ten': must be a number, or two such as"),
+        (["simulate", "--without", "gravity"], "(see jointclosure simulate --help)"),
+        (["simulate", "x"], "(see jointclosure --help)"),
+        (["fit", *FIT[:3]], "--jrc must be given"),
+        (["fit", *FIT, "--cells", 12, "--surfaces", 1], "surfaces = 1: must be at least 4"),
+        (["fit", *FIT], "--size: must be given"),
+        (["fit", *FIT, "--size", "nan"], "--size = nan mm: must be positive and finite"),
+        (["fit", *FIT, "--size", 25, "--spacing", 0], "--spacing = 0.0 m: must be positive"),
+        (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
+        (["fit", *FIT[:3], "--jrc", "1,2,3", "--cells", 9], "jrc = (1.0, 2.0, 3.0): must be a"),
+        (["fit", *FIT, "--scans", *SCANS[:2]], "--jrc: must be left out with --scans"),
+        (["roughness", *WALL], "wall.npy: does not state the spacing"),
+        (["roughness", *WALL, "--spacing", 1, "--picture", "a.gif"], "a.gif: must end in .png"),
+        (["roughness", *WALL, "--spacing", 1, "--grid-spacing", 4], "measures need at least 24"),
+        (["validate", "none"], "must be a folder that contains both clones"),
+        (["report", "."], "must be a folder that `jointclosure close` wrote"),
+    ],
+)
+def test_what_is_wrong_is_one_line_that_names_it(words, message, command):
+    code, _, err = command(*words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert message in err
+
+
+def test_what_close_is_not_given_is_refused_by_the_library_too(small_joint):
+    with pytest.raises(jc.InputError, match=r"of type ndarray: must be a file.*simulate"):
+        jc.close(*small_joint, rock="granite", max_normal_stress=1e6)
+    with pytest.raises(jc.InputError, match="rock = 'marble': must be a Rock or one of dolerite"):
+        jc.close("a.xyz", "b.xyz", rock="marble", max_normal_stress=1e6)
+    for ranges in ({"strength": (1e8, 2e8)}, {"spacing": (1e-4, 1e-3)}):
+        about = {"units": "mm", "rock": "granite", "max_normal_stress": 2e6, "ranges": ranges}
+        with pytest.raises(jc.InputError, match=rf"ranges: '?{next(iter(ranges))}'?"):
+            jc.close("top.xyz", "bottom.xyz", **about)
+
+
+LOAD = [*GRANITE, "--stress", 1]
+WORDS = {
+    "close": ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25, *LOAD],
+    "simulate": ["--jrc", 8, "--cells", 8, *LOAD],
+    "fit": [*FIT, "--cells", 16],
+    "roughness": [*WALL, "--spacing", 0.25],
+}
+"""Words of each command that has numeric options, with which it would work."""
+MODEL = (*jc.Rock._fields, *jc.Choices._fields, *jc.Numerics._fields)
+
+
+def numeric_options() -> list[tuple[str, argparse.Action]]:
+    """Options of all commands that take numbers; those of rock and model of one command."""
+    found = []
+    for name in COMMANDS:
+        actions = parser([name])._subparsers._group_actions[0].choices[name]._actions
+        found += [
+            (name, action)
+            for action in actions
+            if not action.dest.startswith("most_")  # any positive number is allowed
+            and (name == "simulate" or action.dest not in MODEL)  # one declaration for all
+            and (action.type in (int, float) or numbers in getattr(action.type, "args", ()))
+        ]
+    return found
+
+
+OPTIONS = numeric_options()
+
+
+def test_every_command_with_numeric_options_is_tried():
+    assert {name for name, _ in OPTIONS} == set(WORDS)
+
+
+@pytest.mark.parametrize("value", ["nan", "-1", "1e300"])
+@pytest.mark.parametrize(
+    ("name", "option"), OPTIONS, ids=[f"{name} {a.option_strings[0]}" for name, a in OPTIONS]
+)
+def test_a_number_beyond_its_range_is_refused_in_one_line(inputs, command, name, option, value):
+    word = option.option_strings[0]
+    if (name, word, value) == ("simulate", "--seed", "1e300"):
+        value = "x"
+    before = sorted(inputs.iterdir())
+    code, out, err = command(name, *WORDS[name], f"{word}={value}")
+    assert (code, err.count("\n")) == (2, 1), out
+    assert any(text in err for text in (word, word.strip("-"), option.dest))
+    assert sorted(inputs.iterdir()) == before, "something was written"
