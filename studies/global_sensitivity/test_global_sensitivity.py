@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -15,10 +16,16 @@ from studies.frame.config.configuration import configured, merged, resolved
 from studies.frame.config.files import ConfigurationError, read_plain
 from studies.frame.ensemble.cases import base_case, block_settings
 from studies.frame.experiments import checked_design, experiment_named
-from studies.global_sensitivity import figures as figures
+from studies.global_sensitivity import figures
 from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
-from studies.global_sensitivity.table import QUANTITIES, by_rock, elasticity_table, index_table
+from studies.global_sensitivity.table import (
+    INDEX_COLUMNS,
+    QUANTITIES,
+    by_rock,
+    elasticity_table,
+    index_table,
+)
 from tests.studied import ROOT, checked_study
 
 EXPERIMENT = experiment_named("global_sensitivity")
@@ -318,7 +325,7 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
     read = closed.compliance_net > 0.0
     assert read.sel(cycle=2).mean() > 0.8
     assert read.sel(cycle=1).any()
-    assert (read | closed.compliance_net.isnull()).all()
+    assert (read | np.isnan(closed.compliance_net)).all()
     for row in joints[joints.cycle == 2].itertuples():
         here = closed.max_closure.sel(
             row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
@@ -341,3 +348,9 @@ def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
     _, *lines = str(error.value).splitlines()
     named = {line.split(":")[0].strip() for line in lines}
     assert named == {"global_sensitivity.inputs.modulus"}
+
+
+def test_without_any_index_convergence_has_axes_alone():
+    """All rows of a design may have failed."""
+    figure = figures.convergence(pd.DataFrame(columns=list(INDEX_COLUMNS)), {})
+    assert [axes.containers for axes in figure.axes] == [[], []]

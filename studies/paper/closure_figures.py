@@ -41,8 +41,6 @@ _FEW_LINES = 20
 _LAW_POINTS = 200
 """Stresses at which an empirical law is drawn."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
-
-
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
@@ -82,19 +80,14 @@ def draw_measured(
             closures += closure.tolist()
             stresses += stress.tolist()
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
-    net, misfits = since_seating(base), []
+    misfits, stress = [], base.stress.values
     for cycle, realization, misfit, misfit_percent in best_fits(measured.fits, rock):
         misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
-        if cycle not in cycles:
-            continue
-        best = 1e3 * net.sel(cycle=cycle, realization=realization)
-        for branch in ("loading", "unloading"):
-            shown = base.stress.values > (seating_stress if branch == "loading" else -1.0)
-            axes.plot(
-                best.sel(branch=branch).values[shown],
-                1e-6 * base.stress.values[shown],
-                **_style(cycle),
-            )
+        if cycle in cycles:
+            best = 1e3 * since_seating(base).sel(cycle=cycle, realization=realization)
+            for branch, least in (("loading", seating_stress), ("unloading", -1.0)):
+                closure, shown = best.sel(branch=branch).values, stress > least
+                axes.plot(closure[shown], 1e-6 * stress[shown], **_style(cycle))
     if not misfits:
         return "\nno realisation reaches all measured stresses"
     return f"\nRMS misfit of the best: {', '.join(misfits)}"
@@ -115,10 +108,9 @@ def measured_handles(measured: Measurements) -> list:
     """Return entries of the legend; none without measured curves."""
     if not measured.curves:
         return []
-    cycles = range(1, measured.cycles + 1)
-    return [
-        key(color="0.1", lw=1.6, label="measured curve"),
-        *(key(label=f"surface that fits cycle {cycle} best", **_style(cycle)) for cycle in cycles),
+    return [key(color="0.1", lw=1.6, label="measured curve")] + [
+        key(f"surface that fits cycle {cycle} best", **_style(cycle))
+        for cycle in range(1, measured.cycles + 1)
     ]
 
 
@@ -152,23 +144,19 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
-    for axes, field, name in zip(
-        panels[:2], (upper, lower), ("upper wall", "lower wall"), strict=True
-    ):
-        image = axes.imshow(
-            1e3 * field, origin="lower", extent=extent, cmap="cividis", vmin=-reach, vmax=reach
-        )
-        axes.set(title=name, xlabel="x (mm)")
+    drawn: dict[str, Any] = {"origin": "lower", "extent": extent}
+    for axes, field in zip(panels[:2], (upper, lower), strict=True):
+        image = axes.imshow(1e3 * field, cmap="cividis", vmin=-reach, vmax=reach, **drawn)
     bar: dict[str, Any] = {"location": "bottom", "aspect": 30}
     label = "height towards the other wall (mm)"
     figure.colorbar(image, ax=panels[:2], label=label, shrink=0.4, **bar)
-    image = panels[2].imshow(summed.max() - summed, origin="lower", extent=extent, cmap="mako")
-    y, x = np.unravel_index(np.argmax(summed), summed.shape)
-    panels[2].plot(
-        1e3 * (x + 0.5) * spacing, 1e3 * (y + 0.5) * spacing, "o", mfc="none", mec="red", ms=9
-    )
-    panels[2].set(title="opening at first touch (circle)", xlabel="x (mm)")
+    image = panels[2].imshow(summed.max() - summed, cmap="mako", **drawn)
+    y, x = (1e3 * (i + 0.5) * spacing for i in np.unravel_index(np.argmax(summed), summed.shape))
+    panels[2].plot(x, y, "o", mfc="none", mec="red", ms=9)
     figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
+    titles = ("upper wall", "lower wall", "opening at first touch (circle)")
+    for axes, name in zip(panels, titles, strict=True):
+        axes.set(title=name, xlabel="x (mm)")
     panels[0].set_ylabel("y (mm)")
     figure.suptitle(title)
     return figure
@@ -180,10 +168,9 @@ def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
-    """Return the realisation closest (RMS) to the mean curve of the first cycle.
+    """Return the realisation closest (RMS) to the mean curve of the first cycle, as drawn.
 
-    It is the first realisation if no curve has a point beyond the seating stress. Without one,
-    curves are gross and count from first touch.
+    It is the first realisation if no curve has a point beyond the seating stress.
     """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = _curves(base, seating_stress).isel(cycle=0)
@@ -219,13 +206,11 @@ def closure_figure(
             axes.sharex(panels[0, part])
     for axes in panels.flat[len(rocks) * len(split) :]:
         axes.set_visible(False)
-    lawful = False
     measured = Measurements() if seating_stress is None else measured
     for number, (name, rock) in enumerate(rocks.items()):
-        first = divmod(number, columns)
-        lawful |= law_holds(rock.jrc) and not rock.walls
+        row, column = divmod(number, columns)
         for part, shown in enumerate(split):
-            axes = panels[first[0], first[1] * len(split) + part]
+            axes = panels[row, column * len(split) + part]
             title = _draw_rock(
                 axes, study, name, rock, shown, seating_stress, strength_ratio, measured
             )
@@ -240,7 +225,7 @@ def closure_figure(
         key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
-    if lawful:
+    if any(map(_lawful, rocks.values())):
         unchecked = [f"cycle {cycle}" for cycle in cycles if cycle in UNCHECKED]
         label = "Barton-Bandis law (empirical, mated joints)"
         if unchecked:
@@ -256,6 +241,10 @@ def closure_figure(
     return figure
 
 
+def _lawful(rock: StudyRock) -> bool:
+    return law_holds(rock.jrc) and not rock.walls
+
+
 def _draw_rock(
     axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
     seating_stress: float | None, strength_ratio: float, measured: Measurements,
@@ -266,7 +255,7 @@ def _draw_rock(
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     for cycle in cycles:
         _draw_cycle(axes, base, cycle, chosen, seating_stress)
-    if not rock.walls and law_holds(rock.jrc):
+    if _lawful(rock):
         first = seating_stress or 0.0
         stress = np.linspace(first, max(first, float(study.stress.max())), _LAW_POINTS)
         for cycle in set(cycles) & set(CYCLES):
@@ -278,14 +267,12 @@ def _draw_rock(
     else:
         fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
         closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
-    axes.set(
-        ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
-        xlabel=closure_of,
-        ylabel="normal stress (MPa)",
-    )
-    return (
-        f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{_assumed(rock)}{fitted}"
-    )
+    axes.set(ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress), ylabel="normal stress (MPa)")
+    axes.set_xlabel(closure_of)
+    assumed = ""
+    if rock.max_normal_stress_is_assumed:
+        assumed = f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
+    return f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{assumed}{fitted}"
 
 
 def _colour(cycle: int):
@@ -321,12 +308,6 @@ def _draw_cycle(
         axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
 
 
-def _assumed(rock: StudyRock) -> str:
-    if not rock.max_normal_stress_is_assumed:
-        return ""
-    return f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
-
-
 _QUANTITIES = {
     "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
     "ratio": ("", "hydraulic / mechanical aperture"),
@@ -352,15 +333,12 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
             top = max(axes.get_ylim()[1] for axes in pair)
             for axes in pair:
                 axes.set_ylim(0.0, top)
-    cycles = sorted(table.cycle.unique())
     handles: list[Artist] = [
-        key(color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}") for cycle in cycles
+        key(color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}")
+        for cycle in sorted(table.cycle.unique())
     ]
     handles += [
-        key(color="0.5", lw=2, ls=style, label=f"mean, {branch}")
-        for branch, style in BRANCH_LINES.items()
-    ]
-    handles += [
+        *(key(f"mean, {name}", color="0.5", lw=2, ls=ls) for name, ls in BRANCH_LINES.items()),
         key(color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="loading ± 1 standard deviation"),
     ]

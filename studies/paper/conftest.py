@@ -23,8 +23,8 @@ from studies.paper.closures import elasticity_table, indifference_table, max_clo
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
-from studies.paper.report.content import Material, content
-from studies.paper.report.page import read_caption, render
+from studies.paper.report.content import Material
+from studies.paper.report.page import read_caption
 from studies.paper.report.sheets import Picture
 from studies.paper.world import world
 from tests.studied import DEFAULT
@@ -47,11 +47,10 @@ def configuration(default):
     settings = json.loads(json.dumps(default))
     settings["study"] |= {"name": "made_up", "rocks": ["slate", "granite"], "realizations": JOINTS}
     settings["statistics"]["bootstrap_resamples"] = 10
-    settings["rocks"]["granite"] = {
-        "title": GRANITE, "youngs_modulus_GPa": 60, "poisson_ratio": 0.2,
-        "compressive_strength_MPa": 180, "jrc": 9, "max_normal_stress_MPa": 20,
-        "levels": {"youngs_modulus_GPa": [50, 55, 65, 70], "jrc": [8, 10]},
-    }  # fmt: skip
+    granite = {"title": GRANITE, "youngs_modulus_GPa": 60, "poisson_ratio": 0.2, "jrc": 9}
+    granite |= {"compressive_strength_MPa": 180, "max_normal_stress_MPa": 20}
+    granite["levels"] = {"youngs_modulus_GPa": [50, 55, 65, 70], "jrc": [8, 10]}
+    settings["rocks"]["granite"] = granite
     return settings
 
 
@@ -94,6 +93,7 @@ def material(study, configuration, default, pictures):
     claims, margins = judge_claims(Evidence(study, study, Design(), 100, 1, 3), paper)
     drawn = predictive(study, Design(), 100, 1, pools=3)
     numerics = resolved(configuration).numerics
+    jobs = {"rule": ["close_surfaces"] * 2, "job": ["a", "b"], "s": [3.0, 5.0]}
     return Material(
         study=study,
         closures=closures,
@@ -108,20 +108,8 @@ def material(study, configuration, default, pictures):
         default=default,
         schema=json_schema(model()),
         pictures=pictures,
-        benchmarks=pd.DataFrame(
-            {
-                "rule": ["close_surfaces"] * 2,
-                "job": ["a", "b"],
-                "s": [3.0, 5.0],
-                "max_rss": [1, np.nan],
-            }
-        ),
+        benchmarks=pd.DataFrame(jobs | {"max_rss": [1, np.nan]}),
         measured=None,
         accuracy=None,
         presets=read_csv(MEASURED),
     )
-
-
-@pytest.fixture(scope="session")
-def page(material):
-    return render(content(material))

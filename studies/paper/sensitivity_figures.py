@@ -70,9 +70,8 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
         if pd.isna(row.length):
             axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
         else:
-            axes.plot(
-                [i - 0.12] * 2, [row.length_low, min(row.length_high, top)], color="C0", lw=1.0
-            )
+            ends = [row.length_low, min(row.length_high, top)]
+            axes.plot([i - 0.12] * 2, ends, color="C0", lw=1.0)
             if row.length_high > top:  # the bar extends beyond the panel
                 axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
             fill = "none" if row.extrapolated else "C0"
@@ -94,25 +93,17 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, parameter in zip(row, parameters, strict=True):
+            here = (closures.cycle == cycle) & closures.parameter.isin([parameter, "base"])
             for i, (name, rock) in enumerate(rocks.items()):
-                part = closures[
-                    (closures.rock == name)
-                    & (closures.cycle == cycle)
-                    & closures.parameter.isin([parameter, "base"])
-                ]
+                part = closures[here & (closures.rock == name)]
                 if len(part) < 2:
                     continue
-                at = part.case.map(values[parameter]).to_numpy()
-                order = np.argsort(at)
-                base = at[(part.parameter == "base").to_numpy()][0]
-                mean = part.max_closure_mean_mm.to_numpy()[order]
-                net = part.max_closure_net_mean_mm.to_numpy()[order]
-                error = part.max_closure_mean_mm_standard_error.to_numpy()[order]
-                axes.errorbar(
-                    at[order] / base, mean, error, fmt="o-", color=f"C{i}", ms=4, capsize=2,
-                    label=f"{rock.title}, ± standard error",
-                )  # fmt: skip
-                axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
+                part = part.assign(at=part.case.map(values[parameter])).sort_values("at")
+                at = part["at"] / part["at"][part.parameter == "base"].iloc[0]
+                mean, label = part.max_closure_mean_mm, f"{rock.title}, ± standard error"
+                error, style = part.max_closure_mean_mm_standard_error, {"color": f"C{i}"}
+                axes.errorbar(at, mean, error, fmt="o-", ms=4, capsize=2, label=label, **style)
+                axes.plot(at, part.max_closure_net_mean_mm, "--", lw=1.0, **style)
             axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:
                 axes.set_xlabel("value / the rock's value")
@@ -144,20 +135,18 @@ def predictive_figure(
     figure, panels = panel_grid(
         len(parameters), len(cycles), panel, (0.0, 1.5), sharex=True, sharey="row"
     )
+    columns = (drawn[name].values.tolist() for name in ("rock", "parameter", "cycle"))
+    entries = list(zip(*columns, strict=True))
     published = paper.set_index(["rock", "parameter", "cycle"]).paper_percent
     for row, parameter in zip(panels, parameters, strict=True):
         for axes, cycle in zip(row, cycles, strict=True):
-            chosen = drawn.isel(
-                entry=np.flatnonzero((drawn.parameter == parameter) & (drawn.cycle == cycle))
-            )
             for place, name in enumerate(names):
-                at = np.flatnonzero(chosen.rock.values == name)
-                if at.size:
-                    one = chosen.isel(entry=int(at[0]))
+                entry = (name, parameter, cycle)
+                if entry in entries:
+                    one = drawn.isel(entry=entries.index(entry))
                     _draw_entry(axes, -place, one.percent.values, one.null_percent.values)
-                    key = (name, parameter, cycle)
-                    if key in published.index:
-                        _draw_published(axes, -place, float(published[key]))
+                    if entry in published.index:
+                        _draw_published(axes, -place, float(published[entry]))
             axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=10)
             axes.set_yticks([-i for i in range(len(names))], [rocks[n].title for n in names])
             axes.tick_params(axis="y", length=0)
@@ -165,14 +154,9 @@ def predictive_figure(
             _scale(axes)
     for axes in panels[-1]:
         axes.set_xlabel("interval, % of the rock's value")
-    compared = bool(len(published.index.intersection(_keys(drawn))))
+    compared = bool(len(published.index.intersection(entries)))
     legend_below(figure, _handles(draws, compared), 1, fontsize=9.5)
     return figure
-
-
-def _keys(drawn: xr.Dataset) -> list[tuple]:
-    columns = (drawn[name].values.tolist() for name in ("rock", "parameter", "cycle"))
-    return list(zip(*columns, strict=True))
 
 
 def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
@@ -198,18 +182,8 @@ def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
 
 
 def _draw_published(axes, y: float, percent: float) -> None:
-    dash = np.isnan(percent)
-    axes.plot(
-        _DASH if dash else np.clip(percent, *_RANGE),
-        y + 0.12 if dash else y - 0.3,
-        "D",
-        color="k",
-        mec="w",
-        mew=1.0,
-        ms=7.5,
-        zorder=6,
-        clip_on=False,
-    )
+    at = (_DASH, y + 0.12) if np.isnan(percent) else (np.clip(percent, *_RANGE), y - 0.3)
+    axes.plot(*at, "D", color="k", mec="w", mew=1.0, ms=7.5, zorder=6, clip_on=False)
 
 
 def _scale(axes) -> None:

@@ -54,14 +54,12 @@ def test_covariates_of_one_noise_are_the_same_at_every_jrc(normalise):
 
 def test_means_are_known_within_the_error_that_they_tell():
     configuration = study_of(SMALL)
-    stated = [
-        known_covariates(400, seed, configuration.grid, configuration.surface) for seed in (1, 2)
-    ]
-    off = stated[0].means - stated[1].means
-    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in stated))
-    assert np.all(np.abs(off) < 4.0 * error)
-    assert np.all(off != 0.0)
-    assert np.all(error < 0.05 * stated[0].means)
+    grid, surface = configuration.grid, configuration.surface
+    one, other = (known_covariates(400, seed, grid, surface) for seed in (1, 2))
+    off = one.means - other.means
+    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in (one, other)))
+    assert np.all((off != 0.0) & (np.abs(off) < 4.0 * error))
+    assert np.all(error < 0.05 * one.means)
 
 
 def test_scanned_walls_have_no_covariates():

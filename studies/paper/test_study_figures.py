@@ -1,6 +1,7 @@
 """Figures are drawn from made-up studies; what they show is looked at by people."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -13,7 +14,8 @@ from studies.paper.empirical import barton_bandis
 from studies.paper.measured_fits import fit_table
 from tests.studied import ROOT, study_of
 
-ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+ROCKS = study_of().rocks
+ROCK = ROCKS["slate"]._replace(max_normal_stress=2e6)
 
 
 @pytest.fixture
@@ -52,31 +54,20 @@ def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
     assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
 
 
-def test_closures_are_drawn_since_seating_for_every_success(study):
-    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
-    axes = figure.axes[0]
-    assert "net closure since 0.5 MPa" in axes.get_xlabel()
-    assert axes.get_ylabel() == "normal stress (MPa)"
-    thick = [line for line in axes.lines if line.get_linewidth() == 2.0]
-    later = [line for line in figure.axes[1].lines if line.get_linewidth() == 2.0]
-    assert len(thick) == len(later) == 2  # loading and unloading, the second cycle in a panel
-    np.testing.assert_allclose(thick[0].get_xdata()[[0, -1]], [0.0, 0.15 - 0.05])
-    assert thick[0].get_ydata()[0] == 0.5
-    for unloading in (thick[1], later[1]):  # ends at seating, with the residual closure
-        np.testing.assert_allclose(
-            (unloading.get_xdata()[0], unloading.get_ydata()[0]), (7e-3, 0.5)
-        )
-
-
-def test_the_papers_figure_is_gross_and_counts_from_first_touch(study):
-    figure = plotting.closure_figure(study, {"one": ROCK}, None, 1.5)
-    axes = figure.axes[0]
-    assert "gross closure since the start of the cycle" in axes.get_xlabel()
-    line, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
-    assert (unloading.get_xdata()[0], unloading.get_ydata()[0]) == (0.0, 0.0)
-    assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 0.0)
-    bulk = 0.02  # mm at the maximum
-    np.testing.assert_allclose(line.get_xdata()[-1], 0.15 + bulk)
+@pytest.mark.parametrize(
+    ("seating", "first", "last", "left"),
+    # the paper's figure is gross: 0.02 mm of bulk indentation at the maximum
+    [(5e5, (0.0, 0.5), 0.15 - 0.05, 7e-3), (None, (0.0, 0.0), 0.15 + 0.02, 0.0)],
+)
+def test_closures_are_drawn_since_seating_or_since_first_touch(study, seating, first, last, left):
+    figure = plotting.closure_figure(study, {"one": ROCK}, seating, 1.5)
+    for axes in figure.axes:  # the second cycle has a panel of its own
+        loading, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
+        assert (loading.get_xdata()[0], loading.get_ydata()[0]) == first
+        np.testing.assert_allclose(loading.get_xdata()[-1], last)
+        # unloading ends at seating, with the residual closure
+        np.testing.assert_allclose(unloading.get_xdata()[0], left)
+        assert unloading.get_ydata()[0] == first[1]
 
 
 @pytest.mark.parametrize("seating", [None, 5e5])
@@ -150,26 +141,20 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
         assert len(dotted) == (1 if drawn else 0)
 
 
-def parameters_of(number):
-    """The stored Table 3 and maximum closures of the paper's study with so many properties."""
-    folder = ROOT / "studies/paper/results/paper"
+def stored(name, number=4):
+    """A stored table of the paper's study with so many properties."""
+    table = read_csv(ROOT / f"studies/paper/results/paper/{name}.csv")
     chosen = ["jrc", "youngs_modulus", "compressive_strength", "poisson_ratio"][:number]
-    tables = (read_csv(folder / f"{name}.csv") for name in ("table_3_indifference", "max_closure"))
-    intervals, closures = (table[table.parameter.isin([*chosen, "base"])] for table in tables)
-    return intervals, closures
+    return table[table.parameter.isin([*chosen, "base"])]
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
-    intervals, _ = parameters_of(number)
-    figure = sensitivity_figures.interval_figure(intervals, study_of().rocks)
-    crosses = [
-        line
-        for axes in figure.axes
-        for line in axes.lines
-        if (line.get_marker(), line.get_color()) == ("x", "C1")
-    ]
-    assert len(crosses) == (intervals.in_paper & intervals.paper_length.isna()).sum()
+    intervals = stored("table_3_indifference", number)
+    figure = sensitivity_figures.interval_figure(intervals, ROCKS)
+    marks = [(x.get_marker(), x.get_color()) for axes in figure.axes for x in axes.lines]
+    dashes = intervals.in_paper & intervals.paper_length.isna()
+    assert marks.count(("x", "C1")) == dashes.sum()
     figure.canvas.draw()
     box = figure.legends[0].get_window_extent()
     assert box.x0 >= 0.0
@@ -177,14 +162,40 @@ def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
 
 
 def test_trends_have_the_errors_of_their_means():
-    _, closures = parameters_of(4)
-    rocks = study_of().rocks
+    closures = stored("max_closure")
     cases = sorted(set(closures.case))
     values = {name: ("case", np.linspace(1.0, 2.0, len(cases))) for name in set(closures.parameter)}
     study = xr.Dataset(values, coords={"case": cases})
-    figure = sensitivity_figures.trend_figure(closures, study, rocks)
+    figure = sensitivity_figures.trend_figure(closures, study, ROCKS)
     bars = [line for axes in figure.axes for line in axes.collections]
-    assert len(bars) == len(rocks) * len(figure.axes)
+    assert len(bars) == len(ROCKS) * len(figure.axes)
     heights = [s[1, 1] - s[0, 1] for bar in bars for s in bar.get_segments()]
     errors = closures.max_closure_mean_mm_standard_error
     np.testing.assert_allclose([min(heights), max(heights)], [2 * errors.min(), 2 * errors.max()])
+
+
+PAPER = pd.DataFrame(
+    [("dolerite", "jrc", 1, 0.9, 11.0), ("dolerite", "jrc", 2, np.nan, np.nan)],
+    columns=["rock", "parameter", "cycle", "paper_length", "paper_percent"],
+)
+
+
+def test_the_papers_dashes_stand_in_the_column_of_dashes():
+    two = {name: ROCKS[name] for name in ("dolerite", "slate")}
+    percent = 20.0 * np.random.default_rng(1).lognormal(0.0, 0.3, size=(4, 400))
+    percent[1, :100] = np.inf  # dolerite, cycle 2
+    over = ("entry", "repetition")
+    drawn = xr.Dataset(
+        {"percent": (over, percent), "null_percent": (over, 3.0 * percent)},
+        coords={
+            "rock": ("entry", np.repeat(np.array(list(two), dtype=object), 2)),
+            "parameter": ("entry", np.array(["jrc"] * 4, dtype=object)),
+            "cycle": ("entry", [1, 2, 1, 2]),
+        },
+    )
+    figure = sensitivity_figures.predictive_figure(drawn, PAPER, two, 20)
+    marks = [[x for x in axes.lines if x.get_marker() == "D"] for axes in figure.axes]
+    ((entry,), (dash,)) = marks
+    assert float(entry.get_xdata()[0]) == 11.0
+    assert float(dash.get_xdata()[0]) > 500.0
+    assert [text.get_text() for text in figure.axes[1].texts] == ["25 %", "0 %"]

@@ -12,20 +12,9 @@ from studies.paper import products
 from studies.paper.products import PRODUCTS
 from tests.studied import ROOT, checked_study
 
-PASSED = {
-    "ensemble": "cases",
-    "check": "least force",
-    "required": "not negative",
-    "found": "0",
-    "passed": True,
-}
-FAILED = {
-    "ensemble": "pool",
-    "check": "volume",
-    "required": "at most 1e-12",
-    "found": "2e-9 of it",
-    "passed": False,
-}
+COLUMNS = ["ensemble", "check", "required", "found", "passed"]
+PASSED = ("cases", "least force", "not negative", "0", True)
+FAILED = ("pool", "volume", "at most 1e-12", "2e-9 of it", False)
 CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}}}}
 
 
@@ -60,8 +49,7 @@ TITLED = {"write_tables", "draw_figures", "draw_pool_figures"}
         ({"rocks": {"slate": {"title": "Another slate"}}}, TITLED),
         (CURVE, TITLED | {"fit_measured"}),
         ({"choices": {"peak_modulus_ratio": 0.1}}, set()),
-        ({"study": {"cycles": 3}}, set()),
-        ({"study": {"realizations_per_job": 7}}, set()),
+        ({"study": {"cycles": 3, "realizations_per_job": 7}}, set()),
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",  # sets have no order
 )
@@ -76,10 +64,7 @@ def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
 @pytest.mark.parametrize("product", PRODUCTS.values(), ids=list(PRODUCTS))
 def test_every_name_that_a_product_reads_is_a_file_or_a_setting_with_a_type(product: Product):
     hints = typing.get_type_hints(product.make)
-    assert not set(NEEDS) & set(SETTINGS)
-    for name in product.reads:
-        assert name in NEEDS or name in SETTINGS
-        assert name in hints
+    assert set(product.reads) <= (set(NEEDS) ^ set(SETTINGS)) & set(hints)
     assert inspect.getdoc(product.make)
 
 
@@ -90,48 +75,39 @@ def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(ch
     planned = [product for product in PRODUCTS.values() if product.when(study)]
     made = [study.file(name) for product in planned for name in product.files(study)]
     assert len(set(made)) == len(made)
-    ensembles = [study.file("study.nc"), study.file("pool.nc")]
+    known = [*made, *map(study.file, ("study.nc", "pool.nc", "first_walls.nc"))]
     for product in planned:
-        for name, paths in study.inputs(product).items():
+        for paths in study.inputs(product).values():
             for path in [paths] if isinstance(paths, str) else paths:
-                exists = not path.startswith("results/") and Path(path).is_file()
-                assert path in [*made, *ensembles] or name == "first_walls" or exists
+                stored = not path.startswith("results/") and Path(path).is_file()
+                assert path in known or stored
 
 
-def write(name: str, inputs: dict, outputs: list[Path]) -> list[str]:
-    """Write a product without settings; the lines of its log."""
-    lines: list[str] = []
-    PRODUCTS[name].write(inputs, {}, list(map(str, outputs)), lines.append)
-    return lines
-
-
-def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
+@pytest.mark.parametrize("rows", [[PASSED, FAILED], [PASSED, PASSED]])
+def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows):
     table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
-    pd.DataFrame([PASSED, FAILED]).to_csv(table, index=False)
+    pd.DataFrame(rows, columns=COLUMNS).to_csv(table, index=False)
+    lines: list[str] = []
+    made = ({"checks": str(table)}, {}, [str(note)], lines.append)
+    if FAILED not in rows:
+        PRODUCTS["require_checks"].write(*made)
+        assert note.read_text() == "2 checks passed\n"
+        assert lines == [f"wrote {note}"]
+        return
     with pytest.raises(SystemExit) as ended:
-        write("require_checks", {"checks": str(table)}, [note])
+        PRODUCTS["require_checks"].write(*made)
     assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
     assert "least force" not in str(ended.value)
     assert not note.exists()
 
 
-def test_checks_that_passed_leave_a_note(tmp_path):
-    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
-    pd.DataFrame([PASSED, PASSED]).to_csv(table, index=False)
-    assert write("require_checks", {"checks": str(table)}, [note]) == [f"wrote {note}"]
-    assert note.read_text() == "2 checks passed\n"
-
-
 def test_the_pool_is_checked_as_well_as_the_cases(monkeypatch):
-    monkeypatch.setattr(
-        products,
-        "check",
-        lambda data, numerics, number, name: pd.DataFrame(
-            [PASSED | {"ensemble": name, "found": f"{number} in {data}"}]
-        ),
-    )
-    study = plan({"study": {"realizations": 20, "pool": 48}})
-    product = PRODUCTS["check_results"]
+    def check(data, numerics, number, name):
+        found = f"{number} in {data}"
+        return pd.DataFrame([(name, *PASSED[1:3], found, True)], columns=COLUMNS)
+
+    monkeypatch.setattr(products, "check", check)
+    study, product = plan({"study": {"realizations": 20, "pool": 48}}), PRODUCTS["check_results"]
     files = [Path(file).name for file in study.inputs(product)["ensembles"]]
     rows = product.make(files, **study.settings(product), log=lambda line: None)
     assert rows.ensemble.tolist() == ["cases", "pool"]
@@ -154,7 +130,7 @@ def test_parts_are_written_in_the_order_of_the_files_or_by_their_names(tmp_path)
 
 def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):
     monkeypatch.chdir(ROOT)
-    beside = ("jrc_range", "readings", "choices", "margins")
     for name, expected in (("paper", 4), ("mine", 0)):
         inputs = plan({"study": {"name": name}}).inputs(PRODUCTS["conclude"])
-        assert sum(bool(inputs[key]) for key in beside) == expected
+        beside = (inputs[key] for key in ("jrc_range", "readings", "choices", "margins"))
+        assert sum(map(bool, beside)) == expected

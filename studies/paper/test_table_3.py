@@ -62,28 +62,21 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
     assert (strong.length < 0.3 * strong.unpaired_length.fillna(np.inf)).all()
 
 
-def test_more_than_three_levels_have_both_tests_and_lack_of_fit():
+@pytest.mark.parametrize("draws", [{}, COMMON])
+def test_more_than_three_levels_have_both_tests_and_a_kink_is_a_lack_of_fit(draws):
     levels = {"levels": {"youngs_modulus_GPa": [70, 74, 76, 80, 82, 85]}}
-    stated = (ONE, {"rocks": {"dolerite": levels}})
-    for draws in ({}, COMMON):
-        dataset = world(study_of(*stated, draws))
-        table = indifference_table(dataset, study_of(ONE).statistics, 1)
-        one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
-        assert np.isfinite([one.length, one.unpaired_length]).all()
-        fit = correlation_table(dataset).set_index(["parameter", "cycle"])
-        assert 0.0 <= fit.lack_of_fit_p["youngs_modulus", 2] <= 1.0
-        assert np.isnan(fit.lack_of_fit_p["jrc", 2])
-
-
-def test_a_kink_that_no_quadratic_follows_is_a_lack_of_fit():
-    levels = {"levels": {"youngs_modulus_GPa": [70, 74, 76, 80, 82, 85]}}
-    dataset = world(study_of(ONE, COMMON, {"rocks": {"dolerite": levels}}))
+    dataset = world(study_of(ONE, {"rocks": {"dolerite": levels}}, draws))
+    table = indifference_table(dataset, study_of(ONE).statistics, 1)
+    one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
+    assert np.isfinite([one.length, one.unpaired_length]).all()
     p = correlation_table(dataset).set_index(["parameter", "cycle"]).lack_of_fit_p
+    assert 0.0 <= p["youngs_modulus", 2] <= 1.0
+    assert np.isnan(p["jrc", 2])
     kinked = dataset.copy(deep=True)
-    up = (dataset.youngs_modulus > 80e9).values
-    kinked["max_closure"][up] *= 1.03
+    kinked["max_closure"][(dataset.youngs_modulus > 80e9).values] *= 1.03
     worse = correlation_table(kinked).set_index(["parameter", "cycle"]).lack_of_fit_p
-    assert worse["youngs_modulus", 2] < 1e-6 < p["youngs_modulus", 2]
+    if draws:  # independent surfaces scatter too much to show it
+        assert worse["youngs_modulus", 2] < 1e-6 < p["youngs_modulus", 2]
 
 
 def test_elasticities_are_the_worlds_within_their_errors(pool):
@@ -108,38 +101,33 @@ def test_errors_of_means_and_coefficients_are_those_of_studies_made_anew():
         errors.append(
             (closures.max_closure_mean_mm_standard_error[0], fits.d_s_standard_error["jrc", 1])
         )
-    found = np.mean(errors, axis=0)
-    np.testing.assert_allclose(np.std(means, ddof=1), found[0], rtol=0.35)
-    np.testing.assert_allclose(np.std(slopes, ddof=1), found[1], rtol=0.4)
+    known = np.mean(errors, axis=0)
+    scatter = np.std([means, slopes], axis=1, ddof=1)
+    np.testing.assert_allclose(scatter, known, rtol=0.4)
 
 
 def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(pool):
     found = predictive(pool, Design(), 400, 1)
     table = predictive_table(found, PAPER).set_index(["parameter", "cycle"])
     assert len(table) == 8
-    strong = table.loc["youngs_modulus", 2]
+    strong, weak = table.loc["youngs_modulus", 2], table.loc["poisson_ratio", 1]
     assert strong.low_95 < strong.low_90 < strong["median"] < strong.high_90 < strong.high_95
     assert strong["median"] == pytest.approx(3.7, rel=0.3)  # GPa
     assert strong.null_p < 0.01 < strong.p
-    weak = table.loc["poisson_ratio", 1]
     assert weak.null_p > 0.1
     assert 0.02 < weak.share_without_root < 0.3
-    assert (table[["median_error", "median_pool_error", "p_error", "null_p_error"]] > 0.0).all(
-        axis=None
-    )
+    errors = table[["median_error", "median_pool_error", "p_error", "null_p_error"]]
+    assert (errors > 0.0).all(axis=None)
     joint = joint_table(found, PAPER).set_index("entries")
-    assert joint.number["all"] == 8
+    assert (joint.number["all"], joint.number["cycle 1 without JRC"]) == (8, 3)
     assert joint.null_p["all"] < 0.01 < joint.p["all"]
-    assert joint.number["cycle 1 without JRC"] == 3
-    # the pool's surfaces make more of an error than 400 repetitions, and hardly any where nothing
-    # has an effect
+    # the pool's surfaces make more of an error than 400 repetitions
     p = joint.p["cycle 2"]
     assert joint.p_error["cycle 2"] > 1.5 * np.sqrt(p * (1.0 - p) / 400)
     once = joint_table(predictive(pool, Design(), 400, 1, pools=0), PAPER).set_index("entries")
     np.testing.assert_allclose(once.p, joint.p)
     np.testing.assert_allclose(once.p_error, np.sqrt(once.p * (1.0 - once.p) / 400))
-    drawn = lengths_dataset(found)
-    assert dict(drawn.sizes) == {"entry": 8, "repetition": 400}
+    assert dict(lengths_dataset(found).sizes) == {"entry": 8, "repetition": 400}
 
 
 def test_other_rocks_have_a_distribution_and_no_comparison(pool):
