@@ -52,10 +52,9 @@ def conclusion_tables(
 
     A conclusion holds at a drawn choice if it does for the fitted elasticities by more than the
     tolerance. ``rock`` "all" is in every rock at once; ``share_error`` is by jackknife over rows,
-    ``share_low`` and ``share_high`` (95 %) are at least as wide as for a count of single rows;
-    ``rows_true`` are those for whose changes, noise included, it holds. The second table has the
-    ``share`` of the variance of the margin due to each input's first function. Statements on
-    properties that do not vary, and responses that are not positive everywhere, are left out.
+    the 95 % interval at least as wide as for a count of single rows; ``rows_true`` are those for
+    whose changes, noise included, it holds. The second table has the ``share`` of the variance of
+    the margin due to each input's first function.
     """
     fits = _elasticities(sampling, keys, closed)
     shares: list[dict] = []
@@ -110,16 +109,11 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
 
     A row has independent choices at its first point, where the means of its surfaces decide.
     """
-    loops = {
-        rock: of_rock.sortby("row").isel(point=0).sel(cycle=cycle).mean("surface", skipna=False)
-        for rock, of_rock in closed.items()
-    }
-    true = {
-        rock: (means.loop / means.max_closure > HYSTERESIS.above).where(
-            np.isfinite(means.max_closure)
-        )
-        for rock, means in loops.items()
-    }
+    true = {}
+    for rock, of_rock in closed.items():
+        first = of_rock.sortby("row").isel(point=0).sel(cycle=cycle).mean("surface", skipna=False)
+        held = first.loop / first.max_closure > HYSTERESIS.above
+        true[rock] = held.where(np.isfinite(first.max_closure))
     everywhere = xr.concat(true.values(), "rock", join="inner").min("rock", skipna=False)
     for rock, of_rock in (true | {"all": everywhere}).items():
         known = of_rock.dropna("row")

@@ -30,10 +30,9 @@ SURFACES = 2
 
 
 class Input(NamedTuple):
-    """Key that varies between two numbers, or over a few values.
+    """Key (path in a configuration) that varies between two numbers, or over a few values.
 
-    ``key`` is its path in a configuration. ``low`` and ``high`` are None where it has
-    ``values``, or if its range is that of the levels of a rock in Table 2.
+    ``low`` and ``high`` are None where it has ``values``, or the range of a rock in Table 2.
     """
 
     name: str
@@ -51,10 +50,7 @@ class Input(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """Inputs, the number of rows, and the number of rows of a job.
-
-    ``dependent`` are pairs of inputs by name, with their correlation.
-    """
+    """Inputs, numbers of rows in all and of a job; ``dependent`` pairs with their correlation."""
 
     inputs: tuple[Input, ...]
     rows: int
@@ -75,10 +71,7 @@ class Sampling(NamedTuple):
         return {(place[one], place[other]): value for one, other, value in self.dependent}
 
     def points(self) -> np.ndarray:
-        """Return points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks.
-
-        The points of a row do not depend on the number of rows.
-        """
+        """Return points (rows, inputs + 2, inputs) of the unit cube; added rows change none."""
         return _points(len(self.inputs), self.rows, self.seed)
 
     def blocks(self) -> list[range]:
@@ -116,8 +109,7 @@ def _input(name: str, one: Varied) -> Input:
 def check_sampling(configured: Configured) -> None:
     """Raise `ConfigurationError` if the model refuses an input at an end of its range.
 
-    Single inputs are checked first, with all others as in the study, so that an error is due to
-    that input; then with all others in the middle.
+    Single inputs are checked first, so that an error is due to that input.
     """
     sampling, keys = sampling_of(configured.typed), configured.keys
     refuse(_refused(sampling, keys, together=False))
@@ -141,17 +133,14 @@ def value_at(one: Input, keys: Mapping, rock: str, u: float):
     if one.values:
         return one.values[int(part_of(u, len(one.values)))]
     low, high = range_of(one, keys, rock)
-    if one.logarithmic:
-        return float(low * (high / low) ** u)
-    return float(low + (high - low) * u)
+    return float(low * (high / low) ** u if one.logarithmic else low + (high - low) * u)
 
 
 def range_of(one: Input, keys: Mapping, rock: str) -> tuple[float, float]:
     """Return the ends of an input that varies continuously, in the unit of its key."""
     if one.low is not None and one.high is not None:
         return one.low, one.high
-    levels = keys["rocks"][rock]["levels"][one.key[-1]]
-    base = keys["rocks"][rock][one.key[-1]]
+    base, levels = (of[one.key[-1]] for of in (keys["rocks"][rock], keys["rocks"][rock]["levels"]))
     return float(min(*levels, base)), float(max(*levels, base))
 
 
@@ -166,10 +155,7 @@ def _alone(rock: str) -> dict:
 def settings_of_rock(
     sampling: Sampling, configured: Configured, rock: str
 ) -> Callable[[int, np.ndarray], ClosureSettings]:
-    """Return a maker of the settings of a rock's base case, from a row and a point (d,).
-
-    Fields of the configuration are replaced without a check.
-    """
+    """Return a maker of the settings of a rock's base case, from a row and a point (d,)."""
     alone = _alone(rock)
     keys = configured.keys
     plain = overlaid(keys, alone) | {
@@ -188,10 +174,7 @@ def settings_of_rock(
 def settings_of_choices(
     sampling: Sampling, settings: Callable[[int, np.ndarray], ClosureSettings]
 ) -> list[ClosureSettings]:
-    """Return settings at all combinations of the values of discrete inputs, others in the middle.
-
-    Inputs of section ``surface`` change no kernel, so that one of their values suffices.
-    """
+    """Return settings at all combinations of discrete inputs, but for those of the surface."""
     places = [
         [0.5]
         if one.key[0] == "surface"
@@ -207,10 +190,7 @@ def is_positive(one: Input, keys: Mapping, rock: str) -> bool:
 
 
 def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
-    """Generate errors of the model at the values and ends of each input.
-
-    All other inputs are in the middle if ``together``, else as in the study.
-    """
+    """Generate errors at the ends of each input, with others as in the study or in the middle."""
     for rock, (place, one) in itertools.product(sampling.rocks, enumerate(sampling.inputs)):
         where = f"global_sensitivity.inputs.{one.name}"
         alone = sampling._replace(inputs=(one,), dependent=[])

@@ -50,9 +50,9 @@ ELASTICITY_COLUMNS = (
 
 
 class Responses(NamedTuple):
-    """Response (row, point, surface) of a rock and a cycle, with its points; complete rows only.
+    """Response (row, point, surface) of a rock and a cycle at its points, of complete rows.
 
-    ``rows`` are their numbers in the sampling, ``left_out`` is the number of incomplete rows.
+    ``rows`` are their numbers in the sampling, ``left_out`` is the number of incomplete ones.
     """
 
     rock: str
@@ -65,12 +65,12 @@ class Responses(NamedTuple):
 
 
 class Elasticities(NamedTuple):
-    """Elasticities of a response by property, of a rock.
+    """Elasticities of a response of a rock by property (k).
 
-    ``inputs``: names (k); ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the
-    same without each group of rows; ``single`` (k, N) of single rows, with their noise, and
-    ``rows`` (N,) their numbers; ``fit_over_noise`` (k,): variance of the rows' changes about the
-    regression, over that of the difference of two surfaces (1: noise alone).
+    ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the same without each group of
+    rows; ``single`` (k, N) of single rows, with their noise, whose numbers are ``rows``;
+    ``fit_over_noise`` (k,): variance of the rows' changes about the regression, over that of the
+    difference of two surfaces (1: noise alone).
     """
 
     inputs: list[str]
@@ -91,10 +91,9 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
 
 
 def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
-    """Generate the responses of all rocks and cycles; rows with a failed simulation are left out.
+    """Generate the responses of all rocks and cycles, of rows without a failed simulation.
 
-    Compliance is read instead of stiffness, as a mean of stiffnesses would be dominated by the few
-    nearly infinite ones.
+    Compliance is read, as nearly infinite stiffnesses would dominate a mean of stiffnesses.
     """
     points = sampling.points()
     for rock, of_rock in closed.items():
@@ -105,19 +104,16 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
                     continue
                 values = whole[name].sel(cycle=cycle).values
                 good = np.isfinite(values).all(axis=(1, 2))
-                rows = whole.row.values[good]
-                left_out = int((~good).sum())
+                rows, left_out = whole.row.values[good], int((~good).sum())
                 yield Responses(rock, name, cycle, rows, points[rows], values[good], left_out)
 
 
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
-    """Compute indices of all inputs and responses, for a quarter, half and all of the rows.
+    """Compute first and total indices of inputs, for a quarter, half and all of the rows.
 
-    Without responses of fewer than `FEWEST` complete rows. ``rock``, ``response``, ``cycle``,
-    ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
-    rows also the Shapley effects of the fitted function (``shapley``, and
-    ``shapley_dependent`` with its dependent inputs) with jackknife errors. The input
-    "surfaces" has the share of the surfaces in a single joint's variance.
+    Of all rows also the Shapley effects of the fitted function, with independent and with dependent
+    inputs. The input "surfaces" has the share of the surfaces in a single joint's variance. There
+    are none of fewer than `FEWEST` complete rows.
     """
     rows, fits = [], []
     for response in responses_of(sampling, closed):
@@ -139,12 +135,9 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
 
 
 def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
-    """Compute elasticities of properties, and their variation with all other inputs.
+    """Compute elasticities of properties: mean, ``spread`` and share above 0 over other inputs.
 
-    ``rock``, ``response``, ``cycle``, ``input``; over all other inputs the mean ``elasticity``,
-    its standard deviation ``spread`` and the share for which it is positive,
-    ``share_positive``, with their jackknife errors; ``fit_over_noise``. A response that is not
-    positive everywhere has none.
+    Errors are by jackknife. A response that is not positive everywhere has none.
     """
     rows = []
     for response in filter(has_elasticities, responses_of(sampling, closed)):

@@ -48,11 +48,11 @@ AGREES = "agrees"
 
 
 def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
-    """Compute `OBSERVABLES` of each joint that was closed: ``variant``, ``wavelength`` and these.
+    """Compute `OBSERVABLES` of each joint that was closed, by ``variant`` and ``wavelength``.
 
-    ``loaded_as`` is the variant that has the first loading of a variant of one cycle, which is a
-    later loading. ``film_cells`` is the number of cells of the grid in one of the film: the
-    observed area of contact is at most so many times that of the cells in contact, and at most all.
+    ``loaded_as`` is the variant that has the first loading of one of a single cycle, ``film_cells``
+    the number of cells of the grid in one of the film: the observed area of contact is at most so
+    many times that of the cells in contact.
     """
     joints = joints[joints.status < FAILURE]
     at = ["variant", "wavelength", "realization"]
@@ -75,10 +75,10 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
 
 
 def digitised_curve(joint: str) -> MeasuredCurve:
-    """Return both loadings of a measured joint, with the points that were read off.
+    """Return both loadings of a measured joint, net of the rock, with the points that were read.
 
     These are seating and the largest stress, the return to seating, and half of the largest stress
-    on the later loading, by its stiffness. Closures are net of the rock.
+    on the later loading, by its stiffness.
     """
     stress, seating = (measured(name).value for name in ("largest_stress", "seating_stress"))
     first, later, stiffness = (
@@ -114,11 +114,8 @@ class _Walls(NamedTuple):
 def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
     """Compare each variant and kind of walls with each measured joint.
 
-    ``variant``, ``walls`` ("independent" or "mated"), ``joint``, fitted ``wavelength_mm``
-    (infinite: independent) with its ``wavelength_error``, ``observable``, ``unit``, mean
-    ``value`` over surfaces with its standard ``error`` (bootstrap over surfaces, with the
-    wavelength fitted anew), ``low`` and ``high`` end of the 95 % interval of a single joint,
-    ``measured_low``, ``measured_high``, ``judgement``, number of ``surfaces``.
+    The mean ``value`` over surfaces has the standard ``error`` of a bootstrap over surfaces, with
+    the wavelength fitted anew; ``low`` and ``high`` are of the 95 % interval of a single joint.
     """
     rows = []
     for variant, part in observables.groupby("variant", sort=False):
@@ -205,11 +202,7 @@ def _between(logs: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
 
 
 def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
-    """Predict each measured joint from each other one, and from all others.
-
-    ``fitted_to`` (joints, as in "1+2"), ``joint``, ``observable``, ``low``, ``median``,
-    ``high`` of the 95 % interval, ``measured_low``, ``measured_high``, ``judgement``, ``hit``.
-    """
+    """Predict each measured joint, with a 95 % interval, from each other and from all others."""
     base = observables[(observables.variant == BASE) & np.isfinite(observables.wavelength)]
     fits = {joint: _likelihood(base, "first_closure", joint) for joint in JOINTS}
     readings = {name: _likelihood(base, name, JOINTS[0]) for name in PREDICTED}

@@ -43,11 +43,7 @@ class MeasuredJoints(StudySection):
         study, cells = configuration.study, configuration.grid.cells_x
         if len(study.rocks) != 1:
             yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
-        if not configuration.independent_walls:
-            yield (
-                "measured_joints: the study sets surface.mismatch_wavelength_mm; it, correlation "
-                "and shift_in_cells must be null, 0 and 0"
-            )
+        yield from configuration.problems_of_walls("measured_joints")
         if study.cycles < 2:
             yield f"study.cycles = {study.cycles}: must be at least 2 (measured_joints)"
         largest = max(self.reseating_shift_in_cells, default=0)

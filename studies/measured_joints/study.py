@@ -39,6 +39,8 @@ from studies.measured_joints.section import MeasuredJoints
 
 FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
+QUANTITIES: tuple[str, ...] = ("max_closure_seated_net", "residual_closure_seated_net")
+QUANTITIES += ("stiffness_net", "contact_at_max")
 _LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
 """Places of independent walls and of the three fitted joints about that of their variant."""
@@ -93,16 +95,14 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
 def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
     """Return settings that limit the mean pressure of a contact to a multiple of the strength.
 
-    Resolved breakage takes off just what brings a contact back to its limit. Without gouge this is
-    the plastic displacement of a contact whose pressure is limited. The limit of the peak pressure,
-    3/2 of the mean pressure under a sphere, is sigma_c / c(nu) (`strength_factor`).
+    Resolved breakage without gouge is the plastic displacement of such a contact. The limit of the
+    peak pressure, 3/2 of the mean pressure under a sphere, is sigma_c / c(nu) (`strength_factor`).
     """
-    case = settings.case
-    intact = case.intact
+    intact = settings.case.intact
     strength = 1.5 * ratio * strength_factor(intact.poisson_ratio) * intact.compressive_strength
-    limited = case._replace(
+    limited = settings.case._replace(
         intact=intact._replace(compressive_strength=float(strength)),
-        effects=case.effects._replace(gouge=False),
+        effects=settings.case.effects._replace(gouge=False),
     )
     numerics = settings.numerics._replace(breakage="resolved")
     return settings._replace(case=limited, numerics=numerics)
@@ -119,10 +119,9 @@ def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) 
 
 @styled
 def measured_joints_figure(table: pd.DataFrame) -> Figure:
-    """Draw each observable of all variants beside the measured values.
+    """Draw each observable of all variants beside the measured values (bands, of a range grey).
 
-    Bars are 95 % intervals of a single simulated joint. Bands, and lines of the same colours, are
-    the measured joints; a grey band is a range over them.
+    Bars are 95 % intervals of a single simulated joint.
     """
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
@@ -170,12 +169,7 @@ def _bars(
 
 EXPERIMENT = Experiment(
     title="the model beside measured joints",
-    quantities=(
-        "max_closure_seated_net",
-        "residual_closure_seated_net",
-        "stiffness_net",
-        "contact_at_max",
-    ),
+    quantities=QUANTITIES,
     design=measured_joints_design,
     tabulate=measured_joints_tables,
     draw=lambda name, tables, parameters: measured_joints_figure(tables[name]),

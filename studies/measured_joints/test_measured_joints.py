@@ -1,12 +1,10 @@
 """The model beside measured joints: which joints are closed, and how they are judged."""
 
-import matplotlib
 import numpy as np
 import pytest
 
 import jointclosure as jc
 from jointclosure.engine.measured_joints import measured
-from jointclosure.engine.points import close_points
 from studies.frame.config.files import ConfigurationError
 from studies.measured_joints.observables import BASE, OBSERVABLES, fitted_length, observables_of
 from studies.measured_joints.study import EXPERIMENT
@@ -32,24 +30,8 @@ RESEATED = "reseated, 0.5 mm off"
 
 
 @pytest.fixture(scope="module")
-def design():
-    return EXPERIMENT.design(checked_study(TINY))
-
-
-@pytest.fixture(scope="module")
-def joints(design):
-    points = [point for job in design.jobs.values() for point in job]
-    return close_points(points, EXPERIMENT.quantities)
-
-
-@pytest.fixture(scope="module")
 def observables(design, joints):
     return observables_of(joints, design.parameters["film_cells"])
-
-
-@pytest.fixture(scope="module")
-def tables(design, joints):
-    return EXPERIMENT.tabulate(joints, design.parameters)
 
 
 def test_all_walls_are_closed_with_all_choices(design, observables):
@@ -126,8 +108,6 @@ def test_judgements_follow_from_the_intervals(tables):
     assert (table.judgement == "too small").equals(below)
     stays = table[(table.observable == "later_residual_share") & (table.variant == BASE)]
     assert (stays.judgement == "too small").all()
-    figure = EXPERIMENT.draw("measured_joints", tables, {})
-    assert isinstance(figure, matplotlib.figure.Figure)
 
 
 def test_predictions_of_joints_that_were_not_fitted(tables):
@@ -155,7 +135,6 @@ def test_measured_values_have_their_range():
     ("change", "message"),
     [
         ({"study": {"cycles": 1}}, "study.cycles = 1: must be at least 2 (measured_joints)"),
-        ({"surface": {"correlation": 0.5}}, "measured_joints: the study sets surface.mismatch_"),
         ({"study": {"rocks": ["slate", "dolerite"]}}, "must be one rock (measured_joints)"),
         (
             {"measured_joints": {"reseating_shift_in_cells": [20]}},

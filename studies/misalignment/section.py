@@ -37,11 +37,7 @@ class Misalignment(StudySection):
                 f"grid.cells_x = {grid.cells_x}: must be cells_y ({grid.cells_y}) where walls "
                 "are rotated (misalignment)"
             )
-        if not configuration.independent_walls:
-            yield (
-                "misalignment: the study sets surface.mismatch_wavelength_mm; it, correlation and "
-                "shift_in_cells must be null, 0 and 0"
-            )
+        yield from configuration.problems_of_walls("misalignment")
         if surface.normalise != "wall":
             yield f"surface.normalise = {surface.normalise!r}: must be 'wall' (misalignment)"
         for name in ("tilt_degrees", "rotation_degrees"):

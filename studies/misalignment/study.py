@@ -19,13 +19,12 @@ from studies.misalignment.section import Misalignment
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
 """Quantities of the column ``response``."""
-SHOWN = (
+SHOWN: tuple[tuple[str, int], ...] = (
     ("max_closure", 1),
     ("max_closure", 2),
     ("residual_closure_seated_net", 1),
-    ("stiffness_net", 1),
-    ("stiffness_net", 2),
 )
+SHOWN += (("stiffness_net", 1), ("stiffness_net", 2))
 """Response and cycle of each row of the figure."""
 
 
@@ -49,11 +48,7 @@ def misalignment_design(configured: Configured) -> Design:
 
 
 def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """Compute means over surfaces, and their changes from aligned walls.
-
-    As from `studies.frame.summary.summary`, over ``wavelength`` (infinite: independent
-    walls), ``tilt`` and ``rotation``. The residual closure is that of the first cycle.
-    """
+    """Compute means over surfaces, and their changes from aligned walls."""
     by = ("rock", "wavelength", "tilt", "rotation")
     table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
     return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]

@@ -1,16 +1,14 @@
 """Walls that are tilted or rotated: which joints are closed, and the table and figure of them."""
 
-import matplotlib
 import numpy as np
 import pytest
 
-from jointclosure.engine.points import close_points, gridded
+from jointclosure.engine.points import gridded
 from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair
 from studies.misalignment.study import EXPERIMENT
-from tests.studied import checked_study
 
 TINY = {
     "study": {"name": "tiny_misalignment", "rocks": ["slate"], "realizations": 4},
@@ -22,17 +20,6 @@ TINY = {
         "mismatch_wavelength_mm": [0.77],
     },
 }
-
-
-@pytest.fixture(scope="module")
-def design():
-    return EXPERIMENT.design(checked_study(TINY))
-
-
-@pytest.fixture(scope="module")
-def joints(design):
-    points = [point for job in design.jobs.values() for point in job]
-    return close_points(points, EXPERIMENT.quantities)
 
 
 @pytest.fixture(scope="module")
@@ -54,14 +41,10 @@ def test_every_tilt_and_every_rotation_is_closed_alone(design, joints):
 
 def test_aligned_walls_close_as_everywhere(design, run):
     settings = design.jobs["slate.770um"][0].settings
-    upper, lower = wall_pair(
-        settings.surfaces.jrc,
-        (24, 24),
-        settings.surfaces.grid.spacing,
-        seeds_of(settings.surfaces)[2],
-        mismatch_wavelength=0.77e-3,
-        roll_off=settings.surfaces.surface.roll_off,
-    )
+    surfaces = settings.surfaces
+    made = {"mismatch_wavelength": 0.77e-3, "roll_off": surfaces.surface.roll_off}
+    spacing, seed = surfaces.grid.spacing, seeds_of(surfaces)[2]
+    upper, lower = wall_pair(surfaces.jrc, (24, 24), spacing, seed, **made)
     closed = close_walls(upper, lower, settings.conditions())
     aligned = run.sel(wavelength=0.77e-3, tilt=0.0, rotation=0.0, realization=2)
     np.testing.assert_allclose(aligned.max_closure, closed.max_closure, rtol=1e-6)
@@ -80,8 +63,8 @@ def test_a_rotation_unmates_walls_that_mate(run):
     assert first.sel(rotation=45.0) > 1.3 * first.sel(rotation=0.0)
 
 
-def test_changes_are_those_of_the_same_surfaces(design, joints, run):
-    table = EXPERIMENT.tabulate(joints, design.parameters)["misalignment"]
+def test_changes_are_those_of_the_same_surfaces(tables, run):
+    table = tables["misalignment"]
     here = table[(table.wavelength_mm == np.inf) & (table.tilt_degrees == 3.0) & (table.cycle == 2)]
     independent = run.sel(wavelength=np.inf, rotation=0.0, cycle=2)
     tilted, aligned = (independent.max_closure.sel(tilt=tilt).values for tilt in (3.0, 0.0))
@@ -96,5 +79,3 @@ def test_changes_are_those_of_the_same_surfaces(design, joints, run):
     assert stiffness.value == pytest.approx(1.0 / float(compliance.mean()))
     unmoved = table[(table.tilt_degrees == 0.0) & (table.rotation_degrees == 0.0)]
     assert (unmoved.change_percent == 0.0).all()
-    figure = EXPERIMENT.draw("misalignment", {"misalignment": table}, {})
-    assert isinstance(figure, matplotlib.figure.Figure)

@@ -33,11 +33,7 @@ class Mismatch(StudySection):
         """Generate a missing reference, and walls that the study sets itself."""
         if 0 not in self.shift_in_cells:
             yield f"mismatch.shift_in_cells = {list(self.shift_in_cells)}: must contain 0"
-        if not configuration.independent_walls:
-            yield (
-                "mismatch: the study sets surface.mismatch_wavelength_mm, correlation and "
-                "shift_in_cells, which must be null, 0 and 0"
-            )
+        yield from configuration.problems_of_walls("mismatch")
 
 
 SECTION = Mismatch

@@ -6,7 +6,6 @@ shift on at which the mean closure since seating of the first cycle is no more t
 share below theirs.
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import ratio_of_means
 from studies.frame.config.configuration import Configured
 from studies.frame.ensemble.cases import base_case
-from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
+from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.summary import grouped, means
 from studies.mismatch.section import Mismatch
@@ -39,21 +38,16 @@ def mismatch_design(configured: Configured) -> Design:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
     configuration = configured.typed
     design, study = configuration.section(Mismatch), configuration.study
-    jobs = {}
+    jobs: dict[str, list[Point]] = {}
     for rock, of_rock in configuration.rocks.items():
         case = base_case(rock, of_rock)
         for label, wavelength in labelled_wavelengths(design.wavelength).items():
-            length = np.inf if wavelength is None else wavelength
-            jobs[f"{rock}.{label}"] = [
-                Point(
-                    {"rock": rock, "wavelength": length}
-                    | {"shift": configuration.grid.spacing * shift},
-                    settings_of(
-                        configuration, case, mismatch_wavelength=wavelength, shift_in_cells=shift
-                    ),
-                )
-                for shift in ((0,) if wavelength is None else design.shift_in_cells)
-            ]
+            points = jobs[f"{rock}.{label}"] = []
+            for shift in (0,) if wavelength is None else design.shift_in_cells:
+                walls = {"mismatch_wavelength": wavelength, "shift_in_cells": shift}
+                at = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
+                at["shift"] = configuration.grid.spacing * shift
+                points.append(Point(at, settings_of(configuration, case, **walls)))
     parameters = {"tolerance": design.tolerance, "root_seed": study.root_seed}
     return Design(jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
 
@@ -61,10 +55,8 @@ def mismatch_design(configured: Configured) -> Design:
 def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     """Compute means over surfaces with errors, for each mismatch wavelength, shift and cycle.
 
-    ``MEANS``, the stiffness, ``residual_share_net`` of the closure since seating, and the number
-    of closed ``samples``, by ``rock``, ``wavelength_mm`` (infinite: independent walls) and
-    ``shift_mm``. A joint that is too stiff for its steps may lack a quantity, and is left out of
-    its mean.
+    Independent walls have an infinite wavelength. A joint that is too stiff for its steps may lack
+    a quantity, and is left out of its mean.
     """
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
@@ -99,10 +91,10 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
-    ``shift_mm`` with ``low`` and ``high`` of a 95 % interval (bootstrap over surfaces), infinite if
-    no shift of the design suffices, and ``apertures``: that shift over the mean aperture of
-    independent walls at seating. ``tolerance`` is the share by which the mean closure may be below
-    theirs. Means over shifts are their isotonic regression, with straight lines between.
+    ``shift_mm`` with its 95 % interval (bootstrap over surfaces), infinite if no shift of the
+    design suffices, and ``apertures``: that shift over the mean aperture of independent walls at
+    seating. ``tolerance`` is the share by which the mean closure may be below theirs. Means over
+    shifts are their isotonic regression, with straight lines between.
     """
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]
@@ -119,16 +111,9 @@ def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -
                 for independent_mean, *means in _drawn_means([free, *samples], random)
             )
             low, high = np.quantile(drawn, [tail, 1.0 - tail], method="nearest")
-            rows.append(
-                {
-                    "rock": rock,
-                    "wavelength_mm": 1e3 * wavelength,
-                    "shift_mm": 1e3 * shift,
-                    "low": 1e3 * low,
-                    "high": 1e3 * high,
-                    "apertures": shift / aperture,
-                }
-            )
+            row = {"rock": rock, "wavelength_mm": 1e3 * wavelength, "shift_mm": 1e3 * shift}
+            row |= {"low": 1e3 * low, "high": 1e3 * high, "apertures": shift / aperture}
+            rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -158,18 +143,13 @@ def _shift_at(shifts: np.ndarray, level: float, means: list[float]) -> float:
     return float(shifts[after - 1] + part * (shifts[after] - shifts[after - 1]))
 
 
-def mismatch_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Return all tables by name."""
-    return {
-        "mismatch": mismatch_table(joints),
-        "mismatch_shifts": independence_table(joints, **parameters),
-    }
-
-
 EXPERIMENT = Experiment(
     title="effects of mismatch and of a shift of the walls",
     quantities=(*MEANS, "stiffness_net", "initial_aperture"),
     design=mismatch_design,
-    tabulate=mismatch_tables,
+    tabulate=lambda joints, parameters: {
+        "mismatch": mismatch_table(joints),
+        "mismatch_shifts": independence_table(joints, **parameters),
+    },
     draw=lambda name, tables, parameters: mismatch_figure(tables[name]),
 )

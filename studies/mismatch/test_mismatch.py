@@ -1,13 +1,11 @@
 """Mated, natural and non-mated walls: what is closed, and the shift that unmates."""
 
-import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.engine.points import close_points, gridded
+from jointclosure.engine.points import gridded
 from studies.mismatch.study import EXPERIMENT, independence_table
-from tests.studied import checked_study
 
 TINY = {
     "study": {"name": "tiny_mismatch", "rocks": ["slate"], "realizations": 3, "draws": "common"},
@@ -16,17 +14,6 @@ TINY = {
     "surface": {"roll_off_mm": None},
     "mismatch": {"wavelength_mm": [3, 1], "shift_in_cells": [0, 8], "tolerance": 0.1},
 }
-
-
-@pytest.fixture(scope="module")
-def design():
-    return EXPERIMENT.design(checked_study(TINY))
-
-
-@pytest.fixture(scope="module")
-def joints(design):
-    points = [point for job in design.jobs.values() for point in job]
-    return close_points(points, EXPERIMENT.quantities)
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +39,8 @@ def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_uns
     assert moved[1] > 1.2 * moved[0]
 
 
-def test_what_is_read_is_what_engineers_are_told(design, joints, run):
-    table = EXPERIMENT.tabulate(joints, design.parameters)["mismatch"]
+def test_means_are_those_of_the_joints(tables, run):
+    table = tables["mismatch"]
     own = run.sel(wavelength=1e-3, shift=0.0, cycle=2)
     row = table[(table.wavelength_mm == 1.0) & (table.shift_mm == 0.0) & (table.cycle == 2)]
     assert row.samples.item() == 3
@@ -67,9 +54,6 @@ def test_what_is_read_is_what_engineers_are_told(design, joints, run):
     stays = float(own.residual_closure_seated_net.mean() / own.max_closure_seated_net.mean())
     assert row.residual_share_net.item() == pytest.approx(stays)
     assert len(table) == 2 * (2 * 2 + 1)
-    figure = EXPERIMENT.draw("mismatch", {"mismatch": table}, {})
-    assert isinstance(figure, matplotlib.figure.Figure)
-    assert len(figure.axes) == 8
 
 
 def made_up(closures, scatter, surfaces=40):
@@ -81,16 +65,10 @@ def made_up(closures, scatter, surfaces=40):
     conditions += [
         (1e-3, 1e-3 * place, factor * drawn[0, place]) for place, factor in enumerate(shifted)
     ]
+    known = {"rock": "slate", "cycle": 1, "mean_aperture_at_seating": 5e-4}
     return pd.concat(
         pd.DataFrame(
-            {
-                "rock": "slate",
-                "wavelength": wavelength,
-                "shift": shift,
-                "cycle": 1,
-                "max_closure_seated_net": values,
-                "mean_aperture_at_seating": 5e-4,
-            }
+            known | {"wavelength": wavelength, "shift": shift, "max_closure_seated_net": values}
         )
         for wavelength, shift, values in conditions
     )

@@ -43,13 +43,8 @@ BETWEEN = ("sizes", "sizes and spectra")
 """Joints that a scaling should make equal: sizes of one spectrum, or of all spectra."""
 
 
-NUMBERS = (
-    "removed_percent",
-    "removed_error",
-    "left_percent",
-    "largest_off_percent",
-    "largest_off_error",
-)
+NUMBERS: tuple[str, ...] = ("removed_percent", "removed_error", "left_percent")
+NUMBERS += ("largest_off_percent", "largest_off_error")
 _OVER = ("spectrum", "patch", "spacing")
 
 
@@ -178,15 +173,12 @@ def _flat(logs: xr.DataArray) -> np.ndarray:
 def collapse_table(
     runs: Mapping[str, xr.Dataset], roll_offs: Mapping[str, float | None]
 ) -> pd.DataFrame:
-    """Compute by how much each scaling reduces the spread between sizes.
+    """Compute by how much each scaling reduces the spread between sizes (`BETWEEN`).
 
-    By ``reading``, ``cycle``, ``between`` (`BETWEEN`) and ``scaling``: ``realizations``;
-    ``exponents`` with their errors as text; on realisations that were not fitted
-    ``removed_percent`` of the mean square spread with its ``removed_error``, and the
-    ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
-    and spacings of the error in the largest patch, predicted by fits without it, with
-    its ``largest_off_error``. NaN where fewer than `FEWEST` realisations have the quantity at
-    every size. ``roll_offs`` [m] are by spectrum, None for none.
+    On realisations that were not fitted: ``removed_percent`` of the mean square spread and
+    ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra and
+    spacings of the error in the largest patch, predicted by fits without it. NaN where fewer than
+    `FEWEST` realisations have the quantity at every size. ``roll_offs`` [m] are by spectrum.
     """
     rows = []
     for rock, run in runs.items():

@@ -73,8 +73,7 @@ class Size(StudySection):
                 spectrum_of(spectrum.hurst, surface.rule, spectrum.roll_off, finest)
             except InputError as error:
                 yield f"size.spectra.{name}: {error}"
-        if not configuration.independent_walls:
-            yield "size: its walls are independent: surface.correlation and the like must be off"
+        yield from configuration.problems_of_walls("size")
 
 
 def _whole(ratio: float) -> bool:

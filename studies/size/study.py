@@ -24,18 +24,10 @@ from studies.frame.ensemble.cases import base_case
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.paper.empirical import barton_bandis, scaled_to
-from studies.size.scaling import GEOMETRY, collapse_table, logs_of
+from studies.size.scaling import GEOMETRY, JUDGED, collapse_table, logs_of
 from studies.size.section import Size
 
-READ = (
-    "max_closure",
-    "max_closure_net",
-    "max_closure_seated_net",
-    "residual_closure_seated_net",
-    "stiffness_net",
-    "kni_net",
-    "vm_net",
-)
+READ = (*JUDGED, "kni_net", "vm_net")
 """Quantities of each cycle. Only first loadings land (`landing_stress`)."""
 SHOWN = (
     ("max_closure_seated_net", 1),
@@ -64,18 +56,18 @@ def size_design(configured: Configured) -> Design:
             sized = configuration._replace(grid=Grid(cells, cells, spacing))
             settings = settings_of(sized, base_case(rock, of_rock), **dict(spectrum))
             at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
-            for position in range(round(longest / patch)):
-                place = {"position": position}
-                points.append(Point(at | place, settings, "nested", walls | place))
-    roll_offs = {name: spectrum.roll_off for name, spectrum in design.spectra.items()}
+            points += [
+                Point(at | place, settings, "nested", walls | place)
+                for place in ({"position": i} for i in range(round(longest / patch)))
+            ]
+    titles = {}
+    for name, spectrum in design.spectra.items():
+        wave = f"roll-off {1e3 * spectrum.roll_off:g} mm" if spectrum.roll_off else "no roll-off"
+        titles[name] = f"H {spectrum.hurst:g}, {wave}"
     parameters = {
         "base": [base.cells_x * base.spacing, base.spacing],
-        "spectra": roll_offs,
-        "titles": {
-            name: f"H {design.spectra[name].hurst:g}, "
-            + (f"roll-off {1e3 * roll_off:g} mm" if roll_off else "no roll-off")
-            for name, roll_off in roll_offs.items()
-        },
+        "spectra": {name: spectrum.roll_off for name, spectrum in design.spectra.items()},
+        "titles": titles,
         "rocks": {
             name: [rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress]
             for name, rock in configuration.rocks.items()
@@ -93,17 +85,13 @@ def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:
 
 
 def runs_of(joints: pd.DataFrame, spectra: list[str]) -> dict[str, xr.Dataset]:
-    """Arrange joints by rock over (spectrum, patch, spacing, position, realization, cycle).
-
-    `GEOMETRY` and the status do not depend on the cycle; NaN where nothing was closed.
-    """
+    """Arrange joints by rock over (spectrum, patch, spacing, position, realization, cycle)."""
     over = ("spectrum", "patch", "spacing", "position", "realization")
     runs = {}
     for rock, part in joints.groupby("rock", sort=False):
         run = gridded(part, over, (*READ, *GEOMETRY)).sel(spectrum=spectra)
-        runs[str(rock)] = run.assign(
-            {name: run[name].isel(cycle=0, drop=True) for name in GEOMETRY}
-        )
+        walls = {name: run[name].isel(cycle=0, drop=True) for name in GEOMETRY}
+        runs[str(rock)] = run.assign(walls)
     return runs
 
 
@@ -130,19 +118,18 @@ def _ratio(logs: np.ndarray, base: np.ndarray) -> Estimate:
 def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
     """Compute geometric means at each size, and their ratios to those of the base (side, spacing).
 
-    By ``rock``, ``spectrum``, ``patch_mm``, ``spacing_mm`` and ``cycle``: numbers of ``joints`` and
-    ``failed`` ones, and of each quantity the mean, its ``..._ratio`` and the ``..._error`` of that.
+    Of each quantity: the mean, its ``..._ratio`` and the ``..._error`` of that.
     """
     rows = []
     for about, run in _spectra(runs):
         values = (run[name].values.tolist() for name in ("patch", "spacing", "cycle"))
         for patch, spacing, cycle in itertools.product(*values):
             status = run.status.sel(patch=patch, spacing=spacing)
+            if not np.isfinite(status).any():
+                continue
             row = about | {"patch_mm": 1e3 * patch, "spacing_mm": 1e3 * spacing}
             row |= {"joints": int(np.isfinite(status).sum())}
             row |= {"failed": int((status >= FAILURE).sum()), "cycle": cycle}
-            if not row["joints"]:
-                continue
             for name in (*READ, *GEOMETRY):
                 column, scale = COLUMNS[name]
                 logs = logs_of(run, name, cycle)
@@ -157,20 +144,17 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
 def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
     """Fit powers of patch length and of spacing, and test whether quantities are powers of these.
 
-    By ``reading`` (the quantity), ``cycle`` (0 for the pristine walls) and ``of`` (patch length at
-    the base's spacing, or spacing of the base's patch): ``exponent`` and ``error``; ``change``, the
-    exponent of the larger half of the range less that of the smaller, its ``change_error``, and
-    ``p`` that there is none (t test over realisations).
+    ``reading``: the quantity; ``cycle``: 0 for the pristine walls; ``of``: patch length at the
+    base's spacing, or spacing of the base's patch; ``change``: the exponent of the larger half of
+    the range less that of the smaller, and ``p`` that there is none (t test over realisations).
     """
     rows = []
     for about, run in _spectra(runs):
         cycles = run.cycle.values.tolist()
         for reading, cycle in [*itertools.product(READ, cycles), *((name, 0) for name in GEOMETRY)]:
             logs = logs_of(run, reading, cycle)
-            for of, line in (
-                ("patch", logs.sel(spacing=base[1], method="nearest")),
-                ("spacing", logs.sel(patch=base[0], method="nearest")),
-            ):
+            for of, other, place in (("patch", "spacing", base[1]), ("spacing", "patch", base[0])):
+                line = logs.sel({other: place}, method="nearest")
                 power = _power(np.log(line[of].values), line.transpose(of, ...).values)
                 rows.append(about | {"reading": reading, "cycle": cycle, "of": of} | power)
     return pd.DataFrame(rows)
@@ -200,22 +184,21 @@ def barton_bandis_table(
     """Compare changes from the smallest patch to larger ones with those of Barton and Bandis.
 
     ``rocks`` has JRC, sigma_c [Pa] and maximum stress [Pa], which the smallest patch is taken to
-    have, ``strength_ratio`` is its sigma_c/JCS. By ``reading``, ``cycle``, ``from_mm`` and
-    ``to_mm``: the model's ``ratio`` with its ``error``, and ``barton_bandis``.
+    have, ``strength_ratio`` is its sigma_c/JCS.
     """
     rows = []
-    for rock, run in runs.items():
+    for about, run in _spectra(runs):
         smallest, *larger = run.patch.values.tolist()
-        for cycle, spectrum in itertools.product(run.cycle.values, run.spectrum.values.tolist()):
+        for cycle in run.cycle.values:
             known, *laws = (
-                law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle)
+                law_of_size(patch / smallest, rocks[about["rock"]], strength_ratio, cycle)
                 for patch in (smallest, *larger)
             )
             for reading in known:
-                logs = logs_of(run.sel(spectrum=spectrum), reading, cycle)
+                logs = logs_of(run, reading, cycle)
                 for patch, law in zip(larger, laws, strict=True):
                     ratio = _ratio(*(_at(logs, (length, base[1])) for length in (patch, smallest)))
-                    row = {"rock": rock, "spectrum": spectrum, "reading": reading, "cycle": cycle}
+                    row = about | {"reading": reading, "cycle": cycle}
                     row |= {"from_mm": 1e3 * smallest, "to_mm": 1e3 * patch}
                     row |= {"ratio": ratio.value, "error": ratio.standard_error}
                     rows.append(row | {"barton_bandis": law[reading] / known[reading]})
@@ -227,8 +210,8 @@ def law_of_size(
 ) -> dict[str, float]:
     """Apply the law of Barton and Bandis to a joint of so many ``times`` the length of a known one.
 
-    Returns stiffnesses [Pa/m] and closures [m] by the names of the model's quantities. The law's
-    closures are those of the joint without the rock, and count from seating.
+    Stiffnesses [Pa/m] and closures [m] have the names of the model's; the law's closures are those
+    of the joint without the rock, and count from seating.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
@@ -244,8 +227,8 @@ def law_of_size(
 
 def size_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return all tables by name."""
-    roll_offs, (side, spacing) = parameters["spectra"], parameters["base"]
-    runs, base = runs_of(joints, list(roll_offs)), (side, spacing)
+    roll_offs, base = parameters["spectra"], tuple(parameters["base"])
+    runs = runs_of(joints, list(roll_offs))
     laws = barton_bandis_table(runs, base, parameters["rocks"], parameters["strength_ratio"])
     exponents, collapse = exponent_table(runs, base), collapse_table(runs, roll_offs)
     return dict(zip(TABLES, (size_table(runs, base), exponents, collapse, laws), strict=True))

@@ -74,12 +74,15 @@ class Configuration(Section):
         """Tolerance by which a pilot chooses effects; None where they are as configured."""
         return self.effects.auto
 
-    @property
-    def independent_walls(self) -> bool:
-        """Whether no part of the walls mates, as far as the section ``surface`` says."""
+    def problems_of_walls(self, name: str) -> Iterator[str]:
+        """Generate keys of walls that mate in part, in a study that sets these keys itself."""
         surface = self.surface
         given = (surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells)
-        return given == (None, 0.0, 0)
+        if given != (None, 0.0, 0):
+            yield (
+                f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
+                "shift_in_cells must be null, 0 and 0"
+            )
 
     @property
     def study_sections(self) -> dict[str, StudySection]:
