@@ -38,7 +38,7 @@ from matplotlib.figure import Figure
 from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine
 
 from jointclosure.engine.walls import walls_of
-from jointclosure.joint.stiffness import closures_at, landing_stress
+from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of

@@ -22,8 +22,8 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.measured_joints import JOINTS, measured
 from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.joint.curves import closures_at
 from jointclosure.joint.rocks import named_rock
-from jointclosure.joint.stiffness import closures_at
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit

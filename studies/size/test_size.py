@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from jointclosure.engine.walls import nested
+from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.stiffness import closures_at, landing_stress
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.config.configuration import merged
 from studies.frame.config.files import read_plain

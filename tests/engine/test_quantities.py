@@ -10,9 +10,8 @@ import jointclosure as jc
 from jointclosure.engine.closed_joint import ClosedJoint
 from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.curves import cycle_table, landing_stress, secant_stiffness
 from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.stiffness import landing_stress, secant_stiffness
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.storage.text import read_csv
 from studies.frame.summary import mean_shown

@@ -10,15 +10,17 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.exports import geos_aperture_table, itasca_tables
-from jointclosure.joint.curves import area_of, curve_table, cycle_table
-from jointclosure.joint.history import GROSS, NET
-from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
-from jointclosure.joint.stiffness import (
+from jointclosure.joint.curves import (
+    area_of,
     closures_at,
+    curve_table,
+    cycle_table,
     landing_stress,
     secant_stiffness,
     stiffness_table,
 )
+from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.netcdf import read_netcdf
 from tests import joints

@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 from jointclosure.mechanics.contact import force_of_overlap
-from jointclosure.solvers.coarse_space import coarse_space, patch_shares, precondition
-from jointclosure.solvers.conjugate_gradients import newton_direction
+from jointclosure.solvers.conjugate_gradients import (
+    coarse_space,
+    newton_direction,
+    patch_shares,
+    precondition,
+)
 from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (

@@ -9,8 +9,7 @@ import jointclosure as jc
 from jointclosure.joint import protocol, step_control
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.solvers import elastic, fast
-from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
-from jointclosure.solvers.conjugate_gradients import newton_direction
+from jointclosure.solvers.conjugate_gradients import coarse_space, newton_direction, no_coarse_space
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint

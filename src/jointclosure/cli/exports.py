@@ -11,16 +11,18 @@ import xarray as xr
 from jointclosure.cli.results import FIGURES, failed, write
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import (
+    closures_at,
     curve_table,
     cycle_table,
     has_flow,
     mean_hydraulic,
     spacing_of,
+    stiffness_table,
+    stress_levels,
 )
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.laws import describe_law, fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
-from jointclosure.joint.stiffness import closures_at, stiffness_table, stress_levels
 from jointclosure.storage.figures import write_vtu
 
 OPENING_SLOPE = 0.95

@@ -14,9 +14,8 @@ from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.engine.quantities import HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.joint.curves import KINDS, cycle_table, net_responses
+from jointclosure.joint.curves import KINDS, cycle_table, net_responses, stiffness_table
 from jointclosure.joint.laws import LAWS, fitted_laws, law_words
-from jointclosure.joint.stiffness import stiffness_table
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text, write_text

@@ -15,9 +15,9 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.joint.curves import closures_at, stress_levels
 from jointclosure.joint.history import NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
-from jointclosure.joint.stiffness import closures_at, stress_levels
 
 POINTS = 60
 """Number of evenly spaced stresses at which a law is fitted, with equal weights."""

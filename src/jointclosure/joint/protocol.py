@@ -51,13 +51,12 @@ _SMALLEST_STEP = 1e-6
 """Share of a displacement step, or of the closure reached if that is less, below which a jump of
 the stress is accepted. A displacement step may be far longer than the whole closure."""
 
-_FEWEST_CONTACTS = 1000
+_FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
 """Smallest number of cells in contact at the maximum, at a pressure of the compressive strength,
-for leaving out the interaction. With fewer contacts each one affects the second cycle: from 300 to
-600 of them means of ten joints moved by up to 12 % at tolerances of 2 and 5 %."""
-_MOST_CRUSHED = 0.4
-"""Largest maximum stress over compressive strength for leaving out the interaction. Above it
-breakage takes nearly all of the time, and leaving out the interaction does not reduce breakage."""
+and largest maximum stress over it, for leaving out the interaction. With fewer contacts each one
+affects the second cycle: from 300 to 600 of them means of ten joints moved by up to 12 % at
+tolerances of 2 and 5 %. Above that stress breakage takes nearly all of the time, and leaving out
+the interaction does not reduce breakage."""
 _MOST_SECANTS = 2
 _MISLED = 0.1
 """Share of the step that passed a target below which the target is no longer searched for, if all
@@ -79,8 +78,8 @@ class Step(NamedTuple):
 class History(NamedTuple):
     """All accepted steps in order, status bits, total effort, and number of replayed cycles.
 
-    ``idle_steps`` is the number of steps of the first loading without interaction. There the
-    interaction would displace no contact by more than ``idle_displacement`` of the closure.
+    In ``idle_steps`` of the first loading there was no interaction, which would displace no contact
+    by more than ``idle_displacement`` of the closure.
     """
 
     steps: list[Step]
@@ -106,15 +105,12 @@ class _Run:
         self.joint, self.solver, self.numerics = joint, solver, numerics
         self.report, self.observers = report, observers
         self.target_force = cycles[0].maximum  # of the current cycle
-        self.closure, self.total_force = 0.0, 0.0
-        self.cycle_start = 0.0
+        self.closure = self.total_force = self.cycle_start = 0.0
         self.steps: list[Step] = []
         self.forces: list[np.ndarray] = []  # since the last maximum, for observers
-        self.status = 0
-        self.effort = Effort()
+        self.status, self.effort = 0, Effort()
         largest = max(cycle.maximum for cycle in cycles)
         self.closure_limit = closure_limit(joint, largest)
-        self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
         share = numerics.idle_interaction if joint.interaction_acts else 0.0
         self.leaves_interaction_out = share > 0.0 and _pays_without_interaction(joint, largest)
@@ -131,7 +127,7 @@ class _Run:
         self.effort = self.effort.plus(settled.effort)
         if settled.outcome != CONVERGED:
             self.status |= FLAG_OF_OUTCOME[settled.outcome]
-        elif self.effort.breakage_steps > self.most_breakage_steps:
+        elif self.effort.breakage_steps > self.numerics.most_breakage_steps * self.joint.upper.size:
             self.status |= FLAG_OF_OUTCOME[NOT_AT_REST]
         elif self.effort.settled > self.numerics.most_steps:
             self.status |= TOO_MANY_STEPS
@@ -311,11 +307,9 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     """Repeat the step that passed the target with smaller steps until the force is in tolerance."""
     near = run.numerics.stress_tolerance * run.target_force
-    above, passed_again, short_again = passed, 0, 0
-    further = passed  # previous state above the target
-    misled = 0.0
-    if run.numerics.breakage == "resolved":
-        misled = _MISLED * (passed.closure - run.closure)
+    above, further, passed_again, short_again = passed, passed, 0, 0  # two states above the target
+    by_fixed_steps = run.numerics.breakage == "fixed_step"
+    misled = 0.0 if by_fixed_steps else _MISLED * (passed.closure - run.closure)
     while True:
         if above.total_force - run.target_force <= near:
             run.accept(cycle, LOADING, above)
@@ -329,7 +323,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
         # interpolation parameter of the forces between two states
-        run.joint.restore(before, rates=run.numerics.breakage == "fixed_step")
+        run.joint.restore(before, rates=by_fixed_steps)
         if above is passed and room < misled:
             return False
         part = _part_to_target(run, above, further, passed_again, short_again)
@@ -481,8 +475,7 @@ def _mean_height(joint: Joint) -> float:
 def _pays_without_interaction(joint: Joint, largest: float) -> bool:
     """Return whether a history to a largest force [N] may begin without interaction.
 
-    The criterion is the number of cells that carry the force at a pressure of the compressive
-    strength: neither few nor a large share of all (docs/effects.md).
+    Neither few nor most cells carry it at a pressure of the strength (docs/effects.md).
     """
     cells = largest / (joint.compressive_strength * joint.law.spacing**2)
     return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size

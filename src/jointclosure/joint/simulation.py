@@ -9,12 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from jointclosure.inputs import (
-    LENGTHS,
-    InputError,
-    check_length,
-    check_number,
-)
+from jointclosure.inputs import LENGTHS, InputError, check_length, check_number
 from jointclosure.joint.conditions import Conditions, LoadCycle, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import (
@@ -178,15 +173,9 @@ def simulate_by(
         observers.append(FlowAlongHistory())
     if len(snapshots):
         observers.append(Snapshots(snapshots, numerics.stress_tolerance, datums))
-    history = run_cycles(
-        joint,
-        solver,
-        numerics,
-        [LoadCycle(*(stress * area for stress in cycle)) for cycle in load],
-        seating_stress * area,
-        report,
-        observers,
-    )
+    forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in load]
+    seating_force = seating_stress * area
+    history = run_cycles(joint, solver, numerics, forces, seating_force, report, observers)
     joint.upper += datums[0]
     joint.lower += datums[1]
     closed = _history_dataset(joint, history, area, load, seating_stress)
@@ -262,11 +251,11 @@ def equilibrium(
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
-    largest_force = largest_stress * upper.size * spacing**2
-    if not unusual_values and closure > closure_limit(joint, largest_force):
+    most = closure_limit(joint, largest_stress * upper.size * spacing**2)
+    if not unusual_values and closure > most:
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
-            f"most {closure_limit(joint, largest_force):.3g} m; is the unit right? {AS_IT_IS}"
+            f"most {most:.3g} m; is the unit right? {AS_IT_IS}"
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)

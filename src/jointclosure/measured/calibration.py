@@ -17,9 +17,9 @@ import xarray as xr
 from jointclosure.engine.workers import Failed, shared
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.stiffness import closures_at
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.parameters import both_walls
 

@@ -55,13 +55,10 @@ USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() 
     "snapshots": (1e3, 1e9, "Pa"),
     "spacing": (1e-6, 0.1, "m"),
     "side_of_scan": (5e-3, 10.0, "m"),
-    "displacement_step": (1e-9, 1e-3, "m"),
-    "breakage_step": (1e-10, 1e-3, "m"),
-    "later_displacement_step": (1e-9, 1e-3, "m"),
-    "later_breakage_step": (1e-10, 1e-3, "m"),
+    **dict.fromkeys(("displacement_step", "later_displacement_step"), (1e-9, 1e-3, "m")),
+    **dict.fromkeys(("breakage_step", "later_breakage_step"), (1e-10, 1e-3, "m")),
     "largest_radius": (1e-6, 1.0, "m"),
-    "roll_off": (1e-5, 0.5, "m"),
-    "mismatch_wavelength": (1e-5, 0.5, "m"),
+    **dict.fromkeys(("roll_off", "mismatch_wavelength"), (1e-5, 0.5, "m")),
 }
 """Smallest and largest usual values for rock and its joints, and their unit. A value outside of
 this range, other than 0, is probably in a wrong unit."""
@@ -268,6 +265,7 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
+_LEAST = "; rounding allows no less"
 _INTERVALS = {
     "base_radius_in_cells": (
         "(0, 1]",
@@ -278,12 +276,8 @@ _INTERVALS = {
     "tolerance": ("(0, 0.1]", ""),
     "idle_interaction": ("[0, 1)", ""),
     "curve_points": ("[1, inf)", ""),
-    "most_steps": ("[1, inf]", ""),
-    "most_breakage_steps": ("[1, inf]", ""),
-    **dict.fromkeys(
-        ("stress_tolerance", "force_tolerance", "sweep_tolerance"),
-        ("[1e-14, 1)", "; rounding allows no less"),
-    ),
+    **dict.fromkeys(("most_steps", "most_breakage_steps"), ("[1, inf]", "")),
+    **{f"{of}_tolerance": ("[1e-14, 1)", _LEAST) for of in ("stress", "force", "sweep")},
 }
 """Interval of each number of `Choices` and `Numerics`, and its reason."""
 

@@ -8,11 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, leading
-from jointclosure.joint.curves import curve_table, has_flow
+from jointclosure.joint.curves import curve_table, has_flow, stiffness_table
 from jointclosure.joint.history import GROSS, NET, branch_of, read_along, seat_of
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, law_words
 from jointclosure.joint.protocol import LOADING
-from jointclosure.joint.stiffness import stiffness_table
 from jointclosure.measured.fit import Fit
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 

@@ -1,15 +1,22 @@
-"""Newton direction towards equilibrium, by preconditioned conjugate gradients."""
+"""Newton direction towards equilibrium, by conjugate gradients preconditioned by patches of cells.
+
+Conjugate gradients are slow for smooth fields, where many contacts displace each other over long
+distances. Patches of several cells, whose contacts share one overlap, remove most of these: a small
+dense system between the patches is solved once and applied many times.
+"""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation.kernels import large_kernel
-from jointclosure.solvers.coarse_space import patch_shares, precondition
-from jointclosure.solvers.interaction_operator import interaction_product
-from jointclosure.solvers.products import inner
+from jointclosure.compilation.kernels import kernel, large_kernel
+from jointclosure.solvers.interaction_operator import Influence, interaction_product
+from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 
 MOST_CONJUGATE_GRADIENT_STEPS = 1000
+_FEWEST_CONTACTS = 100
+"""Smallest number of contacts for patches; with fewer, plain steps are cheaper."""
 
 
 @large_kernel
@@ -78,3 +85,103 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     for i in range(n):
         direction[active[i]] = weight[i] * solution[i]
     return direction, shift, used
+
+
+class CoarseSpace(NamedTuple):
+    """Number (p,) of each patch of the grid, -1 without contact, and inverse (c, c) of the system.
+
+    Both are empty if there are no patches. It stays a preconditioner when contacts and stiffnesses
+    change; contacts in new patches have no share. At one closure of a joint products do not become
+    more; kept until the stiffness of all contacts has changed by a factor of 2 they become 5 to
+    16 % more (dolerite, siltstone; 30 MPa).
+    """
+
+    number: np.ndarray
+    inverse: np.ndarray
+
+
+class Shares(NamedTuple):
+    """Contacts (m,) with a share in a patch, the patch (m,), and the share (m,)."""
+
+    contact: np.ndarray
+    patch: np.ndarray
+    share: np.ndarray
+
+
+@kernel
+def no_coarse_space():
+    """Return a `CoarseSpace` without patches, which changes nothing."""
+    return CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
+
+
+@large_kernel
+def coarse_space(influence: Influence, cells, stiffness):
+    """Make patches of contacts, and the inverse of the system between them.
+
+    In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With z_P = W 1_P / sqrt(s_P), s_P
+    the stiffness of a patch, Z^T A Z is I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two
+    patches, which is approximated by the mean over all their cells instead of their contacts.
+    """
+    n = cells.size
+    if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
+        return no_coarse_space()
+    rows, columns = influence.patch_table.shape
+    number = np.full(rows * columns, -1)
+    place = np.empty((rows * columns, 2), np.int64)
+    count = 0
+    for i in range(n):
+        patch = influence.patch_of[cells[i]]
+        # a patch without contacts is not coupled with others
+        if number[patch] < 0 and stiffness[i] > 0.0:
+            number[patch] = count
+            place[count, 0], place[count, 1] = divmod(patch, columns)
+            count += 1
+    total = np.zeros(count)
+    for i in range(n):
+        if stiffness[i] > 0.0:
+            total[number[influence.patch_of[cells[i]]]] += stiffness[i]
+    system, root = np.empty((count, count)), np.sqrt(total)
+    for p in range(count):
+        for q in range(p + 1):
+            distance = (abs(place[p, 0] - place[q, 0]), abs(place[p, 1] - place[q, 1]))
+            system[p, q] = root[p] * root[q] * influence.patch_table[distance]
+            system[q, p] = system[p, q]
+        system[p, p] += 1.0
+    return CoarseSpace(number, symmetric_inverse(system))
+
+
+@kernel
+def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
+    """Return the `Shares` of the contacts in their patches: W over its norm in the patch."""
+    n, count = weight.size, space.inverse.shape[0]
+    contact = np.empty(n if count > 0 else 0, np.int64)
+    patch = np.empty(contact.size, np.int64)
+    square = np.zeros(count)
+    m = 0
+    for i in range(contact.size):
+        number = space.number[influence.patch_of[cells[i]]]
+        if weight[i] > 0.0 and number >= 0:
+            square[number] += weight[i] * weight[i]
+            contact[m], patch[m] = i, number
+            m += 1
+    contact, patch, share = contact[:m], patch[:m], np.empty(m)
+    for k in range(m):
+        share[k] = weight[contact[k]] / np.sqrt(square[patch[k]])
+    return Shares(contact, patch, share)
+
+
+@kernel
+def precondition(space: CoarseSpace, shares: Shares, residual):
+    """Multiply a residual (n,) by (I + Z (E^-1 - I) Z^T), E the patches' system."""
+    answer = residual.copy()
+    count = space.inverse.shape[0]
+    if count == 0:
+        return answer
+    contact, patch, share = shares.contact, shares.patch, shares.share
+    coarse = np.zeros(count)
+    for k in range(contact.size):
+        coarse[patch[k]] += share[k] * residual[contact[k]]
+    coarse = symmetric_times(space.inverse, coarse) - coarse
+    for k in range(contact.size):
+        answer[contact[k]] += share[k] * coarse[patch[k]]
+    return answer

@@ -10,11 +10,7 @@ import numpy as np
 
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium, separate_shift
 from jointclosure.solvers.equilibrium import solve_equilibrium
-from jointclosure.solvers.interaction_operator import (
-    dense_influence,
-    dense_limit,
-    influence_matrix,
-)
+from jointclosure.solvers.interaction_operator import dense_influence, dense_limit, influence_matrix
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_CONVERGED,
@@ -87,12 +83,7 @@ class _Candidates:
     ) -> tuple[Equilibrium, np.ndarray]:
         near, newton_steps, products = self.joint.neighbours, 0, 0
         while True:
-            some = start._replace(
-                cells=start.cells[inside],
-                overlap=start.overlap[inside],
-                compliance=start.compliance[inside],
-                limit=start.limit[inside],
-            )
+            some = Contacts._make((*(values[inside] for values in start[:4]), start.substrate))
             contacts, matrix = self.joint.with_matrix(some)
             if matrix is None or not some.cells.size:
                 solution = self._solve_all(start, force, target)
@@ -104,10 +95,8 @@ class _Candidates:
             solution = solve_equilibrium(
                 self.influence, contacts, guess, target, self.tolerance, matrix
             )
-            newton_steps, products = (
-                newton_steps + solution.newton_steps,
-                products + solution.products,
-            )
+            newton_steps += solution.newton_steps
+            products += solution.products
             force = np.zeros(start.cells.size)
             force[inside] = solution.force[slot]
             gap = start.overlap + solution.shift
@@ -119,7 +108,8 @@ class _Candidates:
             if not missed.size:
                 break
             inside[missed] = True
-        newton_steps, products = newton_steps + solution.newton_steps, products + solution.products
+        newton_steps += solution.newton_steps
+        products += solution.products
         return solution._replace(newton_steps=newton_steps, products=products), gap
 
 

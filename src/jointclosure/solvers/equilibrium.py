@@ -23,7 +23,7 @@ import math
 import numpy as np
 import scipy
 
-from jointclosure.solvers.coarse_space import CoarseSpace, no_coarse_space
+from jointclosure.solvers.conjugate_gradients import CoarseSpace, no_coarse_space
 from jointclosure.solvers.contacts import (
     Contacts,
     are_sound,

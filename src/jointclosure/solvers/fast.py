@@ -30,7 +30,7 @@ the solution is refined; if that does not help, it has failed.
 import numpy as np
 
 from jointclosure.solvers.breakage import breakage_kernel, strength_limits
-from jointclosure.solvers.coarse_space import no_coarse_space
+from jointclosure.solvers.conjugate_gradients import no_coarse_space
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
@@ -185,23 +185,13 @@ class _PathToRest:
     def break_to_rest(self) -> int:
         """Break pairs at the present interaction until rest; return the breakage steps."""
         joint = self.joint
-        kernel = breakage_kernel(
-            joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
-        )
-        most = _most_breakage_steps(joint)
-        steps, self.locked = kernel(
-            joint.upper,
-            joint.lower,
-            float(self.closure - joint.first_touch),
-            joint.interaction,
-            joint.peaks,
-            joint.law,
-            float(self.breakage_step),
-            _band(joint),
-            joint.tie_tolerance,
-            most,
-            self._memory,
-        )
+        gouge, current = joint.effects.gouge, joint.choices.peaks == "current"
+        most = int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
+        walls = joint.upper, joint.lower, float(self.closure - joint.first_touch)
+        pairs = joint.interaction, joint.peaks, joint.law
+        losses = float(self.breakage_step), _band(joint), joint.tie_tolerance
+        kernel = breakage_kernel(gouge, current, _resolved(joint))
+        steps, self.locked = kernel(*walls, *pairs, *losses, most, self._memory)
         self.breakage_steps += steps
         if steps > 0:
             self._overlapping = self._may_carry = None
@@ -260,18 +250,9 @@ class _PathToRest:
             cells, overlap, curvature, compliance = self._overlapping
             self._may_carry = joint.contacts(cells, overlap, compliance)
             if joint.effects.breakage and _resolved(joint):
-                limit = strength_limits(
-                    joint.upper,
-                    joint.lower,
-                    cells,
-                    curvature,
-                    compliance,
-                    joint.peaks,
-                    joint.law,
-                    joint.effects.gouge,
-                    joint.tie_tolerance,
-                    _band(joint),
-                )
+                contacts = joint.upper, joint.lower, cells, curvature, compliance, joint.peaks
+                strength = joint.law, joint.effects.gouge, joint.tie_tolerance, _band(joint)
+                limit = strength_limits(*contacts, *strength)
                 self._may_carry = self._may_carry._replace(limit=limit)
         return self._may_carry
 
@@ -279,11 +260,6 @@ class _PathToRest:
 def _stages(asked: float) -> tuple[float, ...]:
     """Return the residuals of the stages; the last is the required one."""
     return (*(rough for rough in PROVISIONAL_TOLERANCES if rough > asked), asked)
-
-
-def _most_breakage_steps(joint: Joint) -> int:
-    """Return the number of breakage steps after which a closure is given up."""
-    return int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
 
 
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:

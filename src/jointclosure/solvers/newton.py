@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
-from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
-from jointclosure.solvers.conjugate_gradients import newton_direction
+from jointclosure.solvers.conjugate_gradients import CoarseSpace, coarse_space, newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
 from jointclosure.solvers.interaction_operator import Influence, interaction_product
 

@@ -170,30 +170,18 @@ class ReferenceSolver:
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
-        effects, law = joint.effects, joint.law
-        kernel_ = reference_kernel(
-            joint.interaction_acts,
-            effects.breakage,
-            effects.gouge,
-            joint.choices.peaks == "current",
-        )
+        effects = joint.effects
+        acting = joint.interaction_acts, effects.breakage, effects.gouge
+        sweep_to_rest = reference_kernel(*acting, joint.choices.peaks == "current")
         table = joint.influence_table if joint.interaction_acts else np.zeros((1, 1))
         # cells that lost contact since the last step carry no force
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0
-        sweeps, broken, converged, locked = kernel_(
-            joint.upper,
-            joint.lower,
-            float(closure - joint.first_touch),
-            joint.peaks,
-            joint.force,
-            joint.interaction,
-            table,
-            law,
-            float(breakage_step),
-            joint.tie_tolerance,
-            float(joint.numerics.sweep_tolerance),
-            MOST_SWEEPS,
+        walls = joint.upper, joint.lower, float(closure - joint.first_touch), joint.peaks
+        state = joint.force, joint.interaction, table, joint.law
+        tolerances = joint.tie_tolerance, float(joint.numerics.sweep_tolerance)
+        sweeps, broken, converged, locked = sweep_to_rest(
+            *walls, *state, float(breakage_step), *tolerances, MOST_SWEEPS
         )
         outcome = CONVERGED if converged else NOT_CONVERGED
         if not np.all(np.isfinite(joint.force)):
