@@ -14,7 +14,7 @@ RECORD = "written.json"
 
 
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
-    """Write files into a folder, remove those of a command's earlier run; return their names."""
+    """Replace the files of a command's earlier run, if no error occurs; return the new names."""
     folder.mkdir(exist_ok=True)
     earlier = written_files(folder, command)
     with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:

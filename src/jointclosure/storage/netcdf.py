@@ -44,7 +44,10 @@ def write_netcdf_regions(
     chunks: dict[str, int],
     path: str | Path,
 ) -> None:
-    """Write regions of a dataset one by one; ``frame`` has one entry along the dimension."""
+    """Write regions of a dataset one by one; ``frame`` has one entry along the dimension.
+
+    Regions lack dimensions whose position is a number; ``chunks`` are compressed together.
+    """
     frame = frame.drop_encoding()
     encoding = _compression(frame)
     sizes = dict(frame.sizes) | chunks

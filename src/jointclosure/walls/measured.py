@@ -224,14 +224,14 @@ def heights_between(
 
 
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
-
-    Ratios of areas have the same bits on any processor. On a busy machine threads would wait.
+    """Interpolate heights at nodes (..., 2) in Delaunay triangles; the same bits on any
+    processor.
     """
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
     corners, at = (places - centre) / scale, (nodes - centre) / scale
     triangles = scipy.spatial.Delaunay(corners)
+    # called for each triangle: on a busy machine each call would wait for the other threads
     with threadpool_limits(limits=1, user_api="blas"):
         triangle = triangles.find_simplex(at)
     corner = triangles.simplices[triangle]

@@ -139,7 +139,7 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 
 
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
-    """Return cells (y, x) without a height within a wall; points were interpolated over a reach."""
+    """Return the cells (y, x) in holes of a wall; of scattered points also those within a reach."""
     known = np.isfinite(wall)
     holes = measured.gaps(known)
     if reach > 0.0:

@@ -90,8 +90,9 @@ class RegisteredPair(NamedTuple):
     ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` is their
     distance at ``first_touch``, ``holes`` are cells taken out of contact because a scan has no
     height there. ``fits`` are those of all `ORIENTATIONS`, the best first; ``shift`` [m] was
-    applied to the upper wall, ``mating_shift`` is that of best fit. ``mating`` is the correlation
-    by wavelength, ``overlap`` the share of the smaller scan in the walls.
+    applied to the upper wall, ``mating_shift`` is that of best fit. ``correlation`` is that of
+    heights, ``mating`` by wavelength, ``overlap`` the share of the smaller scan, ``report`` the
+    results in sentences.
     """
 
     upper: np.ndarray

@@ -1,6 +1,4 @@
-"""Random walls of given JRC: self-affine Gaussian fields scaled to its RMS slope
-(docs/decisions.md).
-"""
+"""Random walls of given JRC: self-affine Gaussian fields scaled to its RMS slope."""
 
 import math
 from functools import lru_cache
@@ -31,9 +29,7 @@ _LN2 = 0.6931471805599453
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of heights: k^(-2 (H + 1)), or of a "walk"; flat beyond ``roll_off``
-    [cells].
-    """
+    """Power spectrum of heights: k^(-2 (H + 1)), or a "walk"; flat beyond ``roll_off`` [cells]."""
 
     hurst: float
     rule: str = "self_affine"

@@ -127,7 +127,7 @@ def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
 def settled(
     what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
 ) -> str:
-    """Return the units of the file, or those of the user; `InputError` if both or none do."""
+    """Return the units of the file or of the user; `InputError` for none, or for two different."""
     if stated is not None:
         size_of(stated)
     if of_file is None:
