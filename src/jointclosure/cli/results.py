@@ -10,13 +10,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.inputs.plain import to_plain
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import curve_table, cycle_table, has_flow
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_animation, save_figure
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.provenance import origin
+from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.storage.text import write_csv, write_text
 
 if TYPE_CHECKING:

@@ -37,15 +37,11 @@ def add_file(folder: Path, command: str, name: str) -> None:
 
 def written_files(folder: Path, command: str) -> list[str]:
     """Return the names of the files that the last run of a command wrote into a folder."""
-    return _commands(folder).get(command, [])
+    return check_record(folder).get(command, [])
 
 
-def check_record(folder: Path) -> None:
-    """Raise `InputError` if the record of a folder cannot be read; a missing record is allowed."""
-    _commands(folder)
-
-
-def _commands(folder: Path) -> dict[str, list[str]]:
+def check_record(folder: Path) -> dict[str, list[str]]:
+    """Return the files of each command by a folder's record; `InputError` if it cannot be read."""
     path = folder / RECORD
     if not path.is_file():
         return {}
@@ -63,5 +59,5 @@ def _commands(folder: Path) -> dict[str, list[str]]:
 
 
 def _record(folder: Path, command: str, names: list[str]) -> None:
-    commands = _commands(folder) | {command: names}
+    commands = check_record(folder) | {command: names}
     write_text(json.dumps(commands, indent=1, sort_keys=True) + "\n", folder / RECORD)

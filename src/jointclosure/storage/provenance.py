@@ -43,6 +43,17 @@ def configuration_text(configuration: dict[str, Any]) -> str:
     return json.dumps(configuration | {"study": study}, sort_keys=True)
 
 
+def to_plain(value: Any) -> Any:
+    """Convert named tuples to mappings and tuples to lists, at every level."""
+    if hasattr(value, "_asdict"):
+        return {name: to_plain(part) for name, part in value._asdict().items()}
+    if isinstance(value, dict):
+        return {name: to_plain(part) for name, part in value.items()}
+    if isinstance(value, tuple | list):
+        return [to_plain(part) for part in value]
+    return value
+
+
 def versions_of(*packages: str) -> dict[str, str]:
     """Return versions of the installed packages among the given ones."""
     versions = {}

@@ -111,7 +111,8 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
         x, y, heights = scan.points.T
         plane = heights - _levelled(x, y, heights)
         return Cloud(np.stack([x, y, sign * plane], axis=1))
-    return Scan(sign * (scan.heights - _levelled_grid(scan)), scan.spacing, scan.origin)
+    plane = scan.heights - _levelled(*_places(scan), scan.heights)
+    return Scan(sign * plane, scan.spacing, scan.origin)
 
 
 def wall_on_grid(
@@ -147,7 +148,8 @@ def wall_on_grid(
             f"{1e3 * distance:.4g} mm apart; what lies between them was not measured"
         )
     if isinstance(scan, Scan):
-        return _resampled(Scan(_levelled_grid(scan), scan.spacing), spacing, (0.0, 0.0))
+        level = _levelled(*_places(scan), scan.heights)
+        return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
     x, y, heights = scan.points.T
     heights = _levelled(x, y, heights)
     places = scan.points[:, :2]
@@ -185,15 +187,14 @@ def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
 
 
-def _levelled_grid(scan: Scan) -> np.ndarray:
-    """Subtract the least-squares plane from the heights of a grid; NaN remain."""
+def _places(scan: Scan) -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y (y, x) [m] of the cells of a grid from its first one."""
     y, x = np.indices(scan.heights.shape) * np.reshape(scan.spacing, (2, 1, 1))
-    level = _levelled(x.ravel(), y.ravel(), scan.heights.ravel())
-    return level.reshape(scan.heights.shape)
+    return x, y
 
 
 def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """Subtract the least-squares plane from heights (n,); NaN remain."""
+    """Subtract the least-squares plane from heights at x and y; NaN remain."""
     known = np.isfinite(heights)
     if known.sum() < 4:
         raise InputError(f"{int(known.sum())} heights: too few for a wall")
