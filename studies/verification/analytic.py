@@ -27,68 +27,48 @@ _CURVATURE, _SLOPE, _APPROACH, _DEPTH = 50.0, 0.05, 1e-6, 1e-3
 
 
 class Solution(NamedTuple):
-    """Exact solution for a contact of radius a = `RADIUS`.
-
-    ``heights`` and ``pressure`` are functions of the distance from the axis [m], the latter within
-    a; ``closure`` [m] and ``force`` [N].
-    """
+    """Exact solution for a contact of radius a = `RADIUS`; functions of the distance [m] of it."""
 
     heights: Callable[[np.ndarray], np.ndarray]
-    pressure: Callable[[np.ndarray], np.ndarray]
+    pressure: Callable[[np.ndarray], np.ndarray]  # within a
     closure: float
     force: float
 
 
-def _solutions() -> dict[str, Solution]:
-    """Return the solutions, Johnson 1985, Eqs. (4.22) to (4.24), (5.10), (3.34) to (3.36)."""
-    a, modulus = RADIUS, MODULUS
-    hertz = 2.0 * modulus * a * _CURVATURE / np.pi
-    cone = 0.5 * np.pi * _SLOPE * a
-    return {
-        "sphere": Solution(
-            lambda r: -0.5 * _CURVATURE * r**2,
-            lambda r: hertz * np.sqrt(1.0 - (r / a) ** 2),
-            _CURVATURE * a**2,
-            4.0 / 3.0 * modulus * _CURVATURE * a**3,
-        ),
-        "cone": Solution(
-            lambda r: -_SLOPE * r,
-            lambda r: 0.5 * modulus * _SLOPE * np.arccosh(a / np.maximum(r, 1e-12 * a)),
-            cone,
-            2.0 * modulus * cone**2 / (np.pi * _SLOPE),
-        ),
-        "flat punch": Solution(
-            lambda r: np.where(r <= a, 0.0, -_DEPTH),
-            lambda r: modulus * _APPROACH / (np.pi * np.sqrt(a**2 - r**2)),
-            _APPROACH,
-            2.0 * modulus * a * _APPROACH,
-        ),
-    }
-
-
-SOLUTIONS = _solutions()
+_HERTZ, _CONE = 2.0 * MODULUS * RADIUS * _CURVATURE / np.pi, 0.5 * np.pi * _SLOPE * RADIUS
+SOLUTIONS = {
+    "sphere": Solution(
+        lambda r: -0.5 * _CURVATURE * r**2,
+        lambda r: _HERTZ * np.sqrt(1.0 - (r / RADIUS) ** 2),
+        _CURVATURE * RADIUS**2,
+        4.0 / 3.0 * MODULUS * _CURVATURE * RADIUS**3,
+    ),
+    "cone": Solution(
+        lambda r: -_SLOPE * r,
+        lambda r: 0.5 * MODULUS * _SLOPE * np.arccosh(RADIUS / np.maximum(r, 1e-12 * RADIUS)),
+        _CONE,
+        2.0 * MODULUS * _CONE**2 / (np.pi * _SLOPE),
+    ),
+    "flat punch": Solution(
+        lambda r: np.where(r <= RADIUS, 0.0, -_DEPTH),
+        lambda r: MODULUS * _APPROACH / (np.pi * np.sqrt(RADIUS**2 - r**2)),
+        _APPROACH,
+        2.0 * MODULUS * RADIUS * _APPROACH,
+    ),
+}
+"""Johnson 1985, Eqs. (4.22) to (4.24), (5.10), (3.34) to (3.36)."""
 
 
 def errors_of(name: str, cells: int) -> dict[str, float]:
-    """Compare one indenter with its exact solution.
-
-    ``force_error``, relative; ``pressure_error``, sum of differences of cells' forces from the
-    exact pressures in their middles over the force; ``area_error``, relative error of the area
-    of cells with force.
-    """
+    """Compare force, pressures in the middles of cells, and area with the exact ones, relative."""
     solution, spacing = SOLUTIONS[name], RADIUS / cells
     x = spacing * np.arange(-(cells + cells // 2 + 2), cells + cells // 2 + 3)
     distance = np.hypot(x, x[:, None])
-    heights = solution.heights(distance)
+    walls = solution.heights(distance), np.zeros(distance.shape)
     result = equilibrium(
-        heights,
-        np.zeros(heights.shape),
-        spacing=spacing,
-        rock=ROCK,
-        closure=solution.closure,
-        effects=ELASTIC,
+        *walls, spacing=spacing, rock=ROCK, closure=solution.closure, effects=ELASTIC,
         unusual_values=True,
-    )
+    )  # fmt: skip
     if int(result.status) != CONVERGED:
         raise RuntimeError(f"{name}, {cells} cells: not converged")
     force, inside = result.force.values, distance < RADIUS
@@ -103,22 +83,15 @@ def errors_of(name: str, cells: int) -> dict[str, float]:
 
 
 def analytic_table(cells: Sequence[int] = (4, 8, 16, 32)) -> pd.DataFrame:
-    """Tabulate the errors of all indenters by grid, and the observed order of the force.
-
-    ``order`` is the power of the spacing with which the error of the force fell since the grid
-    before, NaN for the first.
-    """
-    rows = []
+    """Tabulate the errors of all indenters by grid, and the observed order of the force."""
+    rows: list[dict] = []
     for name in SOLUTIONS:
-        errors = [errors_of(name, number) for number in cells]
-        before = None
-        for number, error in zip(cells, errors, strict=True):
-            order = np.nan
-            if before is not None:
-                fell = abs(before[1] / error["force_error"])
-                order = float(np.log(fell) / np.log(number / before[0]))
-            rows.append({"indenter": name, "cells": number, **error, "order": order})
-            before = number, error["force_error"]
+        for place, number in enumerate(cells):
+            row = {"indenter": name, "cells": number, **errors_of(name, number), "order": np.nan}
+            if place:
+                fell = abs(rows[-1]["force_error"] / row["force_error"])
+                row["order"] = float(np.log(fell) / np.log(number / cells[place - 1]))
+            rows.append(row)
     return pd.DataFrame(rows)
 
 

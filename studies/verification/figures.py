@@ -54,13 +54,9 @@ def _draw(axes, panel: str, rows: pd.DataFrame, curves: pd.DataFrame) -> None:
         if len(curve) > 1:
             axes.plot(curve.closure_m, curve.normal_stress_Pa, style, color=colour, lw=0.8)
             text = f"{_METRES(curve.closure_m.max())}, {_PASCALS(curve.normal_stress_Pa.max())}"
-        height = 0.91 - 0.13 * place
-        axes.plot(
-            0.05, height, "s", ms=7, color=MARKS[_mark(row)], transform=axes.transAxes, zorder=5
-        )
-        axes.text(
-            0.1, height, text, color=colour, transform=axes.transAxes, va="center", fontsize=7
-        )
+        height, on = 0.91 - 0.13 * place, {"transform": axes.transAxes}
+        axes.plot(0.05, height, "s", ms=7, color=MARKS[_mark(row)], zorder=5, **on)
+        axes.text(0.1, height, text, color=colour, va="center", fontsize=7, **on)
     axes.set(xticks=[], yticks=[])
     axes.margins(x=0.06, y=0.12)
     axes.set_title(_wrapped(panel.replace("_", " ")), fontsize=8)
@@ -84,10 +80,8 @@ def _mark(row) -> str:
     return "holds: refused, or fails by name as it must"
 
 
-FLOOR = 1e-17
-"""Errors below are drawn here: no error at all, in double precision."""
-CEILING = 1e2
-"""Errors above are drawn here, and formulas that gave no number."""
+FLOOR, CEILING = 1e-17, 1e2
+"""Errors beyond are drawn here: none at all in double precision, or formulas without a number."""
 
 _OURS, _PRINTED = "C0", ("C3", "C1", "C4")
 _PANELS = {
@@ -112,10 +106,7 @@ _LEGENDS: dict[str, dict[str, Any]] = {
 
 @styled
 def numerics_figure(numerics: pd.DataFrame) -> Figure:
-    """Errors against 50 digits, and the sweep against the fast solver.
-
-    Axes end at `FLOOR` and `CEILING`; what lies beyond is drawn on them.
-    """
+    """Draw errors against 50 digits, and the sweep against the fast solver."""
     figure, panels = subplots(2, 2, figsize=(11.0, 8.6))
     for axes, (subject, (at, error)) in zip(panels.flat, _PANELS.items(), strict=True):
         part = numerics[numerics.subject == subject]
@@ -129,14 +120,8 @@ def numerics_figure(numerics: pd.DataFrame) -> Figure:
         labels = [f"$10^{{{power}}}$" for power in powers]
         if subject != "convergence":
             labels[0] = f"$\\leq{labels[0][1:]}"
-            axes.axhline(
-                np.finfo(float).eps,
-                color="0.6",
-                lw=0.9,
-                ls=(0, (4, 3)),
-                zorder=0,
-                label="rounding of one number, $2^{-52}$",
-            )
+            rounding = {"ls": (0, (4, 3)), "label": "rounding of one number, $2^{-52}$"}
+            axes.axhline(np.finfo(float).eps, color="0.6", lw=0.9, zorder=0, **rounding)
         axes.set_yticks(10.0**powers, labels)
         axes.minorticks_off()
         axes.legend(frameon=False, fontsize=8, **_LEGENDS[subject])
@@ -145,38 +130,25 @@ def numerics_figure(numerics: pd.DataFrame) -> Figure:
 
 
 def _draw_errors(axes, part: pd.DataFrame) -> None:
-    printed = iter(_PRINTED)
-    ours = 0
+    printed, fill = iter(_PRINTED), iter((_OURS, "none"))
     for name, series in part.groupby("series", sort=False):
         error = np.clip(series["error"].to_numpy(), FLOOR, CEILING)
         if name.startswith("jointclosure"):
-            style = {"color": _OURS, "marker": "o", "ms": 3.0, "lw": 0.8}
-            style["mfc"] = "none" if ours else _OURS
-            ours += 1
+            style = {"color": _OURS, "marker": "o", "ms": 3.0, "lw": 0.8, "mfc": next(fill)}
         else:
             style = {"color": next(printed), "marker": ".", "ms": 4.0, "lw": 1.2}
         axes.plot(series["at"], error, label=name, **style)
     if (part["error"] > CEILING).any():
-        axes.text(
-            0.02,
-            0.1 * CEILING,
-            "on top: larger, or no number",
-            transform=axes.get_yaxis_transform(),
-            fontsize=7.5,
-            color="0.4",
-        )
+        style = {"transform": axes.get_yaxis_transform(), "fontsize": 7.5, "color": "0.4"}
+        axes.text(0.02, 0.1 * CEILING, "on top: larger, or no number", **style)
 
 
 def _draw_convergence(axes, part: pd.DataFrame) -> None:
+    stop = {"color": _PRINTED[0], "marker": "X", "ms": 10, "ls": ""}
     styles = {
         "all contacts at once": {"color": _PRINTED[1], "lw": 0.6},
         "contact by contact": {"color": _PRINTED[0], "lw": 1.6},
-        "contact by contact, stopped at 1 %": {
-            "color": _PRINTED[0],
-            "marker": "X",
-            "ms": 10,
-            "ls": "",
-        },
+        "contact by contact, stopped at 1 %": stop,
         "jointclosure": {"color": _OURS, "marker": "o", "ms": 4.0, "lw": 1.2},
     }
     for name, style in styles.items():

@@ -25,7 +25,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.joint.warmup import compile_kernels, kernels_of
-from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, rock_of
+from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
@@ -162,15 +162,14 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
     """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
-    return kernels_of(
-        (
-            Effects(**case["effects"]),
-            Choices()._replace(**case["choices"]),
-            Numerics()._replace(**case["numerics"]),
-        )
-        for case in cases
-        if case["expect"] != "refused"
-    )
+    answered = (case for case in cases if case["expect"] != "refused")
+    return kernels_of(map(_model, answered))
+
+
+def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
+    """Return effects, choices and numerics, which the simulation refuses if out of range."""
+    changed = Choices()._replace(**case["choices"]), Numerics()._replace(**case["numerics"])
+    return Effects(**case["effects"]), *changed
 
 
 _compile_once = lru_cache(maxsize=None)(compile_kernels)
@@ -180,9 +179,8 @@ _compile_once = lru_cache(maxsize=None)(compile_kernels)
 def _run(frozen: str) -> Outcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
-        choices, numerics = Choices(peaks=case["choices"]["peaks"]), case["numerics"]
-        effects = Effects(**case["effects"])
-        _compile_once(effects, choices, numerics["solver"], numerics["breakage"])
+        (effects, _, numerics), peaks = _model(case), case["choices"]["peaks"]
+        _compile_once(effects, Choices(peaks=peaks), numerics.solver, numerics.breakage)
     setting = _setting(case)
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))
@@ -195,22 +193,14 @@ def _run(frozen: str) -> Outcome:
         warnings.simplefilter("always")
         try:
             if case["closure"] is not None:
-                dataset = equilibrium(
-                    upper, lower, closure=case["closure"], unusual_values=True, **setting
-                )
+                stated = setting | {"closure": case["closure"], "unusual_values": True}
+                dataset = equilibrium(upper, lower, **stated)
             else:
                 target = _target(case, upper, lower, setting)
+                stated = setting | {"max_normal_stress": target, "cycles": case["cycles"]}
+                conditions = Conditions(seating_stress=0.0, unusual_values=True, **stated)
                 dataset = simulate_by(
-                    lambda name: JudgedSolver(solver_named(name), judge),
-                    upper,
-                    lower,
-                    Conditions(
-                        max_normal_stress=target,
-                        cycles=case["cycles"],
-                        seating_stress=0.0,
-                        unusual_values=True,
-                        **setting,
-                    ),
+                    lambda name: JudgedSolver(solver_named(name), judge), upper, lower, conditions
                 )
             bits = int(dataset.status)
             status = " ".join(name for bit, name in FLAGS.items() if bits & bit) or "success"
@@ -228,40 +218,32 @@ def _run(frozen: str) -> Outcome:
 def _setting(case: dict) -> dict:
     """Return walls and arguments of `simulate` of a case, with lengths and stresses scaled."""
     lengths, stresses = case["scale_lengths"], case["scale_stresses"]
-    walls = case["walls"]
-    spacing = case["spacing"]
-    made = hard_walls(
-        walls["kind"], walls["cells"], spacing, walls["height"], walls["jrc"], walls["seed"]
-    )
-    pair = [
-        walls["factor"] * lengths * wall + offset
-        for wall, offset in zip(made, walls["offset"], strict=True)
-    ]
-    rocks = [
-        rock_of(
-            {
-                name: value * stresses if OF_ROCK[name].si_unit == "Pa" else value
-                for name, value in rock.items()
-            }
-        )
-        for rock in (case["rock"], case["lower_rock"] or case["rock"])
-    ]
+    walls, spacing = case["walls"], case["spacing"]
+    stated = (walls[name] for name in ("height", "jrc", "seed"))
+    made = hard_walls(walls["kind"], walls["cells"], spacing, *stated)
+    offsets = zip(made, walls["offset"], strict=True)
+    pair = [walls["factor"] * lengths * wall + offset for wall, offset in offsets]
+
+    def scaled(rock: dict) -> Rock:
+        in_pascals = (name for name in rock if OF_ROCK[name].si_unit == "Pa")
+        return rock_of(rock | {name: rock[name] * stresses for name in in_pascals})
+
+    rocks = [scaled(rock) for rock in (case["rock"], case["lower_rock"] or case["rock"])]
     if case["swapped"]:
         pair, rocks = pair[::-1], rocks[::-1]
-    numerics = {
-        name: value * lengths if name.endswith(_LENGTHS) else value
-        for name, value in case["numerics"].items()
+    effects, choices, numerics = _model(case)
+    steps = {
+        name: lengths * value
+        for name, value in numerics._asdict().items()
+        if name in case["numerics"] and name.endswith(_LENGTHS)
     }
-    choices = dict(case["choices"])
-    if choices["largest_radius"] is not None:
-        choices["largest_radius"] *= lengths
-    return {
-        "walls": pair,
-        "spacing": spacing * lengths,
-        "rock": (rocks[0], rocks[1]),
-        "effects": Effects(**case["effects"]),
-        "choices": Choices()._replace(**choices),  # the simulation refuses what is out of range
-        "numerics": Numerics()._replace(**numerics),
+    if choices.largest_radius is not None:
+        choices = choices._replace(largest_radius=lengths * choices.largest_radius)
+    setting = {"walls": pair, "spacing": spacing * lengths, "rock": (rocks[0], rocks[1])}
+    return setting | {
+        "effects": effects,
+        "choices": choices,
+        "numerics": numerics._replace(**steps),
     }
 
 
@@ -281,8 +263,5 @@ def tolerances_of(case: dict) -> dict[str, float]:
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
     if by_stress and solver_named(numerics.solver).elastic_curve:
         residual = min(residual, ELASTIC_TOLERANCE)
-    return {
-        "residual": residual,
-        "strength": 0.5 * BAND * numerics.tolerance if numerics.breakage == "resolved" else 0.0,
-        "target": numerics.stress_tolerance,
-    }
+    strength = 0.5 * BAND * numerics.tolerance if numerics.breakage == "resolved" else 0.0
+    return {"residual": residual, "strength": strength, "target": numerics.stress_tolerance}

@@ -5,6 +5,8 @@ of the same; and exact values by mpmath in 50 digits for the same double-precisi
 the errors of each form.
 """
 
+from typing import Any
+
 import mpmath
 import numpy as np
 import pandas as pd
@@ -21,13 +23,8 @@ MEANS, DEVIATIONS, SAMPLES = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083), 20
 """Closures [mm] and their deviations for the errors of the quartic, near those of dolerite."""
 
 
-def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
-    """Compute delta_a [m] by Eqs. (11) and (13) with the principal cube root."""
-    return _deformations(overlap, gamma, sign)[:, 0]
-
-
-def _deformations(overlap: float, gamma: float, sign: int) -> np.ndarray:
-    """Compute delta_a (upper and lower sign, cube root) of Eqs. (11) and (13)."""
+def deformations_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
+    """Compute delta_a [m] (upper and lower sign, cube root, principal first), Eqs. (11), (13)."""
     under = complex(sign * (81.0 * gamma**2 * overlap**2 - 12.0 * overlap))
     signs = np.array([[1.0], [-1.0]])
     with np.errstate(divide="ignore", invalid="ignore"):  # failures of the formula are measured
@@ -38,9 +35,8 @@ def _deformations(overlap: float, gamma: float, sign: int) -> np.ndarray:
 
 def deformation_by_force(overlap: float, gamma: float) -> float:
     """Compute delta_a [m] as the package does, through the force."""
-    asperity = 1.0  # the unit of force is arbitrary
-    force, _ = force_of_overlap(overlap, gamma, asperity)
-    return float(asperity * np.cbrt(force) ** 2)
+    force, _ = force_of_overlap(overlap, gamma, 1.0)  # the unit of force is arbitrary
+    return float(np.cbrt(force) ** 2)
 
 
 def exact_deformation(overlap: float, gamma: float) -> mpmath.mpf:
@@ -64,21 +60,16 @@ def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
     for g in ratios:
         gamma = float(g / np.sqrt(OVERLAP))
         exact = exact_deformation(OVERLAP, gamma)
-        printed = [
-            min(relative_error(value, exact) for value in deformation_as_printed(OVERLAP, gamma, s))
-            for s in (-1, +1)
-        ]
+        printed, corrected = (deformations_as_printed(OVERLAP, gamma, sign) for sign in (-1, 1))
         # of both signs and all cube roots: what remains once misprint and branch are corrected
-        best = min(
-            relative_error(complex(value), exact)
-            for value in _deformations(OVERLAP, gamma, +1).ravel()
-        )
-        rows += [
-            ("Eq. (13) as printed", g, printed[0]),
-            ("sign corrected, principal root", g, printed[1]),
-            ("sign corrected, best root", g, best),
-            ("jointclosure", g, relative_error(deformation_by_force(OVERLAP, gamma), exact)),
-        ]
+        series: dict[str, Any] = {
+            "Eq. (13) as printed": printed[:, 0],
+            "sign corrected, principal root": corrected[:, 0],
+            "sign corrected, best root": corrected.ravel(),
+            "jointclosure": [deformation_by_force(OVERLAP, gamma)],
+        }
+        for name, values in series.items():
+            rows.append((name, g, min(relative_error(complex(value), exact) for value in values)))
     return _table("cubic", rows)
 
 
@@ -101,15 +92,12 @@ def exact_displacement(distance: float, base_radius: float, modulus: float) -> m
 
 def far_field_errors(ratios: np.ndarray) -> pd.DataFrame:
     """Compute relative errors of the displacement at distances zeta/r (k,)."""
+    forms = {"Eq. (17) as printed": displacement_as_printed, OURS: interaction_displacement}
     rows = []
     for ratio in ratios:
         arguments = (0.125e-3 * float(ratio), 0.125e-3, 40e9)
         exact = exact_displacement(*arguments)
-        for name, formula in (
-            ("Eq. (17) as printed", displacement_as_printed),
-            ("jointclosure", interaction_displacement),
-        ):
-            rows.append((name, ratio, relative_error(formula(*arguments), exact)))
+        rows += [(name, ratio, relative_error(f(*arguments), exact)) for name, f in forms.items()]
     return _table("far field", rows)
 
 
@@ -181,11 +169,7 @@ def _exact_quadratic(u, values):
 
 
 def quartic_errors(half_ranges: np.ndarray, base: float) -> pd.DataFrame:
-    """Compute relative errors of the length for levels base (1 -+ half range) (k,).
-
-    The responses at the levels are the same for all half ranges (`MEANS`, `DEVIATIONS`), so that
-    the length is a fixed share of the half range.
-    """
+    """Compute relative errors of the length for levels base (1 -+ half range) (k,)."""
     critical = float(scipy.stats.t.ppf(0.975, 2 * SAMPLES - 2))
     rows = []
     for half in half_ranges:
@@ -226,30 +210,20 @@ _SOLVED = 1.01e-10
 
 
 def formula_rows(errors: pd.DataFrame, loads: pd.DataFrame) -> list[dict]:
-    """Return rows for the table of hard cases.
-
-    With the columns of rows of joints, and ``largest_error``.
-    """
+    """Return rows for the table of hard cases, with ``largest_error`` besides its columns."""
     rows = []
     for subject, (hard, limit) in FORMULAS.items():
         ours = errors[(errors.subject == subject) & errors.series.str.startswith(OURS)]
         worst = float(np.max(ours.error.to_numpy())) if len(ours) else np.inf
-        rows.append(
-            _row(subject.replace(" ", "_"), hard, f"relative error at most {limit:g}", worst, limit)
-        )
+        must = f"relative error at most {limit:g}"
+        rows.append(_row(subject.replace(" ", "_"), hard, must, worst, limit))
     for joint, part in loads.groupby("joint", sort=False):
-        beyond = part[part.spectral_radius >= 1.0]
         name = joint.replace("'s", "").replace(" ", "_")
-        rows.append(
-            _row(
-                f"interaction_{name}",
-                f"{len(part)} loads, on {len(beyond)} of which the sweep of the paper, read as "
-                "simultaneous, does not converge",
-                f"the fast solver's residual is at most {_SOLVED:g}, by a dense matrix",
-                float(np.max(part.fast_residual.to_numpy())),
-                _SOLVED,
-            )
-        )
+        hard = f"{len(part)} loads, on {np.sum(part.spectral_radius >= 1.0)} of which the sweep of "
+        hard += "the paper, read as simultaneous, does not converge"
+        must = f"the fast solver's residual is at most {_SOLVED:g}, by a dense matrix"
+        worst = float(np.max(part.fast_residual.to_numpy()))
+        rows.append(_row(f"interaction_{name}", hard, must, worst, _SOLVED))
     return rows
 
 

@@ -37,11 +37,8 @@ def _judged(outcome) -> list[str]:
     worst, limits = outcome.judge.worst, outcome.judge.limits
     if not worst:
         return [] if int(outcome.dataset.status) >= FAILURE else ["the oracle saw no state"]
-    return [
-        f"{name} {worst[name]:.3g}, at most {limit:.3g}"
-        for name, limit in limits.items()
-        if not worst[name] <= limit
-    ]
+    above = (name for name in limits if not worst[name] <= limits[name])
+    return [f"{name} {worst[name]:.3g}, at most {limits[name]:.3g}" for name in above]
 
 
 def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
@@ -145,12 +142,8 @@ EXTRA: dict[str, Callable[..., list[str]]] = {
 """Requirements of single cases, by their key under ``must``."""
 
 
-ERRORS: dict[str, tuple[str, ...]] = {
-    "forces": ("residual", "without_overlap", "without_force"),
-    "load": ("load",),
-    "volume": ("volume",),
-    "strength": ("strength",),
-}
+ERRORS: dict[str, tuple[str, ...]] = {"forces": ("residual", "without_overlap", "without_force")}
+ERRORS |= {name: (name,) for name in ("load", "volume", "strength")}
 """Errors of a case, all relative: the largest of these fields of `oracle.Verdict`."""
 GROWTH = 4.0
 """Allowed ratio of an error to the stored one."""

@@ -32,28 +32,20 @@ FAST_TOLERANCES = 10.0 ** -np.arange(1.0, 13.0)
 
 
 class Problem(NamedTuple):
-    """Contacts (n,) at one closure, tallest first, and the influence between them.
-
-    ``table`` is the solvers' influence by distance; ``matrix`` (n, n) [m/N] is the same computed
-    here, with which residuals are computed.
-    """
+    """Contacts (n,) at one closure, tallest first, and the influence between them."""
 
     contacts: Contacts
-    table: np.ndarray
-    matrix: np.ndarray
+    table: np.ndarray  # of the solvers, by distance
+    matrix: np.ndarray  # (n, n) [m/N], the same computed here, for residuals
 
 
 class History(NamedTuple):
-    """Forces (n,) [N] at the end, residuals (k,) after every pass, and the stop at 1 %.
-
-    ``stop`` is the pass (from 1) after which no force had changed by more than `PAPER_TOLERANCE`, 0
-    if there was none; ``stopped`` the forces then.
-    """
+    """Forces (n,) [N] at the end, residuals (k,) after every pass, and the stop at 1 %."""
 
     force: np.ndarray
     residuals: np.ndarray
-    stop: int
-    stopped: np.ndarray
+    stop: int  # first pass that changed no force by more than `PAPER_TOLERANCE`, or 0
+    stopped: np.ndarray  # the forces then
 
 
 def paper_walls() -> tuple[np.ndarray, np.ndarray]:
@@ -75,21 +67,16 @@ def polished_walls() -> tuple[np.ndarray, np.ndarray]:
 def problem_at(
     upper: np.ndarray, lower: np.ndarray, closure: float, base_radius_in_cells: float, peaks: bool
 ) -> Problem:
-    """Return the contacts of two walls (y, x) [m] in dolerite at a closure [m].
-
-    ``peaks`` says whether peaks are soft.
-    """
+    """Return the contacts of two walls (y, x) [m] in dolerite, with soft peaks or without."""
     effects = Effects(breakage=False, gouge=False, soft_peaks=peaks)
     choices = Choices(base_radius_in_cells=base_radius_in_cells)
     law = contact_law(SPACING, (DOLERITE, DOLERITE), effects, choices)
     offset = closure - float((upper + lower).max())
-    cells, overlap, _, compliance = overlapping_cells(
-        upper, lower, offset, peak_map(upper, lower), law
-    )
-    order = np.argsort(-overlap, kind="stable")
-    contacts = Contacts(
-        cells[order], overlap[order], compliance[order], np.full(cells.size, np.inf), law.substrate
-    )
+    peak = peak_map(upper, lower)
+    cells, overlap, _, compliance = overlapping_cells(upper, lower, offset, peak, law)
+    order, strength = np.argsort(-overlap, kind="stable"), np.full(cells.size, np.inf)
+    of_cells = compliance[order], strength
+    contacts = Contacts(cells[order], overlap[order], *of_cells, law.substrate)
     table = influence_table(*upper.shape, law.base_radius, law.substrate_modulus, law.spacing)
     return Problem(contacts, table, dense_influence_matrix(contacts.cells, upper.shape[1], law))
 
@@ -174,13 +161,8 @@ def _history(problem, force, sweep, tolerance, most) -> History:
 
 def fast(problem: Problem, tolerance: float) -> tuple[np.ndarray, int]:
     """Return forces (n,) [N] by the fast solver from zero force, and products with the matrix."""
-    solution = solve_equilibrium(
-        influence_of(problem.table),
-        problem.contacts,
-        np.zeros(problem.contacts.cells.size),
-        np.nan,
-        tolerance,
-    )
+    influence, start = influence_of(problem.table), np.zeros(problem.contacts.cells.size)
+    solution = solve_equilibrium(influence, problem.contacts, start, np.nan, tolerance)
     return solution.force, solution.products
 
 
@@ -212,24 +194,15 @@ def critical_closure(upper: np.ndarray, lower: np.ndarray, steps: int = 24) -> f
 def load_table() -> pd.DataFrame:
     """Tabulate both readings and the fast solver over loads, for the paper's and polished walls.
 
-    For each load: nominal stress, number of contacts, spectral radius of a
-    simultaneous pass; passes of both readings until the 1 % test (0: never, in
-    `MOST_SIMULTANEOUS_PASSES` or `MOST_PASSES`) and the error of the forces then
-    (sum |F - F*| / sum F*, and the largest relative error); sweeps and products
-    to a residual of 1e-10, and the fast solver's residual.
+    ``stops_after``: passes until the 1 % test (0: never, in `MOST_SIMULTANEOUS_PASSES` or
+    `MOST_PASSES`), with the error of the forces then, sum |F - F*| / sum F*, and the largest one.
     """
-    upper, lower = paper_walls()
-    critical = critical_closure(upper, lower)
-    rows = [
-        _at_load("paper's grid", upper, lower, part * critical, 0.5, True)
-        for part in (0.5, 0.95, 0.99, 1.0, 1.01, 1.05, 1.5, 2.0)
-    ]
-    upper, lower = polished_walls()
-    height = float(np.ptp(upper + lower))
-    rows += [
-        _at_load("polished", upper, lower, part * height, 1.0, False)
-        for part in (0.3, 1.0, 3.0, 10.0, 100.0)
-    ]
+    walls, parts = paper_walls(), (0.5, 0.95, 0.99, 1.0, 1.01, 1.05, 1.5, 2.0)
+    critical = critical_closure(*walls)
+    rows = [_at_load("paper's grid", *walls, part * critical, 0.5, True) for part in parts]
+    walls = polished_walls()
+    height, heights = float(np.ptp(walls[0] + walls[1])), (0.3, 1.0, 3.0, 10.0, 100.0)
+    rows += [_at_load("polished", *walls, part * height, 1.0, False) for part in heights]
     return pd.DataFrame(rows)
 
 
@@ -274,18 +247,13 @@ def _at_load(name, upper, lower, closure, base_radius_in_cells, peaks) -> dict:
         "spectral_radius": spectral_radius(problem, exact),
     }
     for reading, history in (("simultaneous", by_pass), ("one_sided", by_contact)):
+        force, on = history.stopped if history.stop else history.force, exact > 0.0
+        off = np.abs(force - exact)
         row[f"{reading}_stops_after"] = history.stop
-        row[f"{reading}_error"], row[f"{reading}_largest_error"] = _errors(
-            history.stopped if history.stop else history.force, exact
-        )
+        row[f"{reading}_error"] = float(off.sum() / exact.sum())
+        row[f"{reading}_largest_error"] = float((off[on] / exact[on]).max())
     return row | {
         "one_sided_sweeps_to_1e-10": by_contact.residuals.size,
         "fast_products_to_1e-10": products,
         "fast_residual": residual(problem, solved),
     }
-
-
-def _errors(force: np.ndarray, exact: np.ndarray) -> tuple[float, float]:
-    on = exact > 0.0
-    difference = np.abs(force - exact)
-    return float(difference.sum() / exact.sum()), float((difference[on] / exact[on]).max())

@@ -14,13 +14,8 @@ NUMERICS = jc.Numerics(force_tolerance=1e-8)
 TOLERANCES = {"residual": 1e-8, "strength": 0.0, "target": 1e-3}
 
 
-@pytest.fixture(scope="module")
-def settled():
-    """A joint at rest after breakage: what it was, and its state."""
-    return at_rest(jc.Choices())
-
-
 def at_rest(choices):
+    """A joint at rest after breakage: what it was, and its state."""
     walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
     effects = jc.Effects()
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
@@ -29,6 +24,11 @@ def at_rest(choices):
     given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)
     state = oracle.State(joint.upper, joint.lower, joint.force, answer.closure, answer.total_force)
     return given, state
+
+
+@pytest.fixture(scope="module")
+def settled():
+    return at_rest(jc.Choices())
 
 
 def complaints(given, state):
@@ -74,12 +74,6 @@ def test_a_wrong_force_is_noticed(settled, cell, share, named):
     assert complaints(given, state._replace(force=force)) >= named
 
 
-def test_a_wrong_total_is_noticed(settled):
-    given, state = settled
-    wrong = state._replace(total_force=state.total_force * (1 + 1e-9))
-    assert complaints(given, wrong) == {"load"}
-
-
 @pytest.mark.parametrize("wall", ["upper", "lower"])
 def test_a_volume_that_is_lost_is_noticed(settled, wall):
     given, state = settled
@@ -89,8 +83,11 @@ def test_a_volume_that_is_lost_is_noticed(settled, wall):
     assert complaints(given, state._replace(**{wall: lower})) == {"volume"}
 
 
-def test_a_peak_that_grew_is_noticed(settled):
+def test_a_wrong_total_a_number_that_is_none_and_a_peak_that_grew_are_noticed(settled):
     given, state = settled
+    wrong = state._replace(total_force=state.total_force * (1 + 1e-9))
+    assert complaints(given, wrong) == {"load"}
+    assert complaints(given, state._replace(force=changed(state.force, (3, 3), np.nan)))
     at = np.unravel_index(given.upper.argmax(), given.upper.shape)
     grown = changed(state.upper, at, np.ptp(given.upper))
     assert "raised" in complaints(given, state._replace(upper=grown))
@@ -120,12 +117,6 @@ def test_a_lower_strength_is_noticed(settled):
 def test_forces_of_another_model_are_noticed(settled, change):
     given, state = settled
     assert "residual" in complaints(given._replace(**change), state)
-
-
-def test_nan_is_noticed(settled):
-    given, state = settled
-    force = changed(state.force, (3, 3), np.nan)
-    assert complaints(given, state._replace(force=force))
 
 
 def test_influence_agrees_near_and_far_and_with_the_printed_form():

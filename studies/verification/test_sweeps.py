@@ -72,21 +72,16 @@ def test_the_fast_solver_is_in_equilibrium_at_every_load_of_the_hardest_walls(wa
     effects, choices = Effects(breakage=False, gouge=False, soft_peaks=False), Choices(1.0)
     joint = oracle.Joint(upper, lower, SPACING, DOLERITE, effects, choices)
     state = oracle.State(upper, lower, found, closure, found.sum())
-    misfit = oracle.residual(joint, state)
-    assert misfit < 1e-10 * closure
+    assert oracle.residual(joint, state) < 1e-10 * closure
 
 
 @pytest.mark.parametrize("start", [0.0, 1e-12, 1e6])
 @pytest.mark.parametrize("given", ["closure", "total force"])
 def test_the_hardest_case_depends_neither_on_the_start_nor_on_what_is_given(hardest, start, given):
     exact, _ = sweeps.fast(hardest, 1e-13)
-    found = solve_equilibrium(
-        influence_of(hardest.table),
-        hardest.contacts,
-        np.full(exact.size, start),
-        np.nan if given == "closure" else float(exact.sum()),
-        1e-10,
-    )
+    total = np.nan if given == "closure" else float(exact.sum())
+    stated = influence_of(hardest.table), hardest.contacts, np.full(exact.size, start)
+    found = solve_equilibrium(*stated, total, 1e-10)
     assert found.residual <= 1e-10
     assert abs(found.shift) < 1e-12 * hardest.contacts.overlap.max()
     np.testing.assert_allclose(found.force, exact, atol=1e-9 * exact.max())
