@@ -4,6 +4,7 @@
 """
 
 import contextlib
+import itertools
 import os
 import random
 import shutil
@@ -19,7 +20,7 @@ from tests.engine.test_forks import processes_in
 from tests.workflow.runs import ROOT, STAMP, checkout
 
 pytestmark = pytest.mark.slow
-ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "12"))
+ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "8"))
 SECONDS = 30.0
 """Within which all must have ended."""
 GOES_ON = "the same command goes on from there"
@@ -32,6 +33,8 @@ rocks:
 statistics: {bootstrap_resamples: 10, repetitions: 100, control_variates: 100}
 output: {stress_points: 5}
 """
+STUDY = ("make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2")
+HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
 
 
 @pytest.fixture
@@ -42,22 +45,32 @@ def folder(tmp_path):
     return made
 
 
-STUDY = ("make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2")
-
-
 def started(folder: Path, command: tuple[str, ...] = STUDY) -> subprocess.Popen:
     """`make` in a session of its own, with interrupts heeded as from a terminal."""
-    heeded = (
-        "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
-    )
     with open(folder / "output.txt", "w") as output:
         return subprocess.Popen(
-            [sys.executable, "-c", heeded, *command],
+            [sys.executable, "-c", HEEDED, *command],
             cwd=folder,
             stdout=output,
             stderr=output,
             start_new_session=True,
         )
+
+
+def ask(run: subprocess.Popen, number: int, whom: str) -> None:
+    """Signal make alone, or its whole group as a terminal and `timeout` do."""
+    with contextlib.suppress(ProcessLookupError):
+        (os.killpg if whom == "group" else os.kill)(run.pid, number)
+
+
+def wait_for_the_end(folder: Path, run: subprocess.Popen) -> str:
+    """Wait until nothing works in a folder; what was printed."""
+    start = time.monotonic()
+    while run.poll() is None or processes_in(folder):
+        working = [process.cmdline() for process in processes_in(folder)]
+        assert time.monotonic() - start < SECONDS, working
+        time.sleep(0.1)
+    return (folder / "output.txt").read_text()
 
 
 @pytest.mark.parametrize("whom", ["process", "group"])
@@ -69,72 +82,41 @@ def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts
     for name in (*needed, "workflow/scripts/process_group.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
-    chance = random.Random(number)
     run = started(tmp_path, ("make", "setup"))
-    time.sleep(chance.uniform(0.5, 10.0))
+    time.sleep(random.Random(number).uniform(0.5, 10.0))
     ask(run, number, whom)
-    ended(tmp_path, run)
+    wait_for_the_end(tmp_path, run)
     assert run.returncode != 0
     assert not (tmp_path / STAMP).exists()
 
 
-def ask(run: subprocess.Popen, number: int, whom: str) -> None:
-    """Signal make alone, or its whole group as a terminal and `timeout` do."""
-    with contextlib.suppress(ProcessLookupError):
-        (os.killpg if whom == "group" else os.kill)(run.pid, number)
-
-
-def ended(folder: Path, run: subprocess.Popen) -> float:
-    """Wait until nothing works in a folder; the seconds that it took."""
-    start = time.monotonic()
-    while run.poll() is None or processes_in(folder):
-        seconds = time.monotonic() - start
-        assert seconds < SECONDS, [process.cmdline() for process in processes_in(folder)]
-        time.sleep(0.1)
-    return time.monotonic() - start
-
-
-def wait_for(folder: Path, text: str, run: subprocess.Popen) -> None:
-    log = folder / "results/ended/logs/make_study.log"
-    while not log.is_file() or text not in log.read_text():
-        assert run.poll() is None, (folder / "output.txt").read_text()
-        time.sleep(0.05)
-
-
 def test_a_run_under_timeout_ends_while_it_is_planned(folder):
     """`timeout` sends TERM to make, make to the run, and `timeout` to the whole group again."""
-    run = started(folder)
-    wait_for(folder, "Snakemake version", run)
+    run, log = started(folder), folder / "results/ended/logs/make_study.log"
+    while not log.is_file() or "Snakemake version" not in log.read_text():
+        assert run.poll() is None, (folder / "output.txt").read_text()
+        time.sleep(0.05)
     ask(run, signal.SIGTERM, "process")
     ask(run, signal.SIGTERM, "group")
-    ended(folder, run)
+    assert GOES_ON in wait_for_the_end(folder, run)
     assert run.returncode != 0
-    assert GOES_ON in (folder / "output.txt").read_text()
 
 
 def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
     """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
     chance = random.Random(1)
-    kinds = [
-        (number, times, whom)
-        for number in (signal.SIGTERM, signal.SIGINT)
-        for times in (1, 2)
-        for whom in ("process", "group")
-    ]
-    for count in range(ENDINGS):
-        number, times, whom = kinds[count % len(kinds)]
+    kinds = itertools.product((signal.SIGTERM, signal.SIGINT), (1, 2), ("process", "group"))
+    for number, times, whom in itertools.islice(itertools.cycle(kinds), ENDINGS):
         run = started(folder)
         time.sleep(chance.uniform(0.0, 25.0))
         finished = run.poll() is not None
         for _ in range(times):
             ask(run, number, whom)
             time.sleep(chance.choice([0.0, 0.01, 0.5, 2.0]))
-        seconds = ended(folder, run)
-        output = (folder / "output.txt").read_text()
-        print(signal.Signals(number).name, times, whom, f"{seconds:.1f} s", run.returncode, output)
-        assert "Traceback" not in output
-        finished = finished or "Results are in" in output  # before the signal had an effect
-        assert finished or run.returncode == 0 or GOES_ON in output
+        printed = wait_for_the_end(folder, run)
+        assert "Traceback" not in printed
+        finished = finished or "Results are in" in printed  # before the signal had an effect
+        assert finished or run.returncode == 0 or GOES_ON in printed
     run = started(folder)
     assert run.wait() == 0, (folder / "output.txt").read_text()
     assert (folder / "results/ended/study.nc").is_file()

@@ -53,11 +53,9 @@ if "pool" in ENSEMBLES:
         input:
             walls=WALLS,
             closed=closed_apart(*PILOTS, *CACHED("pool")),
-            # which closes its joints first, with all cores
-            study=ancient(f"{RESULTS}/study.nc"),
         output:
             joints=f"{RESULTS}/pool.nc",
-        priority: 0
+        priority: 0  # after the study, as both take all cores
         params:
             ensemble="pool",
             configuration=closed_keys(config),
