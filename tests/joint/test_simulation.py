@@ -10,9 +10,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.protocol import FLAGS
 from jointclosure.joint.simulation import height_datum
-from jointclosure.parameters import well_posed_scenes
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.storage.netcdf import read_netcdf
@@ -163,18 +162,6 @@ def test_every_step_of_unloading_counts_from_where_the_last_one_ended(walls, tar
         assert set(itertools.pairwise(steps)) <= set(begun)
         if target == "interpolate":  # the paper's meets the target exactly
             assert on(joint, cycle, "loading")[1][-1] == pytest.approx(TARGET, rel=1e-12)
-
-
-@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
-@pytest.mark.parametrize("effects", list(well_posed_scenes()), ids=str)
-def test_every_scene_closes(effects, breakage):
-    walls = jc.wall_pair(6.0, (12, 12), SPACING, seed=2)
-    about = {"effects": effects, "breakage": breakage, "seating_stress": 0.0, "cycles": 1}
-    joint = joints.closed(walls, 2e5, **about)
-    assert int(joint.status) < FAILURE, FLAGS
-    assert joint.max_closure.values[0] > 0.0
-    if not effects.breakage:
-        np.testing.assert_array_equal(joint.upper_final, walls[0])
 
 
 NUMERICS, CHOICES, FLAT = jc.Numerics(), jc.Choices(), np.zeros((4, 4))

@@ -78,6 +78,9 @@ def test_small_joints_close_in_every_scene():
         assert stress.max() == pytest.approx(5e5, rel=0.05) or int(status) & 1
         assert np.isfinite(closure).all()
         assert np.isfinite(upper + lower).all()
+        assert closure.max() > 0.0
+        if not stated[0].breakage:
+            np.testing.assert_array_equal([upper, lower], pair(5, 6))
 
 
 @pytest.mark.slow

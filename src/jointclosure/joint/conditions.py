@@ -81,8 +81,8 @@ def usual_seating(least: float) -> float:
 
 def describe_load(max_normal_stress: float | Sequence[float], cycles: int) -> str:
     """Describe a load in words: its stresses in MPa, and its cycles."""
-    shown = _turns(max_normal_stress) or [cast(float, max_normal_stress)]
-    stresses = ", ".join(f"{1e-6 * stress:g}" for stress in shown)
+    given = _turns(max_normal_stress) or [cast(float, max_normal_stress)]
+    stresses = ", ".join(f"{1e-6 * stress:g}" for stress in given)
     return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
 
@@ -129,9 +129,7 @@ class Conditions(NamedTuple):
         Stress from which closures since seating count [Pa], from 0 to 0.9 of the smallest maximum:
         by default 0.5 MPa, or a tenth of that maximum where 0.5 MPa are too much. It does not
         change the history. Seated closures are NaN in a cycle whose loading starts above it.
-    effects : Effects
-    choices : Choices
-    numerics : Numerics
+    effects, choices, numerics : Effects, Choices, Numerics
     flow : bool
         Whether to compute hydraulic apertures (docs/export.md#flow). It changes no other result.
     unusual_values : bool
@@ -185,7 +183,14 @@ class Conditions(NamedTuple):
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
             check_usual(pair, **given | {"max_normal_stress": largest})
-        seating = _checked_seating(self.seating_stress, load)
+        least = min(cycle.maximum for cycle in load)
+        seating = usual_seating(least) if self.seating_stress is None else self.seating_stress
+        check_number("seating_stress", seating)
+        if not 0.0 <= seating <= LARGEST_SEATING * least:
+            raise InputError(
+                f"seating_stress = {seating!r} Pa: must be from 0 to {LARGEST_SEATING:g} of the "
+                f"smallest maximum of max_normal_stress, {least!r} Pa"
+            )
         for stress in snapshots:
             check_number("snapshots", stress)
             if not 0.0 <= stress <= largest:
@@ -201,7 +206,7 @@ class Conditions(NamedTuple):
                 f"max_normal_stress = {largest!r} Pa: must be below the rock's "
                 f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
             )
-        return self._replace(rock=pair, cycles=len(load), seating_stress=seating)
+        return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
 
 
 def takes_conditions(function: Function) -> Function:
@@ -228,17 +233,3 @@ def conditions_from(
     if missing:
         raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
     return Conditions(**{"spacing": None, **changes})
-
-
-def _checked_seating(seating_stress: float | None, load: Sequence[LoadCycle]) -> float:
-    """Return the seating stress [Pa], by default that of the load."""
-    least = min(cycle.maximum for cycle in load)
-    if seating_stress is None:
-        seating_stress = usual_seating(least)
-    check_number("seating_stress", seating_stress)
-    if not 0.0 <= seating_stress <= LARGEST_SEATING * least:
-        raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be from 0 to {LARGEST_SEATING:g} of the "
-            f"smallest maximum of max_normal_stress, {least!r} Pa"
-        )
-    return float(seating_stress)

@@ -41,23 +41,16 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
 
 def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray) -> pd.DataFrame:
     """Return the rows of `curve_table` for one branch, whose steps are given."""
-    area = area_of(history)
-    stress, aperture, contact = (
-        history[name].values[here]
-        for name in ("normal_stress", "mean_aperture", "contact_fraction")
-    )
+    area, stress = area_of(history), history.normal_stress.values[here]
+    aperture, contact = history.mean_aperture.values[here], history.contact_fraction.values[here]
     closures = {kind: read_along(history, of)[here] for kind, of in KINDS.items()}
-    seats = {kind: seat_of(history, cycle, LOADING, of) for kind, of in KINDS.items()}
     columns = {"cycle": cycle, "branch": branch, "normal_stress_MPa": 1e-6 * stress}
-    columns |= {
-        f"closure_{kind}_since_seating_mm": 1e3 * (closure - seats[kind])
-        for kind, closure in closures.items()
-    }
+    for kind, of in KINDS.items():
+        since = closures[kind] - seat_of(history, cycle, LOADING, of)
+        columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
     columns |= {f"closure_{kind}_mm": 1e3 * closure for kind, closure in closures.items()}
-    columns |= {
-        f"normal_stiffness_{kind}_MPa_per_mm": 1e-9 * _chords(closure, stress)
-        for kind, closure in closures.items()
-    }
+    for kind, closure in closures.items():
+        columns[f"normal_stiffness_{kind}_MPa_per_mm"] = 1e-9 * _chords(closure, stress)
     beyond = np.append(stress[1:], stress[-1]) > landing_stress(history, cycle)
     columns |= {
         "landing": (branch == LOADING) & beyond,
@@ -94,18 +87,12 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
     """Return the net closures and stiffness of each cycle, as a laboratory reports them."""
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.cycle.max())
-    net = cycle_closures(history)
-    responses = {
-        f"{name}_net": net[name]
-        for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
-    }
-    cycles = range(1, begun + 1)
-    responses |= {
-        "stiffness_net": np.array(
-            [secant_stiffness(history, cycle, 0.5 * largest, largest) for cycle in cycles]
-        ),
-        "landing_stress": np.array([landing_stress(history, cycle) for cycle in cycles]),
-    }
+    cycles, net = range(1, begun + 1), cycle_closures(history)
+    seated = "max_closure_seated", "residual_closure_seated"
+    responses = {f"{name}_net": net[name] for name in ("max_closure", *seated)}
+    stiffness = [secant_stiffness(history, cycle, 0.5 * largest, largest) for cycle in cycles]
+    responses["stiffness_net"] = np.array(stiffness)
+    responses["landing_stress"] = np.array([landing_stress(history, cycle) for cycle in cycles])
     missing = (0, completed.size - begun)
     return {
         name: np.where(completed, np.pad(values, missing, constant_values=np.nan), np.nan)
@@ -118,17 +105,15 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     numbers = np.unique(history.cycle.values)
     columns = {"cycle": numbers}
     for net, of in (("_net", NET), ("", GROSS)):
-        closures = {
-            name: 1e3 * values[numbers - 1] for name, values in cycle_closures(history, of).items()
-        }
+        read = cycle_closures(history, of)
+        closures = {name: 1e3 * values[numbers - 1] for name, values in read.items()}
         since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
         columns[f"max_closure_seated{net}_mm"] = since
         columns[f"residual_closure_seated{net}_mm"] = residual
         columns[f"residual_share{net}"] = residual / since
         columns[f"max_closure{net}_mm"] = closures["max_closure"]
-    return pd.DataFrame(columns).join(
-        pd.DataFrame([_state_of(history, number) for number in numbers])
-    )
+    states = [_state_of(history, number) for number in numbers]
+    return pd.DataFrame(columns).join(pd.DataFrame(states))
 
 
 def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
@@ -138,16 +123,13 @@ def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
     def read(values: np.ndarray) -> float:
         return float(values[0]) if at_max.size else float("nan")
 
-    return {
-        "mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture"),
-        "mean_aperture_at_max_mm": 1e3 * read(history.mean_aperture.values[at_max]),
-        **{
-            f"{name.removesuffix('_mm')}_at_max_mm": read(values)
-            for name, values in _flow_columns(history, at_max).items()
-            if name.endswith("_mm")
-        },
-        "contact_at_max": read(history.contact_fraction.values[at_max]),
-    }
+    seat = 1e3 * seat_of(history, cycle, LOADING, "mean_aperture")
+    state = {"mean_aperture_at_seating_mm": seat}
+    state["mean_aperture_at_max_mm"] = 1e3 * read(history.mean_aperture.values[at_max])
+    for name, values in _flow_columns(history, at_max).items():
+        if name.endswith("_mm"):
+            state[f"{name.removesuffix('_mm')}_at_max_mm"] = read(values)
+    return state | {"contact_at_max": read(history.contact_fraction.values[at_max])}
 
 
 def hysteresis(closed: xr.Dataset) -> np.ndarray:
@@ -217,9 +199,8 @@ def _between(
 
 def landing_stress(history: xr.Dataset, cycle: int) -> float:
     """Return the stress [Pa] from which a loading lands on its maximum; infinite if none."""
-    effects, numerics = (
-        json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics")
-    )
+    given = (json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics"))
+    effects, numerics = given
     by_fixed_steps = numerics.get("breakage") == "fixed_step" and effects["breakage"]
     if not by_fixed_steps or numerics["target"] == "interpolate":
         return np.inf

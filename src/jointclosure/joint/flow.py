@@ -176,22 +176,16 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     white[-2:] = False
     coupling = _matrix(network, white, black)
     among_white = _matrix(network, white, white)
-    loads = [
-        np.bincount(first[second == side], conductance[second == side], nodes)
-        for side in (nodes - 2, nodes - 1)
-    ]
+    sides = nodes - 2, nodes - 1
+    beside = [second == side for side in sides]
+    loads = [np.bincount(first[faces], conductance[faces], nodes) for faces in beside]
     # symmetric and diagonally dominant: pivoting is not needed; narrow panels suit small supernodes
     share = coupling / diagonal[black]
     matrix = scipy.sparse.diags_array(diagonal[white]) - among_white - share @ coupling.T
-    factors = scipy.sparse.linalg.splu(
-        matrix.tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        panel_size=2,
-        options={"SymmetricMode": True},
-    )
+    ordering = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "panel_size": 2}
+    factors = scipy.sparse.linalg.splu(matrix.tocsc(), **ordering, options={"SymmetricMode": True})
     pressures = np.zeros((2, nodes))
-    for pressure, load, side in zip(pressures, loads, (nodes - 2, nodes - 1), strict=True):
+    for pressure, load, side in zip(pressures, loads, sides, strict=True):
         pressure[white] = factors.solve(load[white] + share @ load[black])
         pressure[black] = (load[black] + coupling.T @ pressure[white]) / diagonal[black]
         pressure[side] = 1.0
@@ -240,13 +234,8 @@ ATTRIBUTES: dict[str, dict[str, Any]] = OF_HISTORY | {
         "flag_meanings": " ".join(STATUSES),
     },
 }
-COORDINATE = {
-    "direction": (
-        "direction",
-        np.array(DIRECTIONS, dtype=object),
-        {"long_name": "direction of the flow"},
-    )
-}
+_DIRECTION = np.array(DIRECTIONS, dtype=object), {"long_name": "direction of the flow"}
+COORDINATE = {"direction": ("direction", *_DIRECTION)}
 
 
 class FlowAlongHistory:
@@ -272,13 +261,9 @@ class FlowAlongHistory:
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with the flow at its steps, along ``step`` and ``direction``."""
-        read = {
-            "hydraulic_aperture": ("hydraulic_aperture", np.float64),
-            "flow_status": ("status", np.int8),
-            "flow_imbalance": ("imbalance", np.float64),
-        }
         added: dict[str, Any] = {}
-        for name, (field, kind) in read.items():
-            rows = [[getattr(flow, field) for flow in flows] for flows in self._flows]
+        kinds = {"hydraulic_aperture": np.float64, "flow_status": np.int8, "flow_imbalance": float}
+        for field, (name, kind) in enumerate(kinds.items()):
+            rows = [[flow[field] for flow in flows] for flows in self._flows]
             added[name] = (("step", "direction"), np.array(rows, dtype=kind), ATTRIBUTES[name])
         return closed.assign(added).assign_coords(COORDINATE)

@@ -29,11 +29,10 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
         if largest > LENGTHS[1]:
             raise InputError(f"{name}: a height of {largest!r} m, must be at most {LENGTHS[1]:g} m")
         walls.append(heights)
-    if walls[0].shape != walls[1].shape:
-        raise InputError(
-            f"upper and lower: shapes {walls[0].shape} and {walls[1].shape} must be equal"
-        )
-    return walls[0], walls[1]
+    one, other = walls
+    if one.shape != other.shape:
+        raise InputError(f"upper and lower: shapes {one.shape} and {other.shape} must be equal")
+    return one, other
 
 
 def _aligned(upper, lower) -> tuple:
@@ -104,9 +103,9 @@ def _check_coordinates(name: str, above: np.ndarray, below: np.ndarray) -> None:
     if above.shape != below.shape:
         return  # the shapes are compared later
     if above.dtype.kind not in "fiu" or below.dtype.kind not in "fiu":
-        if not np.array_equal(above, below):
-            raise InputError(f"upper and lower: their labels {name} differ; must be equal")
-        return
+        if np.array_equal(above, below):
+            return
+        raise InputError(f"upper and lower: their labels {name} differ; must be equal")
     above, below = (real_array(f"coordinate {name}", values) for values in (above, below))
     spacing = float(np.abs(np.diff(above)).min()) if above.size > 1 else 0.0
     apart = float(np.abs(above - below).max())

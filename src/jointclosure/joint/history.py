@@ -20,10 +20,9 @@ half-spaces, is that of the joint (`read_along`); the gross closure contains the
 def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     """Read a variable at each step of a history (steps,), by default the net closure.
 
-    Net closure is the gross closure less ``bulk_indentation``, the displacement of the half-spaces
-    of intact rock under the loaded patch as a whole (docs/model.md, "Interaction"). Laboratories
-    report net closure, because they subtract the deformation of the intact rock. A program that
-    computes the deformation of the rock itself also needs net closure.
+    It is the gross closure less ``bulk_indentation``, the displacement of the half-spaces of intact
+    rock under the loaded patch as a whole (docs/model.md, "Interaction"), as laboratories report it
+    and programs that compute the deformation of the rock themselves need it.
     """
     if of == NET:
         return history.closure.values - history.bulk_indentation.values

@@ -32,9 +32,8 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """Law of closure: parameters, closure as a function of stress, and a first guess.
+    """Law of closure: names and units of its parameters by column, closure, and a first guess.
 
-    ``parameters`` have their names and units by the column that they have in files.
     ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
     """
 
@@ -146,22 +145,19 @@ def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     miss = predicted(stress, *values) - closure
     square = float(np.sum(miss**2))
     held = _longest(np.abs(miss) <= FAILS * closure.max())
-    fit = (
-        1.0 - square / float(np.sum((closure - closure.mean()) ** 2)),
-        float(np.sqrt(square / closure.size)),
-        *((float(stress[held[0]]), float(stress[held[1]])) if held else (np.nan, np.nan)),
-    )
+    explained = 1.0 - square / float(np.sum((closure - closure.mean()) ** 2))
+    ends = (float(stress[held[0]]), float(stress[held[1]])) if held else (np.nan, np.nan)
+    fit = explained, float(np.sqrt(square / closure.size)), *ends
     return values, np.sqrt(np.diag(covariance)), dict(zip(names, fit, strict=True))
 
 
 def _longest(held: np.ndarray) -> tuple[int, int] | None:
     """Return the first and last index of the longest run of true values, None without any."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
+    if not edges.size:
         return None
-    first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    return int(first), int(end - 1)
+    first, end = max(edges.reshape(-1, 2).tolist(), key=lambda run: run[1] - run[0])
+    return first, end - 1
 
 
 def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:

@@ -149,11 +149,6 @@ class _Run:
         self.idle_displacement = max(displaced, self.idle_displacement)
         return True
 
-    def resume_interaction(self) -> None:
-        """Switch the interaction on for all further states."""
-        self.joint.resume_interaction()
-        self.leaves_interaction_out = False
-
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
         self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
@@ -179,8 +174,7 @@ def run_cycles(
     """Load to a force and unload to a lower one or to last contact, repeatedly."""
     if not joint.effects.breakage and solver.elastic_curve is not None:
         history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
-        if observers:
-            _show_elastic(joint, solver, history, observers)
+        _show_elastic(joint, solver, history, observers)
         return history
     run = _Run(joint, solver, numerics, cycles, report, observers)
     run.accept(1, LOADING, _untouched(joint))
@@ -194,12 +188,16 @@ def run_cycles(
         _load(run, cycle, *(numerics[:2] if cycle == 1 else numerics[2:4]))
         if run.failed:
             break
-        _judge_range(run)
+        at_maximum = run.steps[-1].settled
+        unbreakable = at_maximum.locked_share + at_maximum.flat_share
+        if joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
+            run.status |= OUTSIDE_MODEL_RANGE
         broken, maximum = run.effort.breakage_steps, run.closure
         _unload(run, cycle, load.minimum)
         if run.failed:
             break
-        elastic = _is_elastic_from_here(run, broken)
+        at_rest = numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
+        elastic = at_rest and run.effort.breakage_steps == broken  # on the way from the maximum
         _note_held(run, cycle, maximum if elastic else -np.inf)
     idle = run.idle_steps, run.idle_displacement
     return History(run.steps, run.status, run.effort, replayed, *idle)
@@ -223,10 +221,10 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
         if to >= len(known):  # the solution failed at a smaller force
             break
         at = to
-    if not failed and at == 0:
+    if not failed:
         joint.force[:] = 0.0
-    elif not failed:
-        solver.elastic_curve(joint, forces[at : at + 1])
+        if at:
+            solver.elastic_curve(joint, forces[at : at + 1])
     counts = zip(*(settled.effort for settled in curve), strict=True)
     return History(steps, status, Effort(*map(sum, counts)))
 
@@ -243,13 +241,10 @@ def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
     return np.union1d(forces, apart) if apart else forces
 
 
-def _show_elastic(
-    joint: Joint, solver: Solver, history: History, observers: Sequence[Observer]
-) -> None:
+def _show_elastic(joint, solver, history: History, observers: Sequence[Observer]) -> None:
     """Show every step of an elastic history to the observers."""
-    assert solver.elastic_curve is not None
     ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
-    for step in history.steps:
+    for step in history.steps if observers else ():
         total = step.settled.total_force
         if total not in forces:
             solver.elastic_curve(joint, np.array([total]))
@@ -284,7 +279,8 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             return
         if run.leaves_interaction_out and not run.is_idle(settled):
             run.joint.restore(before)
-            run.resume_interaction()
+            run.joint.resume_interaction()
+            run.leaves_interaction_out = False
             continue
         landed = abs(settled.total_force - run.target_force) <= near
         if landed and (control or closure == held):
@@ -369,13 +365,9 @@ def _interpolate(
     """Interpolate walls, closure and forces between the last two states, as in the paper."""
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, forces, interaction, *_ = before
-    for field, earlier in (
-        (joint.upper, upper),
-        (joint.lower, lower),
-        (joint.force, forces),
-        (joint.interaction, interaction),
-    ):
+    upper, lower, _, *carried = before  # the peaks stay those of the state that passed
+    fields = joint.upper, joint.lower, joint.force, joint.interaction
+    for field, earlier in zip(fields, (upper, lower, *carried[:2]), strict=True):
         field[:] = earlier + part * (field - earlier)
     last = run.steps[-1].settled
     values = {
@@ -430,12 +422,6 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
     run.accept(cycle, UNLOADING, low)
 
 
-def _is_elastic_from_here(run: _Run, broken: int) -> bool:
-    """Return whether nothing broke since ``broken`` breakage steps, from a maximum at rest."""
-    at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
-    return at_rest and run.effort.breakage_steps == broken
-
-
 def _note_held(run: _Run, cycle: int, maximum: float) -> None:
     """Store the closure [m] up to which the joint is elastic, -inf if there is none."""
     intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
@@ -454,13 +440,6 @@ def _repeat_elastic(run: _Run, cycle: int) -> None:
             if forces:
                 run.joint.force[:] = forces[i]
             run.accept(cycle, branch, loop[i])
-
-
-def _judge_range(run: _Run) -> None:
-    at_maximum = run.steps[-1].settled
-    unbreakable = at_maximum.locked_share + at_maximum.flat_share
-    if run.joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
-        run.status |= OUTSIDE_MODEL_RANGE
 
 
 def _untouched(joint: Joint) -> Settled:

@@ -1,7 +1,6 @@
 """Rocks of the package by name, and rocks in words.
 
-Each number has its source. Rocks of the paper are Table 1 (after Bandis et al. 1983), as in the
-default study; their maximum stress is an assumption, as it is not in the paper's text.
+Those of the paper are Table 1 (after Bandis et al. 1983); their maximum stress is an assumption.
 """
 
 from collections.abc import Collection, Sequence
@@ -57,14 +56,10 @@ def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]
 
 def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:
     """Format a rock's name and properties in a line; for both walls if they differ."""
-    texts = [
-        ", ".join(
-            f"{PROPERTIES[field].long_name} {number:g}{unit}"
-            for field, (number, unit) in _in_units(wall).items()
-        )
-        for wall in both_walls(rock)
-    ]
-    upper, lower = texts
+    upper, lower = (
+        ", ".join(f"{PROPERTIES[p].long_name} {n:g}{unit}" for p, (n, unit) in shown.items())
+        for shown in map(_in_units, both_walls(rock))
+    )
     return f"{name} ({upper if upper == lower else f'upper wall: {upper}; lower wall: {lower}'})"
 
 

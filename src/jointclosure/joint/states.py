@@ -67,9 +67,7 @@ class _State(NamedTuple):
 class Snapshots:
     """`Observer` that stores the joint where each branch first passes given stresses."""
 
-    def __init__(
-        self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]
-    ) -> None:
+    def __init__(self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]):
         self._stresses = sorted({float(stress) for stress in stresses})
         self._tolerance, self._datums = tolerance, datums
         self._first: _State | None = None
@@ -122,10 +120,9 @@ class Snapshots:
                 values += self._datums[name == "lower"]
             along = ("snapshot", "y", "x")[: values.ndim]
             variables[f"snapshot_{name}"] = (along, values, {"long_name": text, "units": unit})
-        if self._first is not None:
-            for name, datum in zip(("upper", "lower"), self._datums, strict=True):
-                about = {"long_name": f"{name} wall at first touch", "units": "m"}
-                variables[f"{name}_first"] = ("y", "x"), getattr(self._first, name) + datum, about
+        for name, datum in zip(("upper", "lower"), self._datums, strict=True):
+            about = {"long_name": f"{name} wall at first touch", "units": "m"}
+            variables[f"{name}_first"] = ("y", "x"), getattr(self._first, name) + datum, about
         rows = [(*place, state.step) for place, state in self._kept.items()]
         coordinates = {}
         for k, (name, (text, about, kind)) in enumerate(_PLACES.items()):

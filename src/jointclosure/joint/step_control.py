@@ -1,9 +1,8 @@
 """Displacement steps of a history: their least number, and with resolved breakage their size.
 
-The size follows from estimates of the error, see docs/decisions.md#0010-resolved-breakage. Two
-kinds of joints run for practically unlimited time and are refused before anything breaks: joints
-whose closure takes a very large number of displacement steps, and joints whose rock is crushed to
-powder by resolved breakage.
+The size follows from estimates of the error, see docs/decisions.md#0010-resolved-breakage. Joints
+are refused before anything breaks if they would run for practically unlimited time: by a very large
+number of displacement steps, or because resolved breakage crushes the rock to powder.
 """
 
 import math
@@ -22,10 +21,9 @@ _CORRECTION, _RISE = 40.0, 10.0
 in a step, both over `Numerics.tolerance`."""
 LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
 """Largest and smallest step over the configured step."""
-_AIM = 0.8
-"""Target of the next step, as a share of what is allowed."""
-_RETRY = 0.4
-"""A step is repeated if the next step would be shorter than this share of it."""
+_AIM, _RETRY = 0.8, 0.4
+"""Target of the next step, as a share of what is allowed; share of a step below which the next one
+may not be, or the step is repeated."""
 _MOST_LOST = 0.75
 """Largest share of a predicted rise of the force that breakage is expected to remove."""
 _RESIDUAL, _LOOSEST = 0.25, 0.04

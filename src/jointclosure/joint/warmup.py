@@ -1,7 +1,6 @@
-"""Compilation of kernels before parallel processes start.
+"""Compilation of kernels by one process before parallel processes, which need them, start.
 
-Two processes that compile into an empty cache at the same time can store each other's machine code.
-Therefore one process first compiles all kernels that the others need.
+Two that compile into an empty cache at the same time can store each other's machine code.
 """
 
 import sys

@@ -18,11 +18,10 @@ class Property(NamedTuple):
     """Metadata of a property that a configuration gives and a study can vary.
 
     It annotates a field: ``Annotated[float, Property(...)]``. ``long_name`` is the name within a
-    sentence. ``unit`` is the unit in tables and configurations ("1" for none). ``symbol`` is the
-    ASCII spelling of the symbol ("sigma_c"). ``interval`` is the closed range of allowed values
-    [SI]; None allows any positive number, and infinity too if ``may_be_infinite``. ``usual`` is the
-    range [SI] outside of which a value is probably in a wrong unit. ``heading`` is the heading of
-    its row in tables, where this is not title and symbol.
+    sentence, ``unit`` that of tables and configurations ("1" for none), ``symbol`` in ASCII
+    ("sigma_c"). ``interval`` is the closed range of allowed values [SI]; None allows any positive
+    number, and infinity too if ``may_be_infinite``. Outside of the range ``usual`` [SI] a value is
+    probably in a wrong unit. ``heading`` is that of its row in tables, if not title and symbol.
     """
 
     long_name: str

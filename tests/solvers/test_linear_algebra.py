@@ -1,9 +1,10 @@
-"""The preconditioner: symmetric, positive definite, and worth having."""
+"""Products in one order of sums, influence between cells, preconditioner and Newton direction."""
 
 import numpy as np
 import pytest
 
 from jointclosure.mechanics.contact import force_of_overlap
+from jointclosure.solvers import joint
 from jointclosure.solvers.conjugate_gradients import (
     coarse_space,
     newton_direction,
@@ -13,11 +14,13 @@ from jointclosure.solvers.conjugate_gradients import (
 from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
+    Neighbours,
     influence_matrix,
     influence_of,
     influence_table,
 )
-from tests.joints import SPACING
+from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
+from tests.joints import SPACING, closed, pair
 
 MODULUS = 4e10
 SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)
@@ -118,3 +121,71 @@ def test_force_from_a_guess_is_the_force(guess):
     roots = contact_roots(contacts, overlap, guess * np.cbrt(force))
     np.testing.assert_allclose(roots**3, force, rtol=1e-14, atol=0.0)
     assert roots[0] == 0.0
+
+
+SHAPE = (17, 23)
+
+
+def by_distance(table, cells):
+    y, x = np.divmod(cells, SHAPE[1])
+    return table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
+
+
+def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
+    table = influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING)
+    near, random = Neighbours(table), np.random.default_rng(2)
+    begun_anew, largest = 0, 0
+    for size in (3, 60, 61, 64, 90, 40, 150, 20, 391):
+        wanted = np.sort(random.permutation(table.size)[:size])
+        before = near.cells
+        slots = near.slots(wanted)
+        n = near.cells.size
+        np.testing.assert_array_equal(near.cells[slots], wanted)
+        np.testing.assert_array_equal(near.matrix[:n, :n], by_distance(table, near.cells))
+        assert n <= 1.25 * size or n == before.size
+        begun_anew += not np.array_equal(near.cells[: before.size], before)
+        largest = max(largest, n)
+    assert begun_anew > 0
+    assert largest == table.size
+
+
+def test_what_is_known_of_the_matrix_is_not_filled_in_again(monkeypatch):
+    near = Neighbours(influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING))
+    near.slots(np.arange(100))
+    near.matrix[:100, :100] = -1.0
+    near.slots(np.arange(2, 110))
+    assert (near.matrix[:100, :100] == -1.0).all()
+    assert not np.any(near.matrix[100:110, :110] == -1.0)
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+def test_a_kept_matrix_and_the_convolution_give_the_same_joint(monkeypatch, breakage):
+    walls, exact = pair(24, 5), {"breakage": breakage, "force_tolerance": 1e-11}
+    kept = closed(walls, **exact)
+    monkeypatch.setattr(joint, "dense_limit", lambda _: 0)
+    convolved = closed(walls, **exact)
+    assert kept.max_closure.values == pytest.approx(convolved.max_closure.values, rel=1e-6)
+
+
+SIZES = [1, 3, 4, 7, 8, 9, 31, 100]
+
+
+@pytest.mark.parametrize("n", SIZES)
+def test_products_are_those_of_linear_algebra(n):
+    random = np.random.default_rng(n)
+    one, other = random.standard_normal((2, n))
+    matrix = random.standard_normal((n, n))
+    matrix = matrix @ matrix.T + n * np.eye(n)
+    assert inner(one, other) == pytest.approx(one @ other, rel=1e-12, abs=1e-13)
+    np.testing.assert_allclose(symmetric_times(matrix, one), matrix @ one, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(symmetric_inverse(matrix) @ matrix, np.eye(n), atol=1e-12)
+
+
+def test_an_inverse_is_symmetric_to_the_last_bit_and_leaves_its_matrix():
+    random = np.random.default_rng(1)
+    matrix = random.standard_normal((20, 20))
+    matrix = matrix @ matrix.T + np.eye(20)
+    before = matrix.copy()
+    inverse = symmetric_inverse(matrix)
+    np.testing.assert_array_equal(inverse, inverse.T)
+    np.testing.assert_array_equal(matrix, before)
