@@ -14,7 +14,6 @@ from studies.frame.ensemble import comparison
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("first", type=Path, help="results folder, such as results/paper")
     command.add_argument("second", type=Path, help="results folder of the other study")
     what = "list all differences except in provenance and timing; fails if there is one"

@@ -16,7 +16,6 @@ from studies.frame.ensemble.tables import QUANTILES, band_table
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     what = "name of a case, such as dolerite-base; by default the base case of each rock"
     command.add_argument("--case", nargs="+", action="extend", metavar="NAME", help=what)

@@ -13,7 +13,6 @@ from studies.paper.planning import GOALS, Goal, plan
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     goals = command.add_mutually_exclusive_group(required=True)
     for kind, text in GOALS.items():

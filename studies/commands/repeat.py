@@ -20,7 +20,6 @@ _CONFIGURATION = "configuration: "
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
     command.add_argument("realization", type=int, help="number of the realisation, from 0")

@@ -40,7 +40,6 @@ _TABLES = {
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     what = "file of the page (default: report.html in the folder)"
     command.add_argument("--output", type=Path, help=what)

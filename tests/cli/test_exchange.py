@@ -53,6 +53,17 @@ def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
         assert (np.diff(read[:, 0]) > 0.0).all()
 
 
+def test_itasca_tables_of_flow_hold_the_geometric_mean_of_both_directions(history):
+    aperture = history.mean_aperture.values
+    along = (("direction", "step"), np.stack([aperture, 4.0 * aperture]))
+    flow = history.assign_coords(direction=["x", "y"]).assign(hydraulic_aperture=along)
+    line = itasca_tables(flow).split("'aperture-cycle-1-loading' add ")[1].splitlines()[0]
+    read = np.array(re.findall(r"\(([^,]+),([^)]+)\)", line), dtype=float)
+    here = (history.cycle.values == 1) & (history.branch.values == "loading")
+    np.testing.assert_allclose(np.sort(read[:, 1]), np.sort(2.0 * aperture[here]), rtol=1e-6)
+    assert (np.diff(read[:, 0]) >= 0.0).all()
+
+
 def test_porepy_closes_as_the_joint_does(folder, history):
     """Its fracture closes from the elastic opening by Bandis' hyperbola."""
     solid = json.loads((folder / "t/porepy.json").read_text())

@@ -11,11 +11,6 @@ from tests.joints import SPACING
 from tests.walls.writers import Ground, as_mesh
 
 READINGS = "Number,Disp,sigmaZ\n[-],[mm],[MPa]\n"
-LINES = {
-    "no units": READINGS.splitlines(keepends=True)[0],
-    "no heading": "",
-    "other units": READINGS.replace("mm", "inch"),
-}
 ROCK = measured("rock_compliance").value
 STRESSES = [0.25, 2.0, 5.25, 8.0, 10.25, 6.0, 0.25]
 CLOSURES = [0.0, 0.04, 0.06, 0.07, 0.08, 0.07, 0.03]
@@ -108,32 +103,27 @@ def test_scanned_walls_are_closed_as_the_joints_were(folder):
     assert model["1"].drop("recovered_load").notna().all()
 
 
+CURVE, MAP = "ethz_-_specimen_vd1_*", "ethz_vd1_120.Z.txt"
+
+
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("file", "old", "new", "message"),
     [
-        ("hm_data", "ethz_-_specimen_vd1_sigmaZ_vs_fractureClosure_hm1.txt: no such file"),
-        ("falling", "stress must rise to its maximum, and fall after it"),
-        ("scan", "0 scans of wall vd1a before testing, must be one"),
-        ("no units", "column 'Disp': has no unit"),
-        ("no heading", "column '2': has no unit"),
-        ("other units", "unit 'inch' must be one of"),
-        ("map", "ethz_vd1_120.Z.txt: 2 values are not finite"),
-        ("words", "ethz_vd1_120.Z.txt: lines of equally many numbers expected"),
+        (CURVE, "", None, "ethz_-_specimen_vd1_sigmaZ_vs_fractureClosure_hm1.txt: no such file"),
+        (CURVE, READINGS.splitlines(keepends=True)[1], "", "column 'Disp': has no unit"),
+        (CURVE, READINGS, "", "column '2': has no unit"),
+        (CURVE, "mm", "inch", "unit 'inch' must be one of"),
+        (MAP, "3.0000000000", "nan", "ethz_vd1_120.Z.txt: 2 values are not finite"),
+        (MAP, "3.0000000000", "-", "ethz_vd1_120.Z.txt: lines of equally many numbers expected"),
+        ("other.stl", "", "", "0 scans of wall vd1a before testing, must be one"),
     ],
 )
-def test_files_of_another_form_are_refused(folder, capsys, change, message):
-    file = next(folder.rglob("ethz_-_specimen_vd1_*"))
-    if change == "hm_data":
-        file.unlink()
-    elif change == "falling":
-        file.write_text(READINGS + "1,0,1\n2,0.1,2\n3,0.2,3\n4,0.3,4\n")
-    elif change in LINES:
-        file.write_text(LINES[change] + readings().removeprefix(READINGS))
-    elif change in ("map", "words"):
-        word = "nan" if change == "map" else "-"
-        stress = next(folder.rglob("ethz_vd1_120.Z.txt"))
-        stress.write_text(stress.read_text().replace("3.0000000000", word, 2))
+def test_files_of_another_form_are_refused(folder, command, file, old, new, message):
+    path = next(folder.rglob(file), folder / file)
+    if new is None:
+        path.unlink()
     else:
-        (folder / "other.stl").write_bytes(b"")
-    assert cli.main(["validate", str(folder)]) == 2
-    assert message in capsys.readouterr().err
+        path.write_text(path.read_text().replace(old, new, 2) if path.exists() else "")
+    code, _, err = command("validate", folder)
+    assert code == 2
+    assert message in err

@@ -29,16 +29,13 @@ def test_the_version_is_that_of_pyproject():
     assert jc.__version__ == PROJECT["version"] == citation["version"]
 
 
-def test_the_extras_that_are_told_of_are_those_of_pyproject():
+def test_the_extras_are_those_of_pyproject_and_none_is_needed_by_the_library():
     declared = PROJECT["optional-dependencies"]
     assert set(EXTRAS) == set(declared) - {"slurm", "kubernetes"}  # their modules are Snakemake's
     for extra, modules in EXTRAS.items():
-        assert {module.lower() for module in modules} == names(declared[extra]) - {"jointclosure"}
-
-
-def test_the_library_needs_neither_snakemake_nor_plots():
-    for extra in EXTRAS.values():
-        assert not names(PROJECT["dependencies"]) & {module.lower() for module in extra}
+        of_extra = {module.lower() for module in modules}
+        assert of_extra == names(declared[extra]) - {"jointclosure"}
+        assert not names(PROJECT["dependencies"]) & of_extra
 
 
 def test_a_missing_module_names_its_extra_in_one_line():

@@ -32,7 +32,6 @@ from jointclosure.walls.scans import file_digest
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     options.add_walls(command)
     options.add_conditions(command, RESOLVED)
     known = command.add_argument_group("range of the results")
@@ -123,7 +122,6 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
     per_cycle = {name: results.finite(values) for name, values in cycles.items()}
     for name in ("residual_closure", "max_bulk_indentation"):
         per_cycle[f"{name}_mm"] = results.finite(history[name].values, 1e3)
-    mismatch = zip(pair.mismatch._fields, results.finite(pair.mismatch, 1e3), strict=True)
     return {
         "title": title,
         "joint": repr(joint),
@@ -142,7 +140,7 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
             "wavelength_mm": (1e3 * pair.mating.wavelengths).tolist(),
             "correlation": pair.mating.correlation.tolist(),
         },
-        "mismatch_wavelength_mm": dict(mismatch),
+        "mismatch_wavelength_mm": results.scaled(pair.mismatch, 1e3),
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
         "per_cycle": per_cycle,

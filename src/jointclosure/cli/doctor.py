@@ -35,7 +35,7 @@ Finding = tuple[str, str, str]
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """The command has no arguments."""
+    """There are no arguments."""
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,6 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.laws import describe_law, fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
-from jointclosure.storage.figures import write_vtu
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -58,10 +57,7 @@ def write_exports(history: xr.Dataset, title: str, folder: Path) -> None:
         try:
             contents = export(history)
             for file, content in zip(files, contents if files[1:] else [contents], strict=True):
-                if isinstance(content, FractureMesh):
-                    write_vtu(*content, file)
-                else:
-                    write(content, file, FIGURES)
+                write(content, file, FIGURES)
         except InputError as error:  # the files of other programs are still written
             notes.append(f"not written: {error}")
     write(engineering_figure(history, title), folder / "engineering.png")
@@ -176,20 +172,14 @@ def _tables(name: str, rows: pd.DataFrame) -> list[str]:
     return lines
 
 
-class FractureMesh(NamedTuple):
-    """Triangulated midplane: points (n, 3) [m], triangles (m, 3), and fields of triangles."""
-
-    points: np.ndarray
-    triangles: np.ndarray
-    cell_fields: dict[str, np.ndarray]
-
-
-def fracture_mesh(history: xr.Dataset) -> FractureMesh:
+def fracture_mesh(
+    history: xr.Dataset,
+) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """Triangulate the midplane of the joint at its end, where the walls just touch.
 
-    There are two triangles between four neighbouring cells. ``aperture`` [m] is the mean of a
-    triangle's corners, ``contact`` is 1 if one of them is in contact, otherwise 0, and
-    ``MaterialIDs`` is 0.
+    Returns points (n, 3) [m], triangles (m, 3), two between four neighbouring cells, and fields of
+    triangles: ``aperture`` [m], the mean of the corners, ``contact``, 1 if one of them is in
+    contact, otherwise 0, and ``MaterialIDs``, 0.
     """
     upper, lower = history.upper_final.values, history.lower_final.values
     opening, spacing = float((upper + lower).max()), spacing_of(history)
@@ -207,7 +197,7 @@ def fracture_mesh(history: xr.Dataset) -> FractureMesh:
         "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
         "MaterialIDs": np.zeros(len(triangles), np.int32),
     }
-    return FractureMesh(points, triangles, fields)
+    return points, triangles, fields
 
 
 EXPORTS: dict[str, Callable[[xr.Dataset], Any]] = {

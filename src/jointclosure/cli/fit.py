@@ -25,7 +25,6 @@ from jointclosure.cli import options, results
 from jointclosure.engine.progress import bar, duration
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
 from jointclosure.inputs import InputError, check_positive
-from jointclosure.measured.calibration import Interval
 from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
 from jointclosure.measured.fit import Fit, assumptions, fit, read_curve
 from jointclosure.storage.folders import replace_files
@@ -38,7 +37,6 @@ _JOINT = ("hurst", "roll_off", "fit_strength", "surfaces", "seed", "seating_stre
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     curve = command.add_argument_group("curve")
     options.add_keywords(
@@ -151,8 +149,8 @@ def _record(result: Fit) -> dict[str, Any]:
     strength = result.compressive_strength
     return {
         "found": result.sentences(),
-        "mismatch_wavelength_mm": _scaled(result.mismatch_wavelength, 1e3),
-        "compressive_strength_MPa": None if strength is None else _scaled(strength, 1e-6),
+        "mismatch_wavelength_mm": results.scaled(result.mismatch_wavelength, 1e3),
+        "compressive_strength_MPa": None if strength is None else results.scaled(strength, 1e-6),
         "p_value": result.p_value,
         "interval_holds": result.interval_holds,
         "assumed": result.assumed,
@@ -166,7 +164,3 @@ def _record(result: Fit) -> dict[str, Any]:
             "log": result.likelihood.log.tolist(),
         },
     }
-
-
-def _scaled(interval: Interval, scale: float) -> dict[str, float | None]:
-    return dict(zip(interval._fields, results.finite(interval, scale), strict=True))

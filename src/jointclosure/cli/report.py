@@ -36,7 +36,6 @@ _TITLES = HEADINGS | {
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("folder", type=Path, help="folder that `jointclosure close` wrote")
     what = "file of the page (default: report.html in the folder)"
     command.add_argument("--output", type=Path, help=what)

@@ -13,7 +13,7 @@ import xarray as xr
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import curve_table, cycle_table, has_flow
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.storage.figures import save_animation, save_figure
+from jointclosure.storage.figures import save_animation, save_figure, write_vtu
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.storage.text import write_csv, write_text
@@ -93,6 +93,11 @@ def finite(values: Iterable[float], scale: float = 1.0) -> list[float | None]:
     return [scale * float(value) if np.isfinite(value) else None for value in values]
 
 
+def scaled(values: Any, scale: float) -> dict[str, float | None]:
+    """Return the scaled fields of a named tuple for JSON, with null for infinity."""
+    return dict(zip(values._fields, finite(values, scale), strict=True))
+
+
 def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ...]:
     """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
     asked = getattr(arguments, "snapshots", ())
@@ -119,8 +124,11 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
 
 
 def write(content: Any, path: Path, figures: int | None = None) -> None:
-    """Write a dataset, table, figure, text or record for JSON in the form of its type."""
-    if isinstance(content, xr.Dataset):
+    """Write a dataset, table, figure, mesh, text or record for JSON in the form of its type."""
+    if path.suffix == ".vtu":
+        points, triangles, fields = content
+        write_vtu(points, triangles, fields, path)
+    elif isinstance(content, xr.Dataset):
         write_netcdf(content, path)
     elif isinstance(content, pd.DataFrame):
         write_csv(content, path, figures)

@@ -33,7 +33,6 @@ _SPIKES = (
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("file", type=Path, help="the scanned wall")
     options.add_keywords(command, read_scan, "units", "spacing", "variable")
     grid = {"option": "--grid-spacing", "help": "interpolate to this spacing first"}

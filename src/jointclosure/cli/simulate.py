@@ -34,7 +34,6 @@ _WALLS = ("hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     joint = command.add_argument_group("joint")
     joint.add_argument("--cells", type=_shape, default=(100, 100), metavar="N",
                        help="number of cells: 100 (default), or 200x100 (x by y)")  # fmt: skip

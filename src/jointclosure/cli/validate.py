@@ -24,7 +24,6 @@ SPACING = 0.25e-3
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments of the command."""
     command.add_argument("folder", type=Path, help="folder that contains both clones")
     options.add_keywords(command, close, "units")
     options.add_file(command, "--output", "CSV file for the table", ".csv")
