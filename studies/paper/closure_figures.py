@@ -106,12 +106,11 @@ def _style(cycle: int) -> dict:
 
 def measured_handles(measured: Measurements) -> list:
     """Return entries of the legend; none without measured curves."""
-    if not measured.curves:
-        return []
-    return [key(color="0.1", lw=1.6, label="measured curve")] + [
+    fits = [
         key(f"surface that fits cycle {cycle} best", **_style(cycle))
         for cycle in range(1, measured.cycles + 1)
     ]
+    return [key(color="0.1", lw=1.6, label="measured curve"), *fits] if measured.curves else []
 
 
 def _surfaces(study: xr.Dataset) -> str:
@@ -187,11 +186,7 @@ def closure_figure(
     strength_ratio: float,
     measured: Measurements = Measurements(),
 ) -> Figure:
-    """Draw closure curves of each rock's base case.
-
-    As in the paper's Fig. 5, they are gross and count from first touch, later cycles from their
-    start. As in laboratories, they are net of the half-spaces and count from seating.
-    """
+    """Draw closure curves of each rock's base case, gross as the paper or net since seating."""
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
     cycles = [int(c) for c in study.cycle.values]

@@ -40,13 +40,10 @@ def conclusion_table(
 ) -> pd.DataFrame:
     """Tabulate the evidence for each claim, and the conclusion.
 
-    Columns are the verdict as configured, `FOUND` of studies by the paper's protocol and with a JRC
-    known to a range, numbers of readings by verdict (`COUNTS`), the share of open choices, and the
-    input with the largest effect on the margin. Readings that contradict the paper's text do not
-    count; one of only some rocks can contradict a claim about all, but not confirm it. The
-    conclusion is the verdict if no reading contradicts it and the interval of the share of agreeing
-    choices is above `NEARLY_ALL`, `DEPENDS` if a reading does or this interval is below it, and
-    `ONLY_CONFIGURED` if neither was tried.
+    Readings that contradict the paper's text do not count; one of only some rocks can contradict a
+    claim about all, but not confirm it. The conclusion is the verdict if no reading contradicts it
+    and the interval of the share of agreeing choices is above `NEARLY_ALL`, `DEPENDS` if a reading
+    does or this interval is below it, and `ONLY_CONFIGURED` if neither was tried.
     """
     rows = []
     for claim in claims.itertuples():
@@ -97,10 +94,7 @@ def _named(titles: list[str]) -> str:
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
-    """Return the share of the choices for which a claim is true in all rocks at once.
-
-    For a claim on several cycles it is that of the cycle with the smallest one.
-    """
+    """Return the share of the choices for which a claim is true in all rocks, least over cycles."""
     claim = next(claim for claim in CLAIMS if claim.number == number)
     rows = _rows_of(choices, claim)
     answer: dict = {f"choices_{name}": np.nan for name in SHARES} | {"moved_by": ""}
@@ -111,8 +105,8 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
     share, error, low, high = least[list(SHARES)]
     if claim.negated:
         share, low, high = 1.0 - share, 1.0 - high, 1.0 - low
-    columns = (f"choices_{name}" for name in SHARES)
-    answer |= zip(columns, (share, error, low, high), strict=True)
+    shares = (share, error, low, high)
+    answer |= {f"choices_{name}": x for name, x in zip(SHARES, shares, strict=True)}
     moved = _rows_of(margins, claim).dropna(subset="share")
     moved = moved[moved.cycle == least.cycle]
     if len(moved):
@@ -142,8 +136,7 @@ def _conclusion(row: dict) -> str:
     if np.isnan(low):
         tried = sum(row[f"readings_{name}"] for name in COUNTS) > 0
         return verdict if tried else ONLY_CONFIGURED[verdict]
-    if verdict != STANDS:
-        low, high = 1.0 - high, 1.0 - low
+    low, high = (low, high) if verdict == STANDS else (1.0 - high, 1.0 - low)
     if high < NEARLY_ALL:
         return DEPENDS
     return verdict if low >= NEARLY_ALL else UNDECIDED

@@ -19,9 +19,8 @@ from studies.frame.ensemble.covariates import Covariates
 class Response(NamedTuple):
     """Target (level, realization) [m] as a function of one parameter of one rock, in SI.
 
-    Realisations that failed at any level are left out at all levels. ``paired``: whether a
-    realisation is the same surface at all levels. ``covariates`` (level, realization, covariate)
-    are those for the adjustment of means and deviations, or None.
+    Realisations that failed at any level are left out. ``paired``: whether a realisation is the
+    same surface at all levels. ``covariates`` (level, realization, covariate) may be None.
     """
 
     rock: str
@@ -45,20 +44,15 @@ class Response(NamedTuple):
         self, significance: float, surfaces: int | None = None
     ) -> PairedInterval | IndifferenceInterval:
         """Compute the indifference interval [SI] by its test, for another number of surfaces."""
-        levels, base = self.levels, self.base
+        about, levels, base = (significance, self.base), self.levels, self.base
         if self.paired:
-            return paired_indifference_interval(
-                levels, self.samples, significance, base, surfaces=surfaces
-            )
+            return paired_indifference_interval(levels, self.samples, *about, surfaces=surfaces)
         n = surfaces or self.samples.shape[1]
         return indifference_interval(levels, self.means, self.deviations, n, significance, base)
 
 
 class Levels(NamedTuple):
-    """Levels (k,) of one parameter of one rock [SI], ascending, and the cases that have them.
-
-    ``cases`` (k,) are the indices of the cases in the dataset; ``base`` is the rock's value.
-    """
+    """Levels (k,) of a parameter of a rock [SI], ascending; their cases; the value of the rock."""
 
     values: np.ndarray
     cases: np.ndarray
@@ -69,8 +63,7 @@ class RockSample(NamedTuple):
     """Targets (targets, cases, n) [m] of all cases of one rock.
 
     Realisations that failed, or lack a target, in any of its cases are left out. ``names``
-    (targets) are pairs of a variable and a cycle. ``levels`` contains the varied parameters, with
-    their indices among these cases. ``paired`` as in `Response`.
+    (targets): variable and cycle. ``levels``: varied parameters. ``paired`` as in `Response`.
     """
 
     rock: str
@@ -124,10 +117,7 @@ def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Cova
 def responses(
     study: xr.Dataset, target: str, covariates: Covariates | None = None
 ) -> Iterator[Response]:
-    """Generate all responses of a target (a variable over case, realization, cycle).
-
-    ``covariates`` are those of the same study.
-    """
+    """Generate all responses of a target (over case, realization, cycle) of a study."""
     good = succeeded(study).values
     for rock in rocks_of(study):
         paired = same_surfaces(study, rock)
@@ -163,10 +153,7 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
 
 
 def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivity]:
-    """Return pools for drawing studies, by (rock, parameter); targets of a case stay together.
-
-    Cases on the same surfaces have pools of one name, and are therefore resampled together.
-    """
+    """Return pools for drawing studies; cases on the same surfaces have pools of one name."""
     by_parameter = {}
     for sample in samples:
         for parameter, levels in sample.levels.items():
