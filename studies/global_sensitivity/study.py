@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from jointclosure.engine.points import JobsOnDemand, Point, Sample
+from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.plotting.style import keys_of, legend_below, point_key, styled, subplots
 from studies.frame.config.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
+from studies.frame.panels import Column, Row, panels
 from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import (
     SURFACES,
@@ -17,7 +21,6 @@ from studies.global_sensitivity.design import (
     settings_of_choices,
     settings_of_rock,
 )
-from studies.global_sensitivity.figures import conclusions, convergence, indices
 from studies.global_sensitivity.table import QUANTITIES, by_rock, elasticity_table, index_table
 
 PREFIX = "global_sensitivity_"
@@ -55,7 +58,7 @@ def global_sensitivity_design(configured: Configured) -> Design:
             points_of,
         ),
         tuple(PREFIX + name for name in ("indices", "elasticities", "conclusions", "margins")),
-        tuple(PREFIX + name for name in ("indices", "convergence", "conclusions")),
+        tuple(PREFIX + name for name in FIGURES),
         {
             "sampling": sampling,
             "rocks": {rock: keys["rocks"][rock] for rock in sampling.rocks},
@@ -78,14 +81,129 @@ def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any
     return {PREFIX + name: table for name, table in tables.items()}
 
 
+_SURFACES = "surfaces"
+"""Row of a table of indices that is no input."""
+SHOWN = titles_of_cycles(
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("max_closure_net", 2),
+    ("residual_closure_seated_net", 1),
+    ("compliance_net", 1),
+    ("compliance_net", 2),
+)
+"""Title of each panel, by response and cycle."""
+_WIDTH = 1.96
+_ROWS = "rows of the design"
+
+
+@styled
+def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw first and total indices of every input, with a panel for each response.
+
+    Filled: total; hollow: first. Bars: 95 % intervals.
+    """
+    most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
+    whole = table[table.rows == most]
+    names = [name for name in dict.fromkeys(whole.input) if name != _SURFACES]
+    labels = [whole.title[whole.input == name].iloc[0] for name in names]
+    rocks = list(dict.fromkeys(whole.rock))
+    figure, grid = subplots(2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True)
+    places = np.arange(len(names))[::-1]
+    for axes, ((response, cycle), title) in zip(grid.flat, SHOWN.items(), strict=True):
+        for number, rock in enumerate(rocks):
+            part = whole[(whole.rock == rock) & (whole.response == response)]
+            part = part[part.cycle == cycle].set_index("input").reindex(names)
+            at = places + 0.16 * ((len(rocks) - 1) / 2.0 - number)
+            for kind, face in (("total", f"C{number}"), ("first", "white")):
+                axes.errorbar(
+                    part[kind], at, xerr=_WIDTH * part[f"{kind}_error"], fmt="o", ms=4.0,
+                    color=f"C{number}", markerfacecolor=face, lw=0.8,
+                    zorder=3 if kind == "first" else 2,
+                )  # fmt: skip
+        axes.axvline(0.0, color="0.6", lw=0.8, zorder=0)
+        axes.set_title(title, fontsize=10)
+        axes.set_yticks(places, labels, fontsize=8)
+        axes.grid(axis="y", lw=0.3)
+    for axes in grid[-1]:
+        axes.set_xlabel("share of the variance of the mean")
+    keys = [point_key(titles[rock], color=f"C{number}") for number, rock in enumerate(rocks)]
+    keys.append(point_key("total index", color="0.3"))
+    keys.append(point_key("first index", color="0.3", markerfacecolor="white"))
+    legend_below(figure, keys)
+    return figure
+
+
+def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw total indices of the closures of both cycles over the number of rows.
+
+    Bars are 95 % intervals.
+    """
+    table = table[(table.response == "max_closure") & (table.input != _SURFACES)]
+    table = table.assign(input=table.title, **{_ROWS: table.rows + table.left_out})
+    rows = [
+        Row(f"total index, cycle {cycle}", table[table.cycle == cycle], "total", "total_error")
+        for cycle in (1, 2)
+    ]
+    columns = [
+        Column(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
+        for rock in dict.fromkeys(table.rock) or [""]  # axes alone without any rock
+    ]
+    return panels(rows, columns, {}, bars=_WIDTH, reference=0.0, sharey=True)
+
+
+@styled
+def conclusion_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
+    """Draw the share of the open choices for which each conclusion holds, with 95 % intervals."""
+    if table.empty:
+        figure, axes = subplots(figsize=(6.0, 2.0), layout=None)
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "not all four properties vary", ha="center")
+        return figure
+    rocks = [*(rock for rock in dict.fromkeys(table.rock) if rock != "all"), "all"]
+    colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
+    unique = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
+    rows = list(unique.itertuples(index=False))
+    figure, grid = subplots(1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True)
+    places = np.arange(len(rows))[::-1]
+    cases = [
+        (response, cycle) for cycle in (1, 2) for response in ("max_closure", "max_closure_net")
+    ]
+    for axes, (response, cycle) in zip(grid, cases, strict=True):
+        here = table[(table.response == response) & (table.cycle == cycle)]
+        for number, rock in enumerate(rocks):
+            part = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
+            axes.errorbar(
+                100.0 * part.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
+                xerr=100.0 * np.array([part.share - part.share_low, part.share_high - part.share]),
+                fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
+                label=titles.get(rock, "in all rocks at once"),
+            )  # fmt: skip
+        net = ", net of bulk\nindentation" if response == "max_closure_net" else ""
+        axes.set_title(f"cycle {cycle}{net}", fontsize=10)
+        axes.set_yticks(
+            places,
+            [f"{number}: {conclusion.replace('sigma_c', 'σc')}" for number, conclusion in rows],
+            fontsize=8,
+        )
+        axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
+        axes.grid(axis="y", lw=0.3)
+    legend_below(figure, keys_of(grid[:1]), len(rocks))
+    return figure
+
+
+FIGURES: dict[str, tuple] = {
+    "indices": (index_figure, "indices"),
+    "convergence": (convergence_figure, "indices"),
+    "conclusions": (conclusion_figure, "conclusions"),
+}
+"""Functions that draw, and the tables that they draw."""
+
+
 def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
     """Draw indices, their convergence with the rows, or the shares for which conclusions hold."""
     titles = {rock: keys["title"] for rock, keys in parameters["rocks"].items()}
-    figure = name.removeprefix(PREFIX)
-    if figure == "conclusions":
-        return conclusions(tables[f"{PREFIX}conclusions"], titles)
-    drawn = {"indices": indices, "convergence": convergence}[figure]
-    return drawn(tables[f"{PREFIX}indices"], titles)
+    draw, table = FIGURES[name.removeprefix(PREFIX)]
+    return draw(tables[PREFIX + table], titles)
 
 
 EXPERIMENT = Experiment(

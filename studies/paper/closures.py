@@ -1,6 +1,7 @@
 """Tables of closures: means and scatter of every case, correlations, elasticities, with errors."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -101,9 +102,8 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, fl
         mean = adjusted_means(values[None], of_surfaces, known, paired=False).estimate(0)
         both = adjusted_deviations(values, of_surfaces[0], known, tell_scatter)
         deviation = Estimate(*map(float, both))
-    return estimate_columns(f"{TARGET}_adjusted_mean_mm", mean) | estimate_columns(
-        f"{TARGET}_adjusted_standard_deviation_mm", deviation
-    )
+    row = estimate_columns(f"{TARGET}_adjusted_mean_mm", mean)
+    return row | estimate_columns(f"{TARGET}_adjusted_standard_deviation_mm", deviation)
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
@@ -229,11 +229,9 @@ def _interval(
         response.levels,
         response.samples,
         generator(seed_of(root_seed, *name)),
-        base=response.base,
-        resamples=statistics.bootstrap_resamples,
-        confidence=statistics.bootstrap_confidence,
-        significance=statistics.significance,
         paired=response.paired,
+        resamples=statistics.bootstrap_resamples,
+        **_settings(response, statistics),
     )
     return row | {
         "length_low": resampled.low / size,
@@ -243,6 +241,11 @@ def _interval(
         "unpaired_length": unpaired["length"],
         "unpaired_percent": unpaired["percent"],
     }
+
+
+def _settings(response: Response, statistics: Statistics) -> dict[str, Any]:
+    confidence, significance = statistics.bootstrap_confidence, statistics.significance
+    return {"base": response.base, "confidence": confidence, "significance": significance}
 
 
 def _adjusted_interval(
@@ -259,11 +262,9 @@ def _adjusted_interval(
         values,
         known,
         generator(seed_of(root_seed, *name)),
-        base=response.base,
         draws=statistics.bootstrap_resamples,
-        confidence=statistics.bootstrap_confidence,
-        significance=statistics.significance,
         tell_scatter=tell_scatter,
+        **_settings(response, statistics),
     )
     low, high, _, error = scatter
     numbers = (length / size, 100.0 * length / response.base)

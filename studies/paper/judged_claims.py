@@ -1,11 +1,10 @@
 """Judgement of the paper's claims: their truth in the model, and confirmation by a study.
 
 True of the model: margins (`studies.paper.claims`) with confidence intervals, from surfaces on
-which all cases are closed (the pool, or the study itself if it has none). A claim *stands* if all
-margins are in the range where it is true, in all rocks, and *falls* if one is outside. For a
-comparison there is *no difference* if the smallest margin is within the tolerance. Otherwise the
-verdict is *undecided*. The intervals of one claim are simultaneous with a confidence of 95 %
-(Bonferroni).
+which all cases are closed. A claim *stands* if all margins are in the range where it is true, in
+all rocks, and *falls* if one is outside; for a comparison there is *no difference* if the smallest
+margin is within the tolerance; otherwise it is *undecided*. The intervals of one claim are
+simultaneous with a confidence of 95 % (Bonferroni).
 
 Confirmed by a study: the share of repetitions of the study, with n independent draws at every
 level, in which the claim is true for all rocks by point estimates, as in the paper.
@@ -48,10 +47,9 @@ MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
-    """Data from which claims are judged.
+    """Data from which claims are judged: a study confirms claims, a pool tells what is true.
 
-    ``study``: the real study, which confirms a claim or not. ``pool``: data for what is true, the
-    study itself if it has no pool. ``design``: that of repetitions of the study.
+    ``pool`` is the study itself if it has none. ``design``: that of repetitions of the study.
     ``resampled_pools``: number of pools for the error of confirmed shares due to the pool.
     """
 

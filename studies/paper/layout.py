@@ -162,8 +162,7 @@ def table_3_markdown(
 ) -> str:
     """Return Table 3 of the study, the same net of bulk indentation, and the paper's, in Markdown.
 
-    With common draws elasticities come first, with the reason, and the table by the unpaired test
-    is added.
+    With common draws elasticities come first; the table by the unpaired test is added.
     """
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"

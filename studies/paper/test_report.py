@@ -63,14 +63,6 @@ def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
 
 
-def test_each_number_that_decides_a_claim_has_a_row(page, material):
-    rows = [row for row in rows_of(page, "evidence") if row["By"].text != "the paper"]
-    decide = material.margins[material.margins.decides]
-    for number in material.claims.number:
-        shown = [row["Number"].key for row in rows if row["No."].text == number]
-        assert shown == decide[decide.number == number].value.tolist(), number
-
-
 def test_settings_that_differ_from_the_papers_are_found(configuration, default):
     schema = json_schema(model())
     assert departures(setting_rows(default, default, schema)) == []

@@ -131,8 +131,7 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
 
 
 def test_other_rocks_have_a_distribution_and_no_comparison(pool):
-    found = predictive(pool, Design(), 100, 1)
-    other = PAPER[PAPER.rock != "dolerite"]
+    found, other = predictive(pool, Design(), 100, 1), PAPER[PAPER.rock != "dolerite"]
     assert not {"paper_length", "p", "null_p"} & set(predictive_table(found, other).columns)
     assert joint_table(found, other).empty
 

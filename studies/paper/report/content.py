@@ -33,6 +33,12 @@ FIRST_PICTURES = {
     "common": ("closure_since_seating",),
 }
 """Figures of the first screen by the draws of a study; missing ones are left out."""
+MATED = "Walls are random and mated in part, as the configuration says."
+INDEPENDENT = (
+    "Walls are random and independent of each other. Natural joints mate in part, close less and "
+    "are stiffer: the numbers are not theirs."
+)
+UNMODELLED = "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
 _CLOSURE = "Net closure since seating, cycle {} (mm)"
 STAYS = "Share that remains at seating (%)"
 _LEFT_OUT = ("accuracy", "ablation")
@@ -104,17 +110,15 @@ def content(material: Material) -> dict:
 def outcome(study: xr.Dataset) -> dict:
     """Count simulations: all, used, failed, and those with each remark or failure."""
     good = succeeded(study)
-    used = good.sum("realization")
+    used, names = good.sum("realization"), tables.flag_names(study)
+    counts = {name: int(((study.status & mask) > 0).sum()) for mask, name in names.items()}
     return {
         "simulations": good.size,
         "used": int(good.sum()),
         "failed": int((~good).sum()),
         "least_used": int(used.min()),
         "most_used": int(used.max()),
-        "flags": {
-            name: int(((study.status & mask) > 0).sum())
-            for mask, name in tables.flag_names(study).items()
-        },
+        "flags": counts,
     }
 
 
@@ -276,15 +280,8 @@ def validity(configuration: Configuration, outcome: dict) -> list[str]:
     surface, sentences = configuration.surface, []
     if any(rock.walls is None for rock in configuration.rocks.values()):
         mated = surface.correlation > 0.0 or surface.mismatch_wavelength is not None
-        sentences.append(
-            "Walls are random and mated in part, as the configuration says."
-            if mated
-            else "Walls are random and independent of each other. Natural joints mate in part, "
-            "close less and are stiffer: the numbers are not theirs."
-        )
-    sentences.append(
-        "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
-    )
+        sentences.append(MATED if mated else INDEPENDENT)
+    sentences.append(UNMODELLED)
     if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
         sentences.append("Maximum stresses are assumptions.")
     flagged = outcome["flags"]["outside_model_range"]
