@@ -105,10 +105,7 @@ def _bases(sampling: Sampling, keys: Mapping, rock: str) -> dict[str, float]:
 
 
 def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]:
-    """Generate the shares of rows with a loop, in single rocks and in all at once.
-
-    A row has independent choices at its first point, where the means of its surfaces decide.
-    """
+    """Generate shares of rows whose first point has a loop, in single rocks and in all at once."""
     true = {}
     for rock, of_rock in closed.items():
         first = of_rock.sortby("row").isel(point=0).sel(cycle=cycle).mean("surface", skipna=False)

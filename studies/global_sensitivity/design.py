@@ -30,10 +30,7 @@ SURFACES = 2
 
 
 class Input(NamedTuple):
-    """Key (path in a configuration) that varies between two numbers, or over a few values.
-
-    ``low`` and ``high`` are None where it has ``values``, or the range of a rock in Table 2.
-    """
+    """Key (path) between two numbers (None: the levels of the rock), or over a few values."""
 
     name: str
     title: str
@@ -107,10 +104,7 @@ def _input(name: str, one: Varied) -> Input:
 
 
 def check_sampling(configured: Configured) -> None:
-    """Raise `ConfigurationError` if the model refuses an input at an end of its range.
-
-    Single inputs are checked first, so that an error is due to that input.
-    """
+    """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
     sampling, keys = sampling_of(configured.typed), configured.keys
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))

@@ -50,10 +50,7 @@ ELASTICITY_COLUMNS = (
 
 
 class Responses(NamedTuple):
-    """Response (row, point, surface) of a rock and a cycle at its points, of complete rows.
-
-    ``rows`` are their numbers in the sampling, ``left_out`` is the number of incomplete ones.
-    """
+    """Responses (row, point, surface) of a rock and a cycle at points, of complete rows."""
 
     rock: str
     name: str
@@ -135,10 +132,7 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
 
 
 def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
-    """Compute elasticities of properties: mean, ``spread`` and share above 0 over other inputs.
-
-    Errors are by jackknife. A response that is not positive everywhere has none.
-    """
+    """Compute elasticities: mean, spread and share above 0 over other inputs, by jackknife."""
     rows = []
     for response in filter(has_elasticities, responses_of(sampling, closed)):
         if not _properties(sampling, keys, response.rock):

@@ -142,10 +142,7 @@ def _judged(name: str, joint: str, low: float, high: float) -> dict:
 
 
 def single_joint_interval(values: np.ndarray) -> tuple[float, float]:
-    """Compute the 95 % prediction interval of one more joint, from logarithms if all are positive.
-
-    It contains the error of the mean, and takes joints as (log-)normal.
-    """
+    """Compute the 95 % prediction interval of one more joint, taken as (log-)normal."""
     logarithmic = bool((values > 0.0).all())
     scaled = np.log(values) if logarithmic else values
     count = values.size
@@ -184,11 +181,7 @@ def _walls(part: pd.DataFrame, root_seed: int) -> Iterator[_Walls]:
 
 
 def fitted_length(logs: np.ndarray, means: np.ndarray, closure: float) -> float:
-    """Find the logarithm of the wavelength at which the mean closure has a value.
-
-    Closure grows with the wavelength (isotonic regression), along straight lines over its
-    logarithm. A closure beyond the ends gives the end.
-    """
+    """Find the logarithm of the wavelength of a mean closure, which grows with it (isotonic)."""
     rising = scipy.optimize.isotonic_regression(means).x
     rising = rising * (1.0 + 1e-12 * np.arange(rising.size))  # np.interp needs it to increase
     return float(np.interp(closure, rising, logs))

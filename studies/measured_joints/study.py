@@ -119,10 +119,7 @@ def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) 
 
 @styled
 def measured_joints_figure(table: pd.DataFrame) -> Figure:
-    """Draw each observable of all variants beside the measured values (bands, of a range grey).
-
-    Bars are 95 % intervals of a single simulated joint.
-    """
+    """Draw observables of all variants, with intervals of a single joint, beside measured bands."""
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
     figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)

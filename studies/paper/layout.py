@@ -1,7 +1,4 @@
-"""Tables of a study as frames and texts; they compute nothing and write no files.
-
-Titles are words of the user: each kind of table escapes them.
-"""
+"""Tables of a study as frames and texts, with the titles of users escaped."""
 
 import re
 
@@ -16,10 +13,7 @@ from studies.frame.ensemble.cases import base_case, level_names
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Make the paper's Table 1: rocks and their properties, with the maximum stress.
-
-    With a table of maximum closures it has the means [mm] of every cycle with standard errors.
-    """
+    """Make the paper's Table 1, with maximum stresses and mean closures [mm] of every cycle."""
     rows = []
     for name, rock in rocks.items():
         row: dict[str, object] = {"rock": name, "title": rock.title}
@@ -81,10 +75,7 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
 def interval_text(
     length: float, percent: float, mark: str = "", standard_error: float = float("nan")
 ) -> str:
-    """Format an interval as in the paper: number, rounded to its standard error, mark, percentage.
-
-    Without an error the number has three digits, with an infinite one two.
-    """
+    """Format an interval as in the paper: number rounded to its error, mark, percentage."""
     if pd.isna(length):
         return "–"
     known = 0.0 < standard_error < float("inf")
@@ -94,11 +85,7 @@ def interval_text(
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Return the marks of an interval.
-
-    Asterisk: the root is outside the levels; dagger: the fitted deviation is negative; double
-    dagger: the confidence interval has no upper end.
-    """
+    """Return marks: * root outside the levels, † negative deviation, ‡ no upper end."""
     if column in ("paper_", "unpaired_"):
         return ""
     endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
@@ -160,10 +147,7 @@ def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFr
 def table_3_markdown(
     table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
 ) -> str:
-    """Return Table 3 of the study, the same net of bulk indentation, and the paper's, in Markdown.
-
-    With common draws elasticities come first; the table by the unpaired test is added.
-    """
+    """Return Table 3 gross and net, and the paper's; for common draws with elasticities."""
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
     test = test_name(table)

@@ -120,10 +120,7 @@ def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
 
 
 def lengths_dataset(lengths: Predictive) -> xr.Dataset:
-    """Return all drawn lengths (entry, repetition) in percent of the rock's value, for figures.
-
-    ``percent`` is that of the model, ``null_percent`` that of the null model; infinite for no root.
-    """
+    """Return drawn lengths (entry, repetition) in percent of the rock's value, for figures."""
     keys = list(lengths.bases)
     variables = {}
     for name, drawn, text in (

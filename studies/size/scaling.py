@@ -49,20 +49,14 @@ _OVER = ("spectrum", "patch", "spacing")
 
 
 def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
-    """Compute logarithms (..., patch, spacing, realization), means over the patches of a wall.
-
-    NaN where nothing was closed, or a quantity is not positive.
-    """
+    """Compute logarithms, means over the patches of a wall; NaN where nothing was closed."""
     values = run[name].sel(cycle=cycle) if "cycle" in run[name].dims else run[name]
     positive = values.where(values > 0.0)
     return positive.copy(data=np.log(positive.values)).mean("position")
 
 
 class Stacked(NamedTuple):
-    """Logarithms over (condition, realisation) of a response, and of predictors by name.
-
-    ``spectrum``, ``patch``, ``spacing`` (condition,) are the coordinates of conditions.
-    """
+    """Logarithms (condition, realisation) of a response and of predictors."""
 
     response: np.ndarray
     predictors: dict[str, np.ndarray]
@@ -111,10 +105,7 @@ class Collapse(NamedTuple):
 
 
 def centred(logs: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """Subtract from logarithms (..., condition, surface) each surface's mean over its group.
-
-    The spread between conditions that remains contains no differences between surfaces.
-    """
+    """Subtract each surface's mean over its group from logarithms (..., condition, surface)."""
     answer = np.array(logs, dtype=float)
     for group in np.unique(groups):
         members = groups == group
@@ -214,11 +205,7 @@ def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
 def _off(
     joints: Stacked, groups: np.ndarray, names: tuple[str, ...], surfaces: np.ndarray
 ) -> float:
-    """Compute the rms error [logarithm] of the largest patch as predicted by the next smaller one.
-
-    Exponents are fitted to every second surface without the largest patch, and tested on the
-    others.
-    """
+    """Compute the rms error [logarithm] of the largest patch, predicted by fits without it."""
     lengths = np.unique(joints.patch)
     smaller = joints.patch < lengths[-1]
     pairs = [

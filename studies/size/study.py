@@ -116,10 +116,7 @@ def _ratio(logs: np.ndarray, base: np.ndarray) -> Estimate:
 
 
 def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
-    """Compute geometric means at each size, and their ratios to those of the base (side, spacing).
-
-    Of each quantity: the mean, its ``..._ratio`` and the ``..._error`` of that.
-    """
+    """Compute geometric means at each size, and ratios to those of the base (side, spacing)."""
     rows = []
     for about, run in _spectra(runs):
         values = (run[name].values.tolist() for name in ("patch", "spacing", "cycle"))

@@ -240,12 +240,7 @@ def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
-    """Return the verdict on a property having the largest elasticity in all rocks, for one cycle.
-
-    Errors of elasticities are treated as independent. The intervals of all differences between
-    their magnitudes are simultaneous with 95 %. Magnitudes that differ by less than `TOLERANCE`
-    count as equal.
-    """
+    """Judge whether a property has the largest elasticity in all rocks, with independent errors."""
     lows, highs = [], []
     confidence = 1.0 - 0.05 / (len(elasticities) - elasticities.rock.nunique())
     for _, of_rock in elasticities.groupby("rock"):
