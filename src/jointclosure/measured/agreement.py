@@ -41,32 +41,25 @@ def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[
     """Compute closure at the maximum, stiffness, and the share that stays, of every cycle."""
     places = readings.places()
     result: list[Quantity] = []
-
-    def add(name: str, unit: str, values: np.ndarray, spread: np.ndarray, first: bool) -> None:
-        result.append(Quantity(name, unit, values, spread, first))
-
     for cycle in range(1, readings.cycles + 1):
         levels = [level for number, level in places if number == cycle and level is not None]
         closures = [values[..., places.index((cycle, level))] for level in levels]
         whole, first = closures[-1], cycle == 1
-        add(f"closure of cycle {cycle}", "mm", 1e3 * whole, 1e3 * error * whole, first)
+        name = f"closure of cycle {cycle}"
+        result.append(Quantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
         if len(levels) > 1:
             rise, run = levels[-1] - levels[-2], whole - closures[-2]
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-9 * rise / run
                 spread = stiffness * error * np.hypot(whole, closures[-2]) / run
             between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
-            add(f"stiffness of cycle {cycle}, {between} MPa", "MPa/mm", stiffness, spread, first)
+            name = f"stiffness of cycle {cycle}, {between} MPa"
+            result.append(Quantity(name, "MPa/mm", stiffness, spread, first))
         if (cycle, None) in places:
             share = 1.0 - values[..., places.index((cycle, None))] / whole
             spread = np.full(share.shape, 100.0 * math.sqrt(2.0) * error)
-            add(
-                f"share of the closure of cycle {cycle} that stays",
-                "%",
-                100.0 * share,
-                spread,
-                False,
-            )
+            name = f"share of the closure of cycle {cycle} that stays"
+            result.append(Quantity(name, "%", 100.0 * share, spread, False))
     return result
 
 

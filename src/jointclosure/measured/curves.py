@@ -20,6 +20,11 @@ from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.parameters.units import SI_FACTORS
 
 STRESS_UNITS, CLOSURE_UNITS = ("Pa", "kPa", "MPa", "GPa"), ("m", "mm", "um")
+_ALLOWED: dict[str, tuple[str, ...]] = {
+    "stress": STRESS_UNITS,
+    "closure": CLOSURE_UNITS,
+    "cycle": ("",),
+}
 _FACTORS = SI_FACTORS | {"kPa": 1e3}
 _HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-zµμ]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
 """Heading of a column: a name, and a unit at its end or in brackets."""
@@ -86,9 +91,33 @@ def parsed_curve(
     where = f"{name}, line {first}"
     below: list[str] = []
     if body and any(_unit(cell) in STRESS_UNITS for cell in body[0][1]):
-        below = [_unit(cell) for cell in body.pop(0)[1]]
-    units = {"stress": stress_unit, "closure": closure_unit}
-    columns = _columns(header, below, where, units, cycle is None, names)
+        below = [_unit(cell) for cell in body.pop(0)[1]] + [""] * len(header)
+    units = {"stress": stress_unit, "closure": closure_unit, "cycle": None}
+    quantities = _named(header, where, names)
+    columns: dict[str, tuple[int, str]] = {}
+    for position, quantity in enumerate(quantities):
+        if quantity not in _ALLOWED:
+            continue
+        what = f"{where}: column {header[position]!r}"
+        if quantity in columns:
+            raise InputError(f"{what}: must be the only one of {quantity}")
+        stated = _stated_unit(header[position])
+        if names is not None and stated not in _ALLOWED[quantity]:
+            stated = ""  # part of another heading, such as sigma_n
+        unit = stated or (below[position] if below else "") or units[quantity] or ""
+        unit = "" if quantity == "cycle" else unit
+        if unit not in _ALLOWED[quantity]:
+            wrong = f"unit {unit!r} must be" if unit else _without_unit(quantity, cycle is None)
+            raise InputError(f"{what}: {wrong} one of {', '.join(_ALLOWED[quantity])}")
+        columns[quantity] = position, unit
+    missing = [n for n in _ALLOWED if n not in columns and (n != "cycle" or cycle is None)]
+    if missing:
+        others = "; --columns, or columns= in Python, names or numbers others"
+        raise InputError(
+            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle"
+            f"{others if cycle else ''}); there are {', '.join(header)}"
+        )
+    columns = {quantity: columns[quantity] for quantity in _ALLOWED if quantity in columns}
     rows = []
     for number, cells in body:
         at = f"{name}, line {number}"
@@ -108,63 +137,27 @@ def parsed_curve(
     return MeasuredCurve(stress * factors[0], closure * factors[1], of_cycle, numbers)
 
 
-def _columns(
-    header: list[str],
-    below: list[str],
-    where: str,
-    units: dict[str, str | None],
-    needs_cycle: bool,
-    names: Sequence[str] | None,
-) -> dict[str, tuple[int, str]]:
-    """Return position and unit of stress, closure and cycle, in that order."""
-    allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}
-    headings = [re.fullmatch(_HEADING, cell) for cell in header]
-    quantities = [heading["name"].lower() if heading else "" for heading in headings]
+def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
+    """Return the quantity of every column, by its heading or by names or numbers of columns."""
     if names is None:
-        quantities = [_ALIASES.get(name, name) for name in quantities]
-    else:
-        positions = [_position(name, header) for name in names]
-        if None in positions or not 2 <= len(names) <= 3:
-            raise InputError(
-                f"{where}: columns {', '.join(names)}: must be two or three of "
-                f"{', '.join(header)}, or their numbers from 1 to {len(header)}"
-            )
-        named = dict(zip(positions, allowed, strict=False))
-        quantities = [named.get(position, "") for position in range(len(header))]
-    columns: dict[str, tuple[int, str]] = {}
-    for position, (cell, quantity) in enumerate(zip(header, quantities, strict=True)):
-        if quantity not in allowed:
-            continue
-        if quantity in columns:
-            raise InputError(f"{where}: column {cell!r}: must be the only one of {quantity}")
-        heading = headings[position]
-        stated = _unit(heading["ending"] or heading["within"] or "") if heading else ""
-        if names is not None and stated not in allowed[quantity]:
-            stated = ""  # part of another heading, such as sigma_n
-        line = below[position] if position < len(below) else ""
-        unit = "" if quantity == "cycle" else stated or line or units[quantity] or ""
-        if unit not in allowed[quantity]:
-            wrong = f"unit {unit!r} must be" if unit else _without_unit(quantity, needs_cycle)
-            units_allowed = ", ".join(filter(None, allowed[quantity]))
-            raise InputError(f"{where}: column {cell!r}: {wrong} one of {units_allowed}")
-        columns[quantity] = position, unit
-    needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
-    missing = [name for name in needed if name not in columns]
-    if missing:
-        others = "; --columns, or columns= in Python, names or numbers others"
-        others = "" if needs_cycle else others
+        headings = [re.fullmatch(_HEADING, cell) for cell in header]
+        named = [heading["name"].lower() if heading else "" for heading in headings]
+        return [_ALIASES.get(name, name) for name in named]
+    numbers = [str(1 + position) for position in range(len(header))]
+    places = [next((each.index(n) for each in (header, numbers) if n in each), -1) for n in names]
+    if -1 in places or not 2 <= len(names) <= 3:
         raise InputError(
-            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle{others})"
-            f"; there are {', '.join(header)}"
+            f"{where}: columns {', '.join(names)}: must be two or three of "
+            f"{', '.join(header)}, or their numbers from 1 to {len(header)}"
         )
-    return {name: columns[name] for name in allowed if name in columns}
+    by_place = dict(zip(places, _ALLOWED, strict=False))
+    return [by_place.get(position, "") for position in range(len(header))]
 
 
-def _position(name: str, header: list[str]) -> int | None:
-    """Return the position of a column by its heading or number from 1; None if there is none."""
-    if name in header:
-        return header.index(name)
-    return int(name) - 1 if name.isdecimal() and 1 <= int(name) <= len(header) else None
+def _stated_unit(heading: str) -> str:
+    """Return the unit in a heading, or an empty text."""
+    parts = re.fullmatch(_HEADING, heading)
+    return _unit(parts["ending"] or parts["within"] or "") if parts else ""
 
 
 def _unit(cell: str) -> str:

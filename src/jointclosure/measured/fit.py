@@ -90,7 +90,9 @@ class Fit(NamedTuple):
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         wavelength, strength = self.mismatch_wavelength, self.compressive_strength
         if not self.interval_holds:
-            nearest = [f"nearest are {_near(wavelength.value)}"] * (not self.scanned)
+            ends = {0.0: "mates", math.inf: "independent walls"}
+            between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
+            nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
             return [*self._unexplained(), *nearest, *self._compared(), f"assumed: {self.assumed}"]
         lines: list[str] = []
         if missed := self._missed_first_loading():
@@ -385,12 +387,6 @@ def _checked(
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
     check_seed("seed", seed)
     return shape
-
-
-def _near(value: float) -> str:
-    """Describe walls of a mismatch wavelength [m], which may be at an end of the range."""
-    ends = {0.0: "mates", math.inf: "independent walls"}
-    return ends.get(value, f"walls of a mismatch wavelength of {1e3 * value:.3g} mm")
 
 
 def _stated(

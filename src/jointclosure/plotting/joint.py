@@ -18,10 +18,7 @@ from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styl
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = None) -> Figure:
-    """Draw stress against gross and against net closure since seating.
-
-    What is closed before seating depends on the point that touches first, and is not shown.
-    """
+    """Draw stress against gross and against net closure since seating, before which none counts."""
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
     columns = {GROSS: CLOSURE_GROSS, NET: CLOSURE_NET}
     for axes, (of, column) in zip(panels, columns.items(), strict=True):
@@ -181,10 +178,7 @@ def _draw_flow(axes, history: xr.Dataset) -> None:
 
 @styled
 def fit_figure(result: Fit, title: str) -> Figure:
-    """Draw the curve on the band of the fitted joints, readings by wavelength, and likelihood.
-
-    Where walls are scanned, readings and likelihood are drawn over the strength.
-    """
+    """Draw the curve on the band of the fitted joints; readings and likelihood by the parameter."""
     figure, panels = subplots(2, 2, figsize=(12.5, 6.4), height_ratios=(2, 1), sharex="col")
     above, below = panels[:, 1]
     grid = panels[0, 0].get_gridspec()
@@ -218,11 +212,9 @@ def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray)
     """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
     known = np.isfinite(logs).reshape(len(nodes), -1).any(axis=1)
     nodes, logs = nodes[known], logs[known]
-    places = result.measured.places()
+    places, names = result.measured.places(), result.measured.names()
     markers = dict(zip(dict.fromkeys(level for _, level in places), "osDv", strict=False))
-    for number, ((cycle, level), name) in enumerate(
-        zip(places, result.measured.names(), strict=True)
-    ):
+    for number, ((cycle, level), name) in enumerate(zip(places, names, strict=True)):
         ratios = np.exp(logs[..., number]).reshape(len(nodes), -1) / result.measured.values[number]
         low, middle, high = np.nanpercentile(ratios, (5.0, 50.0, 95.0), axis=1)
         axes.errorbar(
@@ -257,10 +249,8 @@ def _draw_curve(axes: Axes, result: Fit) -> None:
                 stress, closure = np.append(seating, stress), np.append(0.0, closure)
             axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
         axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
-    axes.set(
-        xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)",
-        xlim=(min(0.0, axes.get_xlim()[0]), None),
-    )  # fmt: skip
+    axes.set(xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)")
+    axes.set(xlim=(min(0.0, axes.get_xlim()[0]), None))
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
 
 

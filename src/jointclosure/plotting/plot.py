@@ -15,7 +15,7 @@ from jointclosure.joint.history import GROSS, NET
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map, state_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
-from jointclosure.plotting.walls import draw_section, map_extent
+from jointclosure.plotting.walls import draw_heights, draw_section
 
 with needs("figures", "jointclosure.plotting.plot"):
     import matplotlib.pyplot as plt
@@ -115,11 +115,8 @@ def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
     """
     check_length("spacing", spacing)
     axes, heights = _axes(axes), np.asarray(heights)
-    reach = 1e3 * float(np.nanmax(np.abs(heights)))
-    image = axes.imshow(
-        1e3 * heights, origin="lower", interpolation="nearest", cmap="vlag", vmin=-reach,
-        vmax=reach, extent=map_extent(heights.shape, spacing),
-    )  # fmt: skip
+    image = draw_heights(axes, heights, spacing, float(np.nanmax(np.abs(heights))))
+    image.set_interpolation("nearest")
     _finish_map(axes, image, "height (mm)")
     return axes
 

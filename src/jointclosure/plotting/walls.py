@@ -25,10 +25,7 @@ def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) 
 
 @styled
 def pair_figure(pair: RegisteredPair, title: str) -> Figure:
-    """Draw both walls, aperture and section at first touch, correlation, and orientations.
-
-    Correlation and orientations are left out where one wall is flat.
-    """
+    """Draw both walls, aperture and section at first touch; unless one is flat, their mating."""
     columns = 3 if pair.fits else 2
     figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2))
     panels = grid.ravel()

@@ -1,13 +1,12 @@
 """Repetitions of a published study, drawn from pools of closed surfaces.
 
 A study draws n surfaces for every level of every parameter, independently, as the paper did, and
-publishes the lengths of its indifference intervals. Here repetitions are drawn from a pool of N
-surfaces per case. A pool is itself a sample. Therefore a repetition first resamples the pool (N of
-N, with replacement) and then draws n surfaces from this. Resampling a finite pool reduces the
-scatter; to correct this, values are moved away from the pool's mean by the factor N/(N - 1). The
-mean of a repetition at a level then has the variance s^2/n + s^2/(N - 1) about the mean of the
-pool, where s is the standard deviation of the pool (ddof 1). This is the variance of a new study's
-mean about it, including the error of the pool. The variance within a repetition is s^2.
+publishes the lengths of its indifference intervals. A pool of N surfaces per case is itself a
+sample; therefore a repetition first resamples the pool (N of N, with replacement) and then draws n
+surfaces from this. To correct the smaller scatter of a finite pool, values are moved away from its
+mean by the factor N/(N - 1). The mean of a repetition at a level then has the variance
+s^2/n + s^2/(N - 1) about the mean of the pool (s: its standard deviation, ddof 1), as a new study's
+mean has, including the error of the pool. The variance within a repetition is s^2.
 """
 
 from collections.abc import Iterator, Mapping
@@ -143,8 +142,7 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
 def _responses(sensitivity, chosen, design) -> DrawnResponse:
     of_pools: list[tuple[np.ndarray, np.ndarray]] = []
     for pool, index in zip(sensitivity.pools, chosen, strict=True):
-        size = pool.values.shape[1]
-        centre = pool.values.mean(axis=1, keepdims=True)
+        size, centre = pool.values.shape[1], pool.values.mean(axis=1, keepdims=True)
         values = (centre + (pool.values - centre) * (size / (size - 1)))[:, index]
         of_pools.append((values.mean(axis=-1).T, values.std(axis=-1, ddof=1).T))
     means, deviations = (np.stack(part, axis=-1) for part in zip(*of_pools, strict=True))

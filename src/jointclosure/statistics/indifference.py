@@ -108,19 +108,13 @@ def _between(
 
 
 class IndifferenceInterval(NamedTuple):
-    """Range about the base value in which a change of the parameter is not significant.
+    """Range about the base value in which a change of the parameter is not significant."""
 
-    ``length`` and ``root`` (the closest real root, in the parameter's unit) are NaN if the quartic
-    has no real root. ``extrapolated``: the root lies outside the sampled levels.
-    ``negative_deviation``: the fitted standard deviation is negative at the root.
-    ``critical_value``: t with 2 n - 2 degrees of freedom.
-    """
-
-    length: float
-    root: float
-    extrapolated: bool
-    negative_deviation: bool
-    critical_value: float
+    length: float  # NaN if the quartic has no real root
+    root: float  # the closest one, in the parameter's unit
+    extrapolated: bool  # whether the root lies outside the sampled levels
+    negative_deviation: bool  # of the fitted quadratic, at the root
+    critical_value: float  # t with 2 n - 2 degrees of freedom
 
 
 def indifference_interval(

@@ -1,8 +1,8 @@
 """Indifference interval of a paired t test, with the same surfaces at every level.
 
-With common draws a paired t test uses the scatter of the *difference* between a level and
-the base on the same surface; the scatter between surfaces, which Eq. (28) uses, cancels.
-On surface s, with u = (p - p_M)/half-range, a response is modelled as
+A paired t test uses the scatter of the *difference* between a level and the base on the same
+surface; the scatter between surfaces, which Eq. (28) uses, cancels. On surface s, with
+u = (p - p_M)/half-range, a response is modelled as
 
     y_s(u) = a_s + c_s u + b u^2 + e_s(u),
 

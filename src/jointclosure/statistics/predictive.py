@@ -58,11 +58,9 @@ def share_as_short(lengths, observed: float) -> float:
 
 
 def _outcome(observed: float) -> float:
-    if np.isnan(observed):
-        return np.inf
     if observed < 0.0:
         raise InputError(f"observed = {observed!r}: must be a length, or NaN for no root")
-    return float(observed)
+    return np.inf if np.isnan(observed) else float(observed)
 
 
 def _lengths(lengths) -> np.ndarray:

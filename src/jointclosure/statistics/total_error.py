@@ -37,22 +37,15 @@ class Bias(NamedTuple):
 
 
 class Method(NamedTuple):
-    """Method to compute a result, with relative errors and with costs per surface.
-
-    ``bias``: relative error that surfaces do not reduce. ``scatter``: relative standard error of
-    one surface. ``left``: share of its variance that control variates leave, from studies of finite
-    size. ``explained``: share that they explain; 1 and 0 without control variates. ``cost``: time
-    of a closed surface, ``measured_cost``: time of a surface that is only measured [s]. ``least``:
-    smallest number of surfaces.
-    """
+    """Method to compute a result, with relative errors and with costs per surface."""
 
     bias: Bias
-    scatter: float
-    left: float
-    explained: float
-    cost: float
-    measured_cost: float
-    least: int = 2
+    scatter: float  # relative standard error of one surface
+    left: float  # shares of its variance that control variates leave and explain
+    explained: float  # 1 and 0 without control variates
+    cost: float  # time of a closed surface [s]
+    measured_cost: float  # time of a surface that is only measured [s]
+    least: int = 2  # smallest number of surfaces
 
     def sampling(self, surfaces: float, measured: float = np.inf) -> float:
         """Return half the 95 % confidence interval [1] for closed and measured surfaces."""
@@ -99,8 +92,7 @@ def bias_of(percent: float, low: float, high: float) -> Bias:
 def method_of(row) -> Method:
     """Make a method from a row of a table, whose bias is in percent."""
     bias = bias_of(row.bias_percent, row.bias_low, row.bias_high)
-    fields = [getattr(row, name) for name in Method._fields[1:]]
-    return Method(bias, *fields)
+    return Method(bias, *(getattr(row, name) for name in Method._fields[1:]))
 
 
 def shares(worth: float, surfaces: float, measured: float) -> tuple[float, float]:

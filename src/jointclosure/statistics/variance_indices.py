@@ -43,7 +43,7 @@ class Term(NamedTuple):
 
     @property
     def inputs(self) -> frozenset[int]:
-        """Inputs that the term depends on."""
+        """Return the inputs that the term depends on."""
         return frozenset(factor for factor, _ in self.factors)
 
 
@@ -95,13 +95,11 @@ def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> n
         _contrasts(points[..., one], count) if count else _legendre(points[..., one])
         for one, count in enumerate(values)
     ]
-    columns = []
-    for term in terms:
-        column = np.ones(points.shape[:-1])
+    columns = np.ones((*points.shape[:-1], len(terms)))
+    for place, term in enumerate(terms):
         for one, number in term.factors:
-            column = column * functions[one][..., number]
-        columns.append(column)
-    return np.stack(columns, axis=-1)
+            columns[..., place] *= functions[one][..., number]
+    return columns
 
 
 def fitted(points, response, values: tuple[int, ...]) -> Fit:
@@ -134,22 +132,17 @@ def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
 
 
 class Indices(NamedTuple):
-    """Sensitivity indices (d,) of the mean over surfaces, and standard errors.
+    """Sensitivity indices (d,) of the mean over surfaces, and standard errors."""
 
-    ``first`` and ``total`` are relative to ``variance``, NaN if that is not estimated above 0.
-    ``surfaces`` is the variance of a single simulation due to the surfaces, over the sum of this
-    and ``variance``. ``fit_share`` is the share of the variance that the fitted functions explain.
-    """
-
-    first: np.ndarray
+    first: np.ndarray  # relative to the variance, like total; NaN if that is not above 0
     first_error: np.ndarray
     total: np.ndarray
     total_error: np.ndarray
     variance: float
     variance_error: float
-    surfaces: float
+    surfaces: float  # share of the variance of a single simulation that is due to the surfaces
     surfaces_error: float
-    fit_share: float
+    fit_share: float  # share of the variance that the fitted functions explain
 
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
@@ -222,9 +215,8 @@ def shapley_effects(
     """Compute Shapley effects of fitted functions: shares of their variance that sum to 1.
 
     Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs share
-    their variance equally. The other terms are grouped by the independent inputs that they contain;
-    groups have no common variance, and each is a game of its dependent inputs. For dependent inputs
-    the variance due to a subset J is the covariance of two responses that share only x_J.
+    their variance equally. The others are grouped by the independent inputs that they contain, each
+    group a game; the variance due to inputs J is the covariance of responses that share only x_J.
     """
     d, coefficients = len(values), np.asarray(coefficients, dtype=float)
     bound = frozenset(one for pair in correlations or {} for one in pair)
