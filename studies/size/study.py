@@ -184,11 +184,12 @@ def barton_bandis_table(
     have, ``strength_ratio`` is its sigma_c/JCS.
     """
     rows = []
-    for about, run in _spectra(runs):
-        smallest, *larger = run.patch.values.tolist()
-        for cycle in run.cycle.values:
+    for rock, of_rock in runs.items():
+        smallest, *larger = of_rock.patch.values.tolist()
+        spectra = list(_spectra({rock: of_rock}))
+        for cycle, (about, run) in itertools.product(of_rock.cycle.values, spectra):
             known, *laws = (
-                law_of_size(patch / smallest, rocks[about["rock"]], strength_ratio, cycle)
+                law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle)
                 for patch in (smallest, *larger)
             )
             for reading in known:
