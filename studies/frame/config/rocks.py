@@ -189,15 +189,15 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
     def problems(self, name: str, configuration: "Configuration") -> Iterator[str]:
         """Generate contradictions of a rock with itself and with the study, one line each."""
         stress, seating = self.max_normal_stress, configuration.seating_stress
+        end = configuration.output.largest_stress
         where = f"rocks.{name}.max_normal_stress_MPa = {in_unit(stress, 'MPa'):g}"
         if seating > LARGEST_SEATING * stress:
             yield (
                 f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: must be at most "
                 f"{LARGEST_SEATING:g} of {where}"
             )
-        if configuration.output.largest_stress < stress:
-            end = in_unit(configuration.output.largest_stress, "MPa")
-            yield f"output.largest_stress_MPa = {end:g}: must be at least {where}"
+        if end < stress:
+            yield f"output.largest_stress_MPa = {in_unit(end, 'MPa'):g}: must be at least {where}"
         stiffness = min(self.levels.get("youngs_modulus", (self.intact.youngs_modulus,)))
         if stress >= stiffness:
             yield f"{where}: must be below Young's modulus, {in_unit(stiffness, 'MPa'):g} MPa"
@@ -214,17 +214,13 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
 
     def _level_problems(self, where: str, parameter: str) -> Iterator[str]:
         levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
-        unit = PROPERTIES[parameter].unit
-        shown = f"{where} = [{_listed(levels, unit)}]"
-        if math.isnan(base):
-            return
-        if any(not later > earlier for earlier, later in itertools.pairwise(levels)):
-            yield f"{shown}: must be strictly ascending"
+        shown = [f"{in_unit(level, PROPERTIES[parameter].unit):g}" for level in (*levels, base)]
+        where = f"{where} = [{', '.join(shown[:-1])}]"
+        ascends = all(later > earlier for earlier, later in itertools.pairwise(levels))
+        if not ascends and not math.isnan(base):
+            yield f"{where}: must be strictly ascending"
         if base in levels:
-            yield (
-                f"{shown}: must not contain the value of the rock, {in_unit(base, unit):g}, which "
-                "is always a level"
-            )
+            yield f"{where}: must not contain the value of the rock, {shown[-1]}, always a level"
 
     def _wall_problems(self, where: str, configuration: "Configuration") -> Iterator[str]:
         """Generate problems of the roughness, one line each."""
@@ -240,16 +236,9 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
             )
         if levels is not None:
             yield (
-                f"{where}.levels.jrc = [{_listed(levels, '1')}]: must be left out for scanned "
-                "walls, which have no JRC, or null if another file sets it"
+                f"{where}.levels.jrc = [{', '.join(f'{jrc:g}' for jrc in levels)}]: must be left "
+                "out for scanned walls, which have no JRC, or null if another file sets it"
             )
-        files = wall_files(walls)
-        if not files:
-            words = f"upper = {walls.upper!r}, lower = {walls.lower!r}"
-            yield f"{where}.walls: {words}: at least one must be a file"
-        for side in walls.inverted:
-            if side not in files:
-                yield f"{where}.walls.inverted = {list(walls.inverted)!r}: {side} is not a file"
         yield from _registration_problems(walls, f"{where}.walls")
         if configuration.effects.auto is not None:
             yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
@@ -257,23 +246,24 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 
 
-def _listed(levels: tuple[float, ...], unit: str) -> str:
-    return ", ".join(f"{in_unit(level, unit):g}" for level in levels)
-
-
 def _registration_problems(walls: Walls, where: str) -> Iterator[str]:
-    """Generate problems of the registration of two scans, one line each."""
+    """Generate contradictions between the keys of scanned walls, one line each."""
+    files, inverted = wall_files(walls), f"{where}.inverted = {list(walls.inverted)!r}"
+    if not files:
+        words = f"upper = {walls.upper!r}, lower = {walls.lower!r}"
+        yield f"{where}: {words}: at least one must be a file"
+    yield from (f"{inverted}: {side} is not a file" for side in walls.inverted if side not in files)
     if not walls.bring_together:
         for name in ("orientation", "shift"):
             if getattr(walls, name) is not None:
                 yield f"{where}.{name} = {getattr(walls, name)}: only with bring_together: true"
         return
-    if len(wall_files(walls)) < 2 and FLAT not in (walls.upper, walls.lower):
+    if len(files) < 2 and FLAT not in (walls.upper, walls.lower):
         yield f"{where}.bring_together = true: needs two files, upper and lower"
     if walls.inverted:
         yield (
-            f"{where}.inverted = {list(walls.inverted)!r}: not with bring_together, which "
-            "determines the direction of the upper file; use orientation instead"
+            f"{inverted}: not with bring_together, which determines the direction of the upper "
+            "file; use orientation instead"
         )
     if walls.missing != "refuse":
         yield (
