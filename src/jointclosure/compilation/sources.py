@@ -24,8 +24,8 @@ ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 """Calls whose first argument is a text for readers (description of a key), and the module through
 which it reaches results. The text counts only if that module is imported."""
-TITLED = ("Property", "Quantity", "_net", "ATTRIBUTES")
-"""Calls whose first argument is the title of a number, and the table of attributes of variables:
+TITLED = ("Property", "Quantity", "_net", "_VARIABLES")
+"""Calls whose first argument is the title of a number, and the table of titles of variables:
 no numbers depend on them, so that closed joints and kernels stay when a title is reworded."""
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
@@ -248,6 +248,6 @@ def _text(tree: ast.AST, unseen: frozenset[str]) -> str:
             ]
         if isinstance(node, ast.Call) and getattr(node.func, "id", None) in unseen and node.args:
             node.args[0] = ast.Constant("")
-        if isinstance(node, ast.AnnAssign) and getattr(node.target, "id", None) in unseen:
-            node.value = None
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", None) in unseen:
+            node.value = ast.Constant("")
     return ast.dump(tree)
