@@ -12,7 +12,7 @@ Snakemake compares times and its own notes, which a file from elsewhere may have
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,9 +77,8 @@ def check_inputs(inputs: Iterable[str | Path], results: Path) -> None:
     listed: dict[str, str] = {}
     for study in _studies(paths, results):
         listed |= sealed_files(study)
-        for _, seal, reason in unmet_seals(study):
-            if seal is None or seal.files.keys() & set(paths):
-                raise ForeignFileError(reason)
+        for _, _, reason in unmet_seals(study, among=set(paths)):
+            raise ForeignFileError(reason)
     for path in paths:
         if path not in listed and Path(path).suffix not in _NEED_NO_SEAL:
             raise ForeignFileError(
@@ -88,16 +87,21 @@ def check_inputs(inputs: Iterable[str | Path], results: Path) -> None:
 
 
 def unmet_seals(
-    folder: str | Path, expected: Callable[[Seal], str] = lambda seal: ""
+    folder: str | Path,
+    expected: Callable[[Seal], str] = lambda seal: "",
+    among: Set[str] | None = None,
 ) -> Iterator[tuple[Path, Seal | None, str]]:
     """Generate seals of a study that do not match, with the reasons; None for what is no seal.
 
-    ``expected`` returns the `settings_digest` that a seal must have, empty to accept any.
+    ``expected`` returns the `settings_digest` that a seal must have, empty to accept any. Where
+    paths are given, seals of none ``among`` them do not count: other jobs may write their files.
     """
     seals, listed = seals_in(Path(folder)), sealed_files(Path(folder))
     for path, seal in seals.items():
         if seal is None:
             yield path, None, f"{path}: is not a seal of jointclosure: {_AGAIN}"
+        elif among is not None and not among & seal.files.keys():
+            continue
         elif reason := _reason(seal, listed, expected(seal)):
             yield path, seal, f"{reason}: {_AGAIN}"
 
