@@ -191,7 +191,7 @@ def pools(random, effects, size=60):
 
 
 def table(random, effects):
-    """The lengths that one study publishes, in the order of `lengths_table`."""
+    """The lengths that one study publishes, in the order of `table_of`."""
     means, deviations = published(random, list(effects.values()))
     return indifference_lengths(LEVELS, means, deviations, 20).ravel()
 
