@@ -29,7 +29,8 @@ from studies.global_sensitivity.design import (
 from studies.paper.claims import LOOP
 
 RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
-"""Responses of each cycle with indices. Residual closure is next to none in later cycles."""
+"""Responses of each cycle with indices: compliance, as nearly infinite stiffnesses would dominate a
+mean of stiffnesses. Residual closure is next to none in later cycles."""
 QUANTITIES = (*RESPONSES, LOOP)
 """Quantities of the joints."""
 FEWEST = 16
@@ -88,10 +89,7 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
 
 
 def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
-    """Generate the responses of all rocks and cycles, of rows without a failed simulation.
-
-    Compliance is read, as nearly infinite stiffnesses would dominate a mean of stiffnesses.
-    """
+    """Generate responses of all rocks and cycles, of compliance in place of stiffness."""
     points = sampling.points()
     for rock, of_rock in closed.items():
         whole = of_rock.sortby("row")

@@ -75,11 +75,7 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
 
 
 def digitised_curve(joint: str) -> MeasuredCurve:
-    """Return both loadings of a measured joint, net of the rock, with the points that were read.
-
-    These are seating and the largest stress, the return to seating, and half of the largest stress
-    on the later loading, by its stiffness.
-    """
+    """Return both loadings of a measured joint as read: seating, half, largest stress, back."""
     stress, seating = (measured(name).value for name in ("largest_stress", "seating_stress"))
     first, later, stiffness = (
         measured(name, joint).value

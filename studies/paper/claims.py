@@ -1,8 +1,4 @@
-"""The paper's claims: statements on closures and their criteria, for a model and for studies.
-
-Studies are those of `jointclosure.statistics.drawn_studies.draw_studies`: lengths and means of R
-repetitions. A real study is a study with R = 1, judged by the same rules.
-"""
+"""The paper's claims and their criteria, for a model and for studies; a real study has R = 1."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

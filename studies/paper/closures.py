@@ -107,11 +107,7 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, fl
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate coefficients of Eqs. (24) and (26) with standard errors.
-
-    Closures are in mm, parameters in the units of Table 1. With more than three levels
-    ``lack_of_fit_p`` tests the quadratic.
-    """
+    """Tabulate coefficients of Eqs. (24) and (26) [mm, units of Table 1], and lack of fit."""
     rows = []
     for response in responses(study, TARGET):
         surfaces, unit = response.samples.shape[1], PROPERTIES[response.parameter]

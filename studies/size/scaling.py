@@ -1,9 +1,4 @@
-"""Scalings by which closures, residual closures and stiffness of one size predict another.
-
-Candidates are products of powers: of patch length and spacing, of the longest wave of a patch, and
-of measures of its pristine walls. A scaling is fitted to half of the realisations and tested on the
-others; it also predicts the largest patch from fits without it.
-"""
+"""Scalings, products of powers, by which closures and stiffness of one size predict another."""
 
 import itertools
 from collections.abc import Mapping
@@ -91,11 +86,7 @@ def stacked(
 
 
 class Collapse(NamedTuple):
-    """Effect of a product of powers on the spread between conditions, with jackknife errors.
-
-    ``removed`` is the share of the mean square spread that is removed on surfaces that were not
-    fitted; ``left`` is the root mean square spread, of a logarithm, that remains there.
-    """
+    """Shares of the spread between conditions removed, and left (rms), on surfaces not fitted."""
 
     exponents: np.ndarray
     errors: np.ndarray

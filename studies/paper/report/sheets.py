@@ -58,10 +58,7 @@ class Sheet(NamedTuple):
 
 
 def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Make a table of the columns of a frame that have titles; numbers are rounded to their errors.
-
-    The error of a column, if there is one, is in the column of its name and ``_standard_error``.
-    """
+    """Make a table of the titled columns; numbers are rounded to columns with _standard_error."""
     shown = frame[list(titles)].astype(object)
     for column in titles:
         if (error := f"{column}_standard_error") in frame:
