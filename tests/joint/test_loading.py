@@ -44,8 +44,7 @@ def along(history, number, branch):
 
 def test_equal_cycles_to_last_contact_are_bit_for_bit_those_of_one_maximum(scene):
     xr.testing.assert_identical(
-        closed(scene, stress=6e6, cycles=3),
-        closed(scene, stress=[6e6, 0, 6e6, 0, 6e6]),
+        closed(scene, stress=6e6, cycles=3), closed(scene, stress=[6e6, 0, 6e6, 0, 6e6])
     )
 
 

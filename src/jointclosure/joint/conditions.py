@@ -101,9 +101,6 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-REQUIRED = ("rock", "max_normal_stress")
-"""Fields of `Conditions` that have no default value."""
-
 
 class Conditions(NamedTuple):
     """Everything besides the walls on which the closure of a joint depends, in SI.
@@ -229,7 +226,7 @@ def conditions_from(
         raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
     if conditions is not None:
         return conditions._replace(**changes)
-    missing = [name for name in (*required, *REQUIRED) if name not in changes]
+    missing = [name for name in (*required, "rock", "max_normal_stress") if name not in changes]
     if missing:
         raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
     return Conditions(**{"spacing": None, **changes})

@@ -102,8 +102,7 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
     shown = np.where(joined, pressures[0], np.nan)[:-2].reshape(field.shape)
     hydraulic = largest * float(np.cbrt(outflow * columns / rows))
     added = _left_out_flow(network, left_out, joined, pressures[0])
-    counts = added > LARGEST_IMBALANCE * outflow
-    status = AT_LEAST if counts else FLOWS
+    status = AT_LEAST if added > LARGEST_IMBALANCE * outflow else FLOWS
     return Flow(hydraulic, status, imbalance, shown if direction == "x" else shown.T)
 
 
@@ -133,9 +132,7 @@ def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarr
     return network, is_open[conducts]
 
 
-def _left_out_flow(
-    network: _Network, left_out: _Network, joined: np.ndarray, pressure: np.ndarray
-) -> float:
+def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> float:
     """Return an upper bound of the flow through faces left out, for a pressure difference of 1."""
     first, second, conductance, _ = left_out
     nodes = left_out.nodes
@@ -232,7 +229,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = OF_HISTORY | {
         "long_name": "status of the flow",
         "flag_values": np.arange(len(STATUSES), dtype=np.int8),
         "flag_meanings": " ".join(STATUSES),
-    },
+    }
 }
 _DIRECTION = np.array(DIRECTIONS, dtype=object), {"long_name": "direction of the flow"}
 COORDINATE = {"direction": ("direction", *_DIRECTION)}
@@ -254,7 +251,7 @@ class FlowAlongHistory:
             self._of_walls.clear()
         closure = step.settled.closure
         if closure not in self._of_walls:
-            aperture = fields_of(joint, closure).aperture
+            aperture = np.maximum(-fields_of(joint, closure).overlap, 0.0)
             flows = (flow_along(aperture, direction) for direction in DIRECTIONS)
             self._of_walls[closure] = [flow._replace(pressure=np.empty(0)) for flow in flows]
         self._flows.append(self._of_walls[closure])

@@ -138,15 +138,15 @@ def values_at_stresses(
     return answer
 
 
-_ROUNDING = 1e-12
-
-
 def loop_between(loading: Any, unloading: Any) -> Any:
     """Return closures of unloading less those of loading, both at the same stress."""
     loop = unloading - loading
-    return loop * (abs(loop) > _ROUNDING * abs(loading))
+    return loop * (abs(loop) > 1e-12 * abs(loading))  # less is rounding
 
 
+_EXCESS = "largest stress by which unloading exceeds loading at equal closure"
+_IDLE = "largest displacement of a contact that was left out so, over the closure"
+_PLATES = "aperture of parallel plates that pass as much, 0 where flow is blocked"
 _VARIABLES = (
     ("closure", "m", "closure from first touch"),
     ("normal_stress", "Pa", "nominal normal stress"),
@@ -159,11 +159,7 @@ _VARIABLES = (
     ("max_closure_seated", "m", "maximum closure since seating"),
     ("residual_closure_seated", "m", "residual closure at seating"),
     ("max_bulk_indentation", "m", "bulk indentation at the maximum stress"),
-    (
-        "unloading_excess",
-        "Pa",
-        "largest stress by which unloading exceeds loading at equal closure",
-    ),
+    ("unloading_excess", "Pa", _EXCESS),
     ("least_force", "N", "least force on any cell at any step"),
     ("locked_share", "1", "share of the force on locked contacts at the maximum stress"),
     ("flat_share", "1", "share of the force on flat contacts at the maximum stress"),
@@ -175,21 +171,13 @@ _VARIABLES = (
     ("breakage_steps", "1", "breakage steps taken"),
     ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
     ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
-    (
-        "idle_displacement",
-        "1",
-        "largest displacement of a contact that was left out so, over the closure",
-    ),
+    ("idle_displacement", "1", _IDLE),
     ("locked_contacts", "1", "largest number of locked contacts at a step"),
     ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
     ("force", "N", "normal force of each contact"),
     ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
     ("interaction_displacement", "m", "displacement by all other contacts"),
-    (
-        "hydraulic_aperture",
-        "m",
-        "aperture of parallel plates that pass as much, 0 where flow is blocked",
-    ),
+    ("hydraulic_aperture", "m", _PLATES),
     ("flow_imbalance", "1", "sum of the cells' mass balances over the inflow"),
 )
 ATTRIBUTES: dict[str, dict[str, Any]] = {

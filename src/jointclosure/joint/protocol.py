@@ -338,9 +338,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     return True
 
 
-def _part_to_target(
-    run: _Run, above: Settled, further: Settled, passed_again: int, short_again: int
-) -> float:
+def _part_to_target(run: _Run, above, further, passed_again, short_again) -> float:
     """Return the share of the step from the last state below the target to the last above."""
     missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
     room = above.closure - run.closure
@@ -359,9 +357,7 @@ def _part_to_target(
     return 1.0 - (1.0 - part) * 0.5**short_again
 
 
-def _interpolate(
-    run: _Run, cycle: int, branch: str, force: float, before: tuple, passed: Settled
-) -> None:
+def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: Settled) -> None:
     """Interpolate walls, closure and forces between the last two states, as in the paper."""
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint

@@ -46,13 +46,6 @@ from jointclosure.parameters import (
 from jointclosure.solvers.joint import Joint, Solver
 from jointclosure.solvers.registry import solver_named
 
-AT_MAXIMUM = {
-    "max_bulk_indentation": "mean_interaction",
-    "locked_share": "locked_share",
-    "flat_share": "flat_share",
-}
-"""Fields of `Settled` that are read at the maximum of each cycle, by variable."""
-
 
 @takes_conditions
 def simulate(
@@ -312,7 +305,11 @@ def _history_dataset(
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
     along_cycle = cycle_closures(closed, GROSS, reached)
     along_cycle["unloading_excess"] = unloading_excess(closed, reached)
-    for name, field in AT_MAXIMUM.items():
+    for name, field in (
+        ("max_bulk_indentation", "mean_interaction"),
+        ("locked_share", "locked_share"),
+        ("flat_share", "flat_share"),
+    ):
         along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
     effort = history.effort
     once = {

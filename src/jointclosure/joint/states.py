@@ -20,11 +20,6 @@ class Fields(NamedTuple):
     displacement: np.ndarray
     overlap: np.ndarray
 
-    @property
-    def aperture(self) -> np.ndarray:
-        """Distance of the walls (y, x) [m], 0 where they are in contact."""
-        return np.maximum(-self.overlap, 0.0)
-
 
 def fields_of(joint: Joint, closure: float) -> Fields:
     """Compute the fields of a joint at rest at a closure [m] from its walls and forces."""
