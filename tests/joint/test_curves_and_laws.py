@@ -111,6 +111,7 @@ def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
     loading = on(steps, 1, "loading")
     upper = loading.normal_stress_MPa.shift(-1, fill_value=loading.normal_stress_MPa.iloc[-1])
     np.testing.assert_array_equal(loading.landing, upper > last_whole)
+    assert landing_stress(closed, 2) == np.inf  # ends at the former maximum
     for chords in (table, steps):
         assert not chords[(chords.cycle == 2) | (chords.branch == "unloading")].landing.any()
     marked = first[first.landing].normal_stress_MPa

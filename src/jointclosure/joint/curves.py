@@ -123,8 +123,7 @@ def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
     def read(values: np.ndarray) -> float:
         return float(values[0]) if at_max.size else float("nan")
 
-    seat = 1e3 * seat_of(history, cycle, LOADING, "mean_aperture")
-    state = {"mean_aperture_at_seating_mm": seat}
+    state = {"mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture")}
     state["mean_aperture_at_max_mm"] = 1e3 * read(history.mean_aperture.values[at_max])
     for name, values in _flow_columns(history, at_max).items():
         if name.endswith("_mm"):

@@ -144,9 +144,6 @@ def loop_between(loading: Any, unloading: Any) -> Any:
     return loop * (abs(loop) > 1e-12 * abs(loading))  # less is rounding
 
 
-_EXCESS = "largest stress by which unloading exceeds loading at equal closure"
-_IDLE = "largest displacement of a contact that was left out so, over the closure"
-_PLATES = "aperture of parallel plates that pass as much, 0 where flow is blocked"
 _VARIABLES = (
     ("closure", "m", "closure from first touch"),
     ("normal_stress", "Pa", "nominal normal stress"),
@@ -159,7 +156,11 @@ _VARIABLES = (
     ("max_closure_seated", "m", "maximum closure since seating"),
     ("residual_closure_seated", "m", "residual closure at seating"),
     ("max_bulk_indentation", "m", "bulk indentation at the maximum stress"),
-    ("unloading_excess", "Pa", _EXCESS),
+    (
+        "unloading_excess",
+        "Pa",
+        "largest stress by which unloading exceeds loading at equal closure",
+    ),
     ("least_force", "N", "least force on any cell at any step"),
     ("locked_share", "1", "share of the force on locked contacts at the maximum stress"),
     ("flat_share", "1", "share of the force on flat contacts at the maximum stress"),
@@ -171,13 +172,21 @@ _VARIABLES = (
     ("breakage_steps", "1", "breakage steps taken"),
     ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
     ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
-    ("idle_displacement", "1", _IDLE),
+    (
+        "idle_displacement",
+        "1",
+        "largest displacement of a contact that was left out so, over the closure",
+    ),
     ("locked_contacts", "1", "largest number of locked contacts at a step"),
     ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
     ("force", "N", "normal force of each contact"),
     ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
     ("interaction_displacement", "m", "displacement by all other contacts"),
-    ("hydraulic_aperture", "m", _PLATES),
+    (
+        "hydraulic_aperture",
+        "m",
+        "aperture of parallel plates that pass as much, 0 where flow is blocked",
+    ),
     ("flow_imbalance", "1", "sum of the cells' mass balances over the inflow"),
 )
 ATTRIBUTES: dict[str, dict[str, Any]] = {

@@ -93,15 +93,7 @@ class History(NamedTuple):
 class _Run:
     """Mutable state of `run_cycles`."""
 
-    def __init__(
-        self,
-        joint: Joint,
-        solver: Solver,
-        numerics: Numerics,
-        cycles: Sequence[LoadCycle],
-        report: Report | None,
-        observers: Sequence[Observer],
-    ):
+    def __init__(self, joint: Joint, solver: Solver, numerics: Numerics, cycles, report, observers):
         self.joint, self.solver, self.numerics = joint, solver, numerics
         self.report, self.observers = report, observers
         self.target_force = cycles[0].maximum  # of the current cycle

@@ -305,11 +305,8 @@ def _history_dataset(
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
     along_cycle = cycle_closures(closed, GROSS, reached)
     along_cycle["unloading_excess"] = unloading_excess(closed, reached)
-    for name, field in (
-        ("max_bulk_indentation", "mean_interaction"),
-        ("locked_share", "locked_share"),
-        ("flat_share", "flat_share"),
-    ):
+    fields = {name: name for name in ("locked_share", "flat_share")}
+    for name, field in ({"max_bulk_indentation": "mean_interaction"} | fields).items():
         along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
     effort = history.effort
     once = {

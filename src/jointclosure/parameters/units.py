@@ -130,7 +130,7 @@ def to_si(settings: dict) -> dict:
 def _in_si(key: str, value: float, unit: str) -> float:
     """Return a value of a key in SI; raise `InputError` unless it fits in double precision."""
     check_number(key, value)
-    number = _scaled(value, unit)
+    number = _scaled(value, _power(unit))
     if math.isfinite(value) and (math.isinf(number) or (value != 0.0 and number == 0.0)):
         raise InputError(f"{key} = {value!r}: must be a number that fits in double precision in SI")
     return number
@@ -138,11 +138,14 @@ def _in_si(key: str, value: float, unit: str) -> float:
 
 def in_unit(value: float, unit: str) -> float | int:
     """Return a value in SI in a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
-    shown = _scaled(value, unit, -1) if unit in SI_FACTORS else float(value)
+    shown = _scaled(value, -_power(unit)) if unit in SI_FACTORS else float(value)
     return int(shown) if shown.is_integer() else shown
 
 
-def _scaled(value: float, unit: str, sign: int = 1) -> float:
-    """Return a value times (or by) its unit in SI, rounded like the decimal number in the file."""
-    power = sign * round(math.log10(SI_FACTORS[unit]))
+def _power(unit: str) -> int:
+    return round(math.log10(SI_FACTORS[unit]))
+
+
+def _scaled(value: float, power: int) -> float:
+    """Return a value times a power of ten, rounded like the decimal number in the file."""
     return float(Decimal(f"{float(value):.15g}").scaleb(power))
