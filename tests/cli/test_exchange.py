@@ -83,13 +83,6 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
 
 
-def test_porepy_itself_takes_the_constants(folder):
-    porepy = pytest.importorskip("porepy")
-    exported = json.loads((folder / "t/porepy.json").read_text())
-    solid = porepy.SolidConstants(**exported)
-    assert {name: getattr(solid, name) for name in exported} == exported
-
-
 def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):
     """Softer half-spaces change no number of theirs: what they take is net."""
     history = history.assign_attrs(numerics="{}")  # no landing, whose steps are gross
