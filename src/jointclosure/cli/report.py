@@ -104,7 +104,8 @@ def joint_content(history: xr.Dataset, record: dict) -> dict:
 def _over(rows: pd.DataFrame, index: str, columns: str, values: str) -> pd.DataFrame:
     """Arrange values of rows by one column along rows and by another along columns."""
     form = {"index": index, "columns": columns, "values": values}
-    return rows.pivot_table(**form, aggfunc="first", dropna=False, sort=False).reset_index()
+    table = rows.pivot_table(**form, aggfunc="first", dropna=False, sort=False)
+    return table.reset_index().rename_axis(columns=None)
 
 
 def _html(table: pd.DataFrame) -> str:
