@@ -210,3 +210,16 @@ def test_a_joint_without_void_on_average_is_warned_of(joint):
     assert "warning" not in summary(closed)
     closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
     assert summary(closed).count("warning: the mean aperture is -") == closed.cycle.max()
+
+
+def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command):
+    folder, words = tmp_path / "a", [*WORDS, "--cycles", 1, "--grid-spacing", 2, "--within", 0.2]
+    code, out, _ = command("assess", *scans, *words, "--output", folder)
+    assert code in (0, 1)
+    assert "without soft peaks" in out
+    assert {"differences.csv", "assessment.json", "price.png"} <= set(contents(folder))
+    pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 2e-3)
+    load = {"rock": "granite", "spacing": pair.spacing, "cycles": 1, **LOAD}
+    joint = jc.assess((pair.upper, pair.lower), within=0.2, workers=1, folder=folder, **load)
+    written = pd.read_csv(folder / "differences.csv")
+    pd.testing.assert_frame_equal(written, joint.differences, rtol=1e-12)

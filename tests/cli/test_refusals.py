@@ -84,7 +84,9 @@ def test_what_close_is_not_given_is_refused_by_the_library_too(small_joint):
 
 LOAD = [*GRANITE, "--stress", 1]
 WORDS = {
-    "close": ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25, *LOAD],
+    **dict.fromkeys(
+        ("close", "assess"), ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25, *LOAD]
+    ),
     "simulate": ["--jrc", 8, "--cells", 8, *LOAD],
     "fit": [*FIT, "--cells", 16],
     "roughness": [*WALL, "--spacing", 0.25],

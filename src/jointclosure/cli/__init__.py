@@ -5,6 +5,7 @@
 
 COMMANDS = {
     "close": "close the joint whose two walls were scanned",
+    "assess": "say what accuracy costs on that joint, how hard it is, and which effects it needs",
     "simulate": "close one joint of random walls",
     "fit": "find the mismatch wavelength of a joint from its measured closure",
     "validate": "compare the model with three measured joints whose files are public",

@@ -175,8 +175,10 @@ def add_walls(command: argparse.ArgumentParser) -> None:
     add_keywords(joint, registered, spacing={"option": "--grid-spacing"}, orientation={}, shift={})
 
 
-def add_conditions(command: argparse.ArgumentParser, usual: Numerics, load: bool = True) -> None:
-    """Declare rock, load and what is stored under it, model, and numerics with usual values."""
+def add_conditions(
+    command: argparse.ArgumentParser, usual: Numerics, load: bool = True, states: bool = True
+) -> None:
+    """Declare rock, load and stored states, model, and numerics with usual values."""
     rock = command.add_argument_group("rock")
     rock.add_argument("--rock", metavar="NAME", help=f"one of {', '.join(ROCKS)}")
     for name, about in OF_ROCK.items():
@@ -187,13 +189,14 @@ def add_conditions(command: argparse.ArgumentParser, usual: Numerics, load: bool
 
         loads = command.add_argument_group("load")
         add_keywords(loads, Conditions, "max_normal_stress", "cycles", "seating_stress")
-        add_keywords(loads, simulate, "snapshots")
+        add_keywords(loads, simulate, *(["snapshots"] if states else []))
+    if load and states:
         add_file(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
     names = ", ".join(Effects._fields)
     model.add_argument("--without", nargs="+", action="extend", choices=Effects._fields, default=[],
                        metavar="EFFECT", help=f"effects to leave out, of {names}")  # fmt: skip
-    add_keywords(model, Conditions, *(("flow", "unusual_values") if load else ()))
+    add_keywords(model, Conditions, *(("flow", "unusual_values")[not states :] if load else ()))
     add_keywords(model, Choices, *Choices._fields)
     numerics = command.add_argument_group("numerics")
     add_keywords(numerics, Numerics, *Numerics._fields, usual=usual._asdict())

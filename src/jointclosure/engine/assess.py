@@ -49,6 +49,8 @@ DROPS = (
     ("soft_peaks",),
 )
 """Effects that are left out together."""
+LARGEST_BUDGET = 1e9
+"""Processor time [s] that no budget exceeds: thirty years."""
 _MOST_JUDGED = 20_000
 """Number of loaded cells up to which the oracle, which is dense, judges a state."""
 
@@ -109,12 +111,9 @@ def assess(
     InputError
         If an argument is out of its range or a scan cannot be read.
     """
-    for name, value, most in (("within", within, 1.0), ("budget", budget or 1.0, math.inf)):
-        check_number(name, value)
-        if not 0.0 < value < most:
-            raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
     changes = changes if conditions else {"numerics": RESOLVED} | changes
     given = conditions_from(conditions, changes, "assess")
+    check_request(given, within, budget)
     pairs, spacing = _checked_pairs(walls, given.spacing)
     given = given._replace(spacing=spacing, flow=False).checked()
     stated, variants = variants_of(given)
@@ -125,6 +124,17 @@ def assess(
     tasks += [(stated, 0, copy) for copy in COPIES if copy not in copies]
     closures = _closures(tasks, variants, pairs, folder, number_of_workers(workers), report)
     return assessed(closures, ladder, stated, within, budget)
+
+
+def check_request(given: Conditions, within: float, budget: float | None) -> None:
+    """Raise `InputError` if conditions, the requested error [1] or the budget [s] are not allowed."""
+    asked = {"within": (within, 1.0), "budget": (budget, LARGEST_BUDGET)}
+    for name, (value, most) in asked.items():
+        if value is not None or name == "within":
+            check_number(name, value)
+            if not 0.0 < value < most:
+                raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
+    given.checked()
 
 
 def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:

@@ -1,0 +1,71 @@
+"""Say what accuracy costs on the joint of two scanned walls, how hard it is, and which
+effects it needs. It is closed by several settings of the numerics, without each effect, and
+as copies that must close alike. What is closed is kept in the folder: the same command goes on.
+
+example:
+  jointclosure assess top.xyz bottom.xyz --units mm --rock granite --stress 10 --within 0.05
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+from jointclosure.cli import options, results
+from jointclosure.engine.assess import assess, check_request
+from jointclosure.engine.assessment import Assessment
+from jointclosure.engine.progress import bar
+from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.joint.conditions import Conditions
+from jointclosure.storage.folders import replace_files
+
+
+def declare(command: argparse.ArgumentParser) -> None:
+    options.add_walls(command)
+    options.add_conditions(command, RESOLVED, states=False)
+    asked = command.add_argument_group("request")
+    options.add_keywords(asked, assess, "within", "budget")
+    text = "folder of the results (default assessed_joint)"
+    options.add_file(command, "--output", text, default=Path("assessed_joint"))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Assess the joint and write its folder; return 1 if it is not stable."""
+    rock = options.rock_of(arguments, "max_normal_stress")
+    stated = options.conditions_of(arguments, rock, RESOLVED)
+    asked = options.given(arguments, ("within", "budget"))
+    check_request(
+        Conditions(**{"spacing": None} | stated), asked.get("within", 0.5), asked.get("budget")
+    )
+    files = options.given(arguments, ("units", "scan_spacing", "variable"))
+    scans = {"spacing" if name == "scan_spacing" else name: v for name, v in files.items()}
+    grid = options.given(arguments, ("orientation", "shift"))
+    grid |= {"cut_spikes": arguments.cut_spikes == "cut"}
+    walls = arguments.upper, arguments.lower
+    pair = registered_walls(*walls, scans, stated.pop("spacing", None), **grid)
+    print("\n".join(f"- {line}" for line in pair.report), flush=True)
+    arguments.output.mkdir(exist_ok=True)
+    with bar("closing") as show:
+        joint = pair.upper, pair.lower
+        kept = {"folder": arguments.output, "report": show}
+        assessment = assess(joint, spacing=pair.spacing, **stated, **asked, **kept)
+    print(assessment)
+    title = " on ".join(Path(wall).name for wall in walls)
+    settings = {"upper": walls[0], "lower": walls[1], **files, **grid, **stated, **asked}
+    about = results.attributes(settings) | {"title": title}
+    names = replace_files(
+        arguments.output, "assess", lambda folder: _write(assessment, about, title, folder)
+    )
+    print(f"wrote {arguments.output}: {', '.join(names)}")
+    return int(assessment.hardness["verdict"] == "not stable")
+
+
+def _write(assessment: Assessment, about: dict[str, str], title: str, folder: Path) -> None:
+    """Write tables, figure and record of an assessment."""
+    record = {"sentences": assessment.sentences, "hardness": assessment.hardness, **about}
+    results.write(assessment.closures, folder / "closures.csv")
+    results.write(assessment.differences, folder / "differences.csv")
+    results.write(json.dumps(record, indent=1, default=str) + "\n", folder / "assessment.json")
+    if assessment.price.shape[0] > 1:
+        from jointclosure.plotting.walls import price_figure
+
+        results.write(price_figure(assessment, title), folder / "price.png")
