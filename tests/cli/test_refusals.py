@@ -13,6 +13,7 @@ SCANS = ["top.xyz", "bottom.xyz", "--units", "mm", "--stress", 2]
 GRANITE = ["--rock", "granite"]
 FIT = ["lab.csv", *GRANITE, "--jrc", 10]
 WALL = ["wall.npy", "--units", "mm"]
+ARRAYS = ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25]
 STRENGTH = ["--range", "compressive_strength_MPa"]
 
 
@@ -84,9 +85,8 @@ def test_what_close_is_not_given_is_refused_by_the_library_too(small_joint):
 
 LOAD = [*GRANITE, "--stress", 1]
 WORDS = {
-    **dict.fromkeys(
-        ("close", "assess"), ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25, *LOAD]
-    ),
+    "close": [*ARRAYS, *LOAD],
+    "assess": [*ARRAYS, *LOAD],
     "simulate": ["--jrc", 8, "--cells", 8, *LOAD],
     "fit": [*FIT, "--cells", 16],
     "roughness": [*WALL, "--spacing", 0.25],

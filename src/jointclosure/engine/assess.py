@@ -127,13 +127,14 @@ def assess(
 
 
 def check_request(given: Conditions, within: float, budget: float | None) -> None:
-    """Raise `InputError` if conditions, the requested error [1] or the budget [s] are not allowed."""
-    asked = {"within": (within, 1.0), "budget": (budget, LARGEST_BUDGET)}
+    """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
+    asked: dict[str, tuple[float, float]] = {"within": (within, 1.0)}
+    if budget is not None:
+        asked["budget"] = budget, LARGEST_BUDGET
     for name, (value, most) in asked.items():
-        if value is not None or name == "within":
-            check_number(name, value)
-            if not 0.0 < value < most:
-                raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
+        check_number(name, value)
+        if not 0.0 < value < most:
+            raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
     given.checked()
 
 
