@@ -231,14 +231,22 @@ def residual(joint: Joint, state: State) -> float:
 
 
 def pressures_over_limit(joint: Joint, state: State):
-    """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall."""
+    """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall.
+
+    If strength is bounded by the base, at least the root of third order of the mean pressure over
+    the base, over two thirds of the limit: p0 goes with this root of the force.
+    """
     asperity, kappa = law_of(joint, state).asperity, _curvatures(joint, state)
     deformation = (9 * kappa * state.force**2 / (16 * asperity**2)) ** (1 / 3)
     pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
-    return pressure * max(
+    over = max(
         (0.1251 * r.poisson_ratio**2 - 0.536 * r.poisson_ratio + 0.7695) / r.compressive_strength
         for r in walls_rocks(joint.rock)
     )
+    if joint.choices.strength_bound == "none":
+        return pressure * over
+    base = np.pi * (joint.choices.base_radius_in_cells * joint.spacing) ** 2
+    return np.maximum(pressure * over, np.cbrt(1.5 * state.force / base * over))
 
 
 def _curvatures(joint: Joint, state: State):

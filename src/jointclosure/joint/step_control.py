@@ -108,7 +108,13 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
         )
     strength = largest_strength(joint, numerics)
     radius = joint.choices.largest_radius
-    if radius and strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING:
+    crushed = strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING
+    if crushed and joint.choices.strength_bound == "base":
+        raise InputError(
+            f"max_normal_stress = {max_normal_stress:g} Pa: must be less than {strength:.3g} Pa, "
+            "which all cells together carry with strength_bound = 'base' (or 'none')"
+        )
+    if crushed:
         least = radius * math.sqrt(max_normal_stress / strength)
         raise InputError(
             f"largest_radius = {radius!r} m: with this radius all cells together carry "
@@ -139,9 +145,10 @@ def largest_strength(joint: Joint, numerics: Numerics) -> float:
     """Return the stress [Pa] that all cells together carry unlocked, at the largest radii."""
     law = joint.law
     resolved = numerics.breakage == "resolved" and joint.effects.gouge
-    if not resolved or law.least_curvature == 0.0:
+    flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
+    if not resolved or not flattest.all():
         return math.inf
-    force = law.breaking_force[joint.peaks] / (2.0 * law.least_curvature) ** 2
+    force = law.breaking_force[joint.peaks] / flattest**2
     # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
     beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
     return beyond * float(force.sum()) / (joint.upper.size * law.spacing**2)

@@ -29,6 +29,7 @@ class ContactLaw(NamedTuple):
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
     critical_indentation: np.ndarray  # q = delta_break/R_a, Eq. (22)
     breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
+    filling: np.ndarray  # curvature at which a contact at strength fills its base [1/m], or 0
 
 
 def contact_law(
@@ -57,4 +58,5 @@ def contact_law(
         asperity_modulus=asperity_modulus,
         critical_indentation=critical,
         breaking_force=4.0 / 3.0 * asperity_modulus * critical * np.sqrt(critical),
+        filling=float(choices.strength_bound == "base") * np.sqrt(critical) / base_radius,
     )

@@ -109,6 +109,10 @@ class Choices(NamedTuple):
         Whether peaks are those of the walls before loading or as they are.
     largest_radius : float or None
         Upper bound of each wall's Gaussian radius [m]. None: unbounded, as in the paper.
+    strength_bound : {"none", "base"}
+        Upper bound of a contact's strength. "base": the force at which the mean pressure over the
+        base of the asperity is that of a Hertz contact at its strength (docs/model.md). "none": as
+        in the paper, where a crushed cell between level ones has no largest strength.
     tie_tolerance : float
         Smallest difference in height that makes a cell lower than its neighbour, over the rms
         height of both walls. It is about 1e-12 m for the walls of the paper.
@@ -119,6 +123,7 @@ class Choices(NamedTuple):
     concave: Literal["magnitude", "flat"] = "magnitude"
     peaks: Literal["pristine", "current"] = "pristine"
     largest_radius: float | None = None
+    strength_bound: Literal["none", "base"] = "none"
     tie_tolerance: float = 2e-9
 
 
@@ -303,6 +308,7 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     _check_intervals(choices)
     check_one_of("concave", choices.concave, ("magnitude", "flat"))
     check_one_of("peaks", choices.peaks, ("pristine", "current"))
+    check_one_of("strength_bound", choices.strength_bound, ("none", "base"))
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)
         if choices.largest_radius < spacing:

@@ -31,6 +31,7 @@ from jointclosure.solvers.pair_batch import (
     LOWER,
     UPPER,
     assess,
+    bounded_strength,
     fixed_losses,
     gather,
     measure_drops,
@@ -117,10 +118,13 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
             free = drops(upper[y, x], around, tie, falls)[0] > 0.0
             neighbourhood(lower, y, x, around)
             free = free or drops(lower[y, x], around, tie, falls)[0] > 0.0
-        if free and curvature[i] > 0.0:
-            kind = peaks[y, x]
-            square = curvature[i] * curvature[i]
-            strength = law.critical_indentation[kind] / curvature[i]
+        kind = peaks[y, x]
+        if free and (curvature[i] > 0.0 or law.filling[kind] > 0.0):
+            kappa, indentation = bounded_strength(
+                curvature[i], law.critical_indentation[kind], law.filling[kind]
+            )
+            square = kappa * kappa
+            strength = indentation / kappa
             if law.substrate > 0.0:  # 0 times an infinite force would be NaN
                 strength += law.substrate * law.breaking_force[kind] / square
             limit[i] = force_of_overlap(
@@ -195,6 +199,7 @@ def set_laws(batch, n, some, kind, law):
     for i in range(n):
         state = kind[some[i]]
         batch.critical_indentation[i] = law.critical_indentation[state]
+        batch.filling[i] = law.filling[state]
         batch.substrate_strength[i] = law.substrate * law.breaking_force[state]
 
 
@@ -256,7 +261,7 @@ def write_back(batch, n, some, still_breaking, cells, turns, beside):
 
 
 @lru_cache(maxsize=None)
-def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
+def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: bool):
     """Return the kernel that breaks all pairs until rest at a fixed interaction."""
 
     @kernel
@@ -314,7 +319,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                 if current_peaks:
                     find_peaks(batch, n, looked_at, kind)
                 set_laws(batch, n, looked_at, kind, law)
-                assess(batch, n, flattest, concave, spacing, allowed)
+                assess(batch, n, flattest, concave, spacing, allowed, bounded)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
                 if n == 0:
                     continue
@@ -325,7 +330,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                     if current_peaks and turn > 0:
                         find_peaks(batch, n, some, kind)
                         set_laws(batch, n, some, kind, law)
-                    assess(batch, n, flattest, concave, spacing, allowed)
+                    assess(batch, n, flattest, concave, spacing, allowed, bounded)
                     if gouge:
                         measure_drops(batch, n, UPPER, tie_tolerance)
                         measure_drops(batch, n, LOWER, tie_tolerance)
@@ -338,7 +343,15 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                     steps += breaking
                     if resolved:
                         returning_losses(
-                            batch, n, band, tie_tolerance, flattest, concave, spacing, gouge
+                            batch,
+                            n,
+                            band,
+                            tie_tolerance,
+                            flattest,
+                            concave,
+                            spacing,
+                            gouge,
+                            bounded,
                         )
                     else:
                         fixed_losses(batch, n, breakage_step)

@@ -185,12 +185,13 @@ class _PathToRest:
     def break_to_rest(self) -> int:
         """Break pairs at the present interaction until rest; return the breakage steps."""
         joint = self.joint
-        gouge, current = joint.effects.gouge, joint.choices.peaks == "current"
+        choices = joint.choices
+        rules = joint.effects.gouge, choices.peaks == "current", _resolved(joint)
         most = int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
         walls = joint.upper, joint.lower, float(self.closure - joint.first_touch)
         pairs = joint.interaction, joint.peaks, joint.law
         losses = float(self.breakage_step), _band(joint), joint.tie_tolerance
-        kernel = breakage_kernel(gouge, current, _resolved(joint))
+        kernel = breakage_kernel(*rules, choices.strength_bound == "base")
         steps, self.locked = kernel(*walls, *pairs, *losses, most, self._memory)
         self.breakage_steps += steps
         if steps > 0:

@@ -23,6 +23,7 @@ import math
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel
+from jointclosure.mechanics.contact import cube_root
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 from jointclosure.solvers.cells import wall_curvature
 
@@ -46,7 +47,8 @@ Batch = np.dtype(
             *_fields("approach", "overlap"),
             # strength: q = delta_break/R_a, and substrate compliance times breaking force
             # times kappa_a^2, see `jointclosure.mechanics.strength.is_overstressed`
-            *_fields("critical_indentation", "substrate_strength"),
+            # and the curvature below which strength is bounded
+            *_fields("critical_indentation", "substrate_strength", "filling"),
             # overlap over the overlap at breakage
             *_fields("stress_ratio"),
             # 1 or 0: breaks in this step; is locked on both walls. Number of steps so far
@@ -106,7 +108,15 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 
 @kernel
-def assess(batch, n, least_curvature, concave, spacing, allowed):
+def bounded_strength(curvature, critical, filling):
+    """Return curvature [1/m] and q of a strength that is bounded, see `is_overstressed`."""
+    if curvature >= filling:
+        return curvature, critical
+    return filling, critical * cube_root(curvature / filling)
+
+
+@kernel
+def assess(batch, n, least_curvature, concave, spacing, allowed, bounded):
     """Compute curvatures, overlap, stress ratio, and whether it exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
@@ -124,8 +134,11 @@ def assess(batch, n, least_curvature, concave, spacing, allowed):
         overlap = (
             batch.heights[UPPER, CENTRE, i] + batch.heights[LOWER, CENTRE, i] + batch.approach[i]
         )
+        indentation = batch.critical_indentation[i]
+        if bounded:
+            kappa, indentation = bounded_strength(kappa, indentation, batch.filling[i])
         load = overlap * kappa * kappa
-        strength = batch.critical_indentation[i] * kappa + batch.substrate_strength[i]
+        strength = indentation * kappa + batch.substrate_strength[i]
         batch.overlap[i] = overlap
         batch.stress_ratio[i] = load / strength
         batch.breaks[i] = 1.0 if load > allowed * strength else 0.0
@@ -248,14 +261,17 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concav
 
 
 @kernel
-def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
+def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge, bounded):
     """Compute the stress ratio of pair i after it has lost a height [m], with gouge."""
     kappa = curvature_after(
         batch, i, UPPER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
     ) + curvature_after(
         batch, i, LOWER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
     )
-    strength = batch.critical_indentation[i] * kappa + batch.substrate_strength[i]
+    indentation = batch.critical_indentation[i]
+    if bounded:
+        kappa, indentation = bounded_strength(kappa, indentation, batch.filling[i])
+    strength = indentation * kappa + batch.substrate_strength[i]
     return (batch.overlap[i] - loss) * kappa * kappa / strength
 
 
@@ -293,12 +309,16 @@ def bracket_losses(batch, n, goal, gouge):
 
 
 @kernel
-def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge):
+def narrow_losses(
+    batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
+):
     """Do one step of false position (Illinois) for every pair; return the number of unsolved."""
     for i in range(n):
         trial = batch.trial[i]
         answer = (
-            ratio_after(batch, i, trial, tie_tolerance, least_curvature, concave, spacing, gouge)
+            ratio_after(
+                batch, i, trial, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
+            )
             - goal
         )
         most = batch.most[i]
@@ -331,13 +351,15 @@ def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave,
 
 
 @kernel
-def returning_losses(batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge):
+def returning_losses(
+    batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
+):
     """Compute by return mapping the losses of both walls that restore the strength of a pair."""
     goal, near = 1.0 - 0.5 * band, 0.25 * band
     bracket_losses(batch, n, goal, gouge)
     for _ in range(60):
         left_over = narrow_losses(
-            batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge
+            batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
         )
         if left_over == 0:
             break

@@ -100,6 +100,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                         law.critical_indentation[state],
                         law.breaking_force[state],
                         law.substrate,
+                        law.filling[state],
                     ):
                         break
                     # 4.1 the pair is lowered, the sharper asperity more
