@@ -1,7 +1,7 @@
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from scipy.optimize import minimize_scalar
 
 from jointclosure.mechanics.contact import asperity_compliance, overlap_of_force
@@ -33,20 +33,23 @@ def test_the_maximum_moves_from_0_38_to_0_55():
     curvature=st.floats(1.0, 1e5),
     modulus=st.floats(1e9, 1e11),
     substrate=st.sampled_from([0.0, 1e-10, 1e-8]),
+    base=st.sampled_from([0.0, 1e-5, 1e-3]),
 )
-def test_overstress_by_overlap_agrees_with_eq_22(deformation, curvature, modulus, substrate):
+def test_overstress_by_overlap_agrees_with_eq_22(deformation, curvature, modulus, substrate, base):
+    """And, with a bound, with the mean pressure over a base of this radius [m], 0 for none."""
     limit = 2e8
     critical = critical_indentation(limit, modulus)
     force = 4.0 / 3.0 * modulus * np.sqrt(deformation**3 / curvature)
     overlap = overlap_of_force(force, substrate, asperity_compliance(curvature, modulus))
     pressure = 2.0 / np.pi * modulus * np.sqrt(deformation * curvature)  # Eq. (22)
-    if abs(pressure / limit - 1.0) < 1e-9:
-        return
+    mean = force / (np.pi * base**2) if base else 0.0
+    assume(min(abs(pressure / limit - 1.0), abs(1.5 * mean / limit - 1.0)) > 1e-9)
+    filling = np.sqrt(critical) / base if base else 0.0
     breaking_force = 4.0 / 3.0 * modulus * critical * np.sqrt(critical)
-    assert is_overstressed(overlap, curvature, critical, breaking_force, substrate) == (
-        pressure > limit
-    )
+    broken = is_overstressed(overlap, curvature, critical, breaking_force, substrate, filling)
+    assert broken == (pressure > limit or mean > 2.0 / 3.0 * limit)
 
 
-def test_a_flat_contact_never_breaks():
-    assert not is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9)
+def test_a_flat_contact_breaks_only_where_strength_is_bounded():
+    assert not is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9, 0.0)
+    assert is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9, 1.0)

@@ -59,11 +59,11 @@ def solver(request):
     return request.param
 
 
-@pytest.mark.parametrize("peaks", ["pristine", "current"])
+@pytest.mark.parametrize(("peaks", "bound"), [("pristine", "base"), ("current", "none")])
 def test_at_rest_every_contact_holds_or_is_locked_in_equilibrium_and_no_volume_is_lost(
-    solver, small_joint, peaks
+    solver, small_joint, peaks, bound
 ):
-    choices = Choices(peaks=peaks)
+    choices = Choices(peaks=peaks, strength_bound=bound)
     joint, broken = settled(solver, small_joint, choices=choices)
     stated = judged(small_joint, joint, choices)
     load = oracle.pressures_over_limit(*stated)
@@ -132,9 +132,10 @@ heights = st.floats(-2e-4, 0.0)
     st.floats(1e-8, 1e-4),
     st.sampled_from([0.02, 0.1, 0.4]),
     st.booleans(),
+    st.sampled_from([0.0, 1e2, 1e4]),
 )
 def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_is(
-    around, overlap, band, gouge
+    around, overlap, band, gouge, filling
 ):
     memory, tie = pb.batch_memory(), 1e-12
     batch = memory[0]
@@ -146,14 +147,16 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     batch.approach[0] = overlap
     batch.critical_indentation[0] = LAW.critical_indentation[0]
     batch.substrate_strength[0] = LAW.substrate * LAW.breaking_force[0]
+    batch.filling[0] = filling
+    bounded = filling > 0.0
 
     def measured():
-        pb.assess(batch, 1, 0.0, 1.0, SPACING, 1.0 + 0.5 * band)
+        pb.assess(batch, 1, 0.0, 1.0, SPACING, 1.0 + 0.5 * band, bounded)
         pb.measure_drops(batch, 1, pb.UPPER, tie)
         pb.measure_drops(batch, 1, pb.LOWER, tie)
         ratio, kappa = batch.stress_ratio[0], batch.curvature[:, 0].sum()
         strength = LAW.critical_indentation[0], LAW.breaking_force[0], LAW.substrate
-        overstressed = is_overstressed(batch.overlap[0], kappa, *strength)
+        overstressed = is_overstressed(batch.overlap[0], kappa, *strength, filling)
         assert overstressed == (ratio > 1.0) or abs(ratio - 1.0) < 1e-9
         return ratio
 
@@ -161,7 +164,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     pb.share_losses(batch, 1, gouge)
     hypothesis.assume(batch.breaks[0] == 1.0)
     volume = heights[:, :, 0].sum()
-    pb.returning_losses(batch, 1, band, tie, 0.0, 1.0, SPACING, gouge)
+    pb.returning_losses(batch, 1, band, tie, 0.0, 1.0, SPACING, gouge, bounded)
     lost = batch.loss[:, 0].sum()
     most = batch.most[0]
     assert 0.0 < lost <= overlap * (1.0 + 1e-12)
@@ -173,12 +176,14 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     assert 1.0 - 0.751 * band <= after <= 1.0 - 0.249 * band or lost >= most * (1.0 - 1e-9)
 
 
+@pytest.mark.parametrize("bound", ["none", "base"])
 def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_strength(
-    small_joint,
+    small_joint, bound
 ):
     upper, lower = small_joint
     rock = DOLERITE._replace(compressive_strength=2e9)  # so that some hold, and some do not
-    law = contact_law(SPACING, (rock, rock), Effects(), Choices())
+    choices = Choices(strength_bound=bound)
+    law = contact_law(SPACING, (rock, rock), Effects(), choices)
     peaks = peak_map(upper, lower)
     cells, overlap, curvature, compliance = overlapping_cells(
         upper, lower, 3e-4 - (upper + lower).max(), peaks, law
@@ -186,10 +191,12 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     walls = upper, lower, cells, curvature, compliance, peaks
     limit = strength_limits(*walls, law, True, 1e-12, 0.0)
     locked = oracle.locked(upper, lower).ravel()[cells]
-    np.testing.assert_array_equal(np.isinf(limit), locked | (curvature == 0.0))
+    np.testing.assert_array_equal(
+        np.isinf(limit), locked | ((curvature == 0.0) & (bound == "none"))
+    )
     load = np.zeros(upper.size)
     load[cells] = np.where(np.isinf(limit), 0.0, limit)
-    given = oracle.Joint(upper, lower, SPACING, rock, Effects(), Choices())
+    given = oracle.Joint(upper, lower, SPACING, rock, Effects(), choices)
     state = oracle.State(upper, lower, load.reshape(upper.shape), 3e-4, load.sum())
     pressure = oracle.pressures_over_limit(given, state)
     np.testing.assert_allclose(pressure.ravel()[cells][np.isfinite(limit)], 1.0, rtol=1e-9)

@@ -114,7 +114,7 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
             f"max_normal_stress = {max_normal_stress:g} Pa: must be less than {strength:.3g} Pa, "
             "which all cells together carry with strength_bound = 'base' (or 'none')"
         )
-    if crushed:
+    if crushed and radius:
         least = radius * math.sqrt(max_normal_stress / strength)
         raise InputError(
             f"largest_radius = {radius!r} m: with this radius all cells together carry "

@@ -128,6 +128,10 @@ class ChoiceKeys(Section):
         alias="largest_radius_mm",
         gt=0,
     )
+    strength_bound: Literal["none", "base"] = entry(
+        "Upper bound of a contact's strength. base: its mean pressure over the whole base of the "
+        "asperity is at most that of a Hertz contact at strength; none: the paper's."
+    )
     tie_tolerance: float = entry(
         "Difference in height that counts as lower, over the walls' rms height.", gt=0, lt=0.001
     )
