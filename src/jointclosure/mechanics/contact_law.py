@@ -46,6 +46,7 @@ def contact_law(
     critical = np.array([critical_indentation(limit, modulus) for modulus in asperity_modulus])
     substrate_modulus = equivalent_modulus(*moduli)
     base_radius = choices.base_radius_in_cells * spacing
+    bounded = choices.strength_bound == "base"
     return ContactLaw(
         spacing=float(spacing),
         base_radius=float(base_radius),
@@ -58,5 +59,5 @@ def contact_law(
         asperity_modulus=asperity_modulus,
         critical_indentation=critical,
         breaking_force=4.0 / 3.0 * asperity_modulus * critical * np.sqrt(critical),
-        filling=float(choices.strength_bound == "base") * np.sqrt(critical) / base_radius,
+        filling=np.sqrt(critical) / base_radius if bounded else np.zeros(4),
     )
