@@ -93,6 +93,8 @@ def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
     usual = curve_of(small_joint)
     monkeypatch.setattr(equilibrium, "interacting_equilibrium", half)
     np.testing.assert_allclose(curve_of(small_joint).closure, usual.closure, rtol=1e-9)
+    monkeypatch.setattr(scipy.optimize, "brentq", lambda at, low, high, **_: high)
+    assert FLAGS[int(curve_of(small_joint).status)] == "not_converged"  # another force
 
 
 @pytest.mark.parametrize("substrate", [True, False])

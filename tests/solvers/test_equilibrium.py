@@ -7,7 +7,8 @@ from jointclosure.engine import oracle
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.parameters import Choices, Effects
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.contacts import Contacts, coordinate_sweep
+from jointclosure.solvers.contacts import Contacts, coordinate_sweep, separate_shift
+from jointclosure.solvers.contacts import energy as contacts_energy
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     influence_matrix,
@@ -118,8 +119,17 @@ def test_a_sweep_never_raises_the_energy_and_ends_at_the_solution(small_joint):
         coordinate_sweep(table, contacts, 0.0, force)
         energies.append(energy(force))
     assert np.all(np.diff(energies) <= 1e-12 * abs(energies[-1]))
+    assert contacts_energy(contacts, 0.0, matrix @ force, force) == pytest.approx(energies[-1])
     solved = solve_equilibrium(influence_of(table), contacts, 0.0 * force, np.nan, 1e-12)
     np.testing.assert_allclose(force, solved.force, atol=1e-6 * solved.force.max())
+
+
+def test_contacts_before_a_rigid_one_are_closed_to_their_force_though_a_longer_step_meets_it():
+    """One of five alone would carry the force where the rigid contact is met already."""
+    compliance = np.array([1e-8] * 5 + [0.0])
+    overlap = np.array([0.0] * 5 + [-0.5e-8])
+    contacts = Contacts(np.arange(6), overlap, compliance, np.full(6, np.inf), 0.0)
+    assert separate_shift(contacts, 1.0) == pytest.approx(1e-8 * 0.2 ** (2 / 3), rel=1e-12)
 
 
 @pytest.mark.parametrize("shape", [(1, 40), (7, 5), (12, 30)])
