@@ -31,7 +31,7 @@ STUDIES = {
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
     "accuracy", "accuracy_biases", "conclusions", "continuum", "effects", "flow",
-    "global_sensitivity", "global_sensitivity_full", "growth", "hard_cases", "measured_fit",
+    "global_sensitivity", "global_sensitivity_full", "growth", "measured_fit",
     "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
     "solver_speed",
 )  # fmt: skip
