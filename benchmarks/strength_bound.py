@@ -99,7 +99,9 @@ def main() -> None:
     asked.output.mkdir(parents=True, exist_ok=True)
     table.to_csv(asked.output / "closures.csv", index=False)
     summary(table).to_csv(asked.output / "summary.csv", index=False)
-    write_text(json.dumps(origin(), indent=1) + "\n", asked.output / "origin.json")
+    made = origin()
+    about = {"run": "strength_bound", "commit": made.pop("provenance_commit")} | made
+    write_text(json.dumps(about, indent=1) + "\n", asked.output / "origin.json")
     print(summary(table).to_string(index=False))
 
 
