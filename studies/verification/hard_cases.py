@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine import oracle
+from jointclosure.engine import judging, oracle
 from jointclosure.engine.judging import Judge, JudgedSolver
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -27,8 +27,6 @@ from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
-from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
-from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.registry import solver_named
 from studies.frame.config.schema import problems
 from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys, hard_walls
@@ -257,11 +255,8 @@ def _target(case: dict, upper, lower, setting: dict) -> float:
 
 
 def tolerances_of(case: dict) -> dict[str, float]:
-    """Return the limits of the oracle's numbers, by name."""
+    """Return the limits of the oracle's numbers, and of the distance to the target, by name."""
     numerics = Numerics()._replace(**case["numerics"])
-    residual = numerics.force_tolerance
-    by_stress = not case["effects"]["breakage"] and case["closure"] is None
-    if by_stress and solver_named(numerics.solver).elastic_curve:
-        residual = min(residual, ELASTIC_TOLERANCE)
-    strength = 0.5 * BAND * numerics.tolerance if numerics.breakage == "resolved" else 0.0
-    return {"residual": residual, "strength": strength, "target": numerics.stress_tolerance}
+    by_stress = case["closure"] is None
+    limits = judging.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
+    return limits | {"target": numerics.stress_tolerance}

@@ -33,9 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     rock = options.rock_of(arguments, "max_normal_stress")
     stated = options.conditions_of(arguments, rock, RESOLVED)
     asked = options.given(arguments, ("within", "budget"))
-    check_request(
-        Conditions(**{"spacing": None} | stated), asked.get("within", 0.5), asked.get("budget")
-    )
+    check_request(Conditions(**{"spacing": None} | stated), **asked)
     files = options.given(arguments, ("units", "scan_spacing", "variable"))
     scans = {"spacing" if name == "scan_spacing" else name: v for name, v in files.items()}
     grid = options.given(arguments, ("orientation", "shift"))

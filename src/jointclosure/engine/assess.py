@@ -126,7 +126,7 @@ def assess(
     return assessed(closures, ladder, stated, within, budget)
 
 
-def check_request(given: Conditions, within: float, budget: float | None) -> None:
+def check_request(given: Conditions, within: float = 0.05, budget: float | None = None) -> None:
     """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
     asked: dict[str, tuple[float, float]] = {"within": (within, 1.0)}
     if budget is not None:

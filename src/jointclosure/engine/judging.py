@@ -44,10 +44,13 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
     }
 
 
-def tolerances_of(effects, numerics) -> dict[str, float]:
-    """Return the limits of the oracle's numbers that follow from effects and numerics, by name."""
+def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]:
+    """Return the limits of the oracle's numbers that follow from effects and numerics, by name.
+
+    ``by_stress``: whether stresses were solved for, and not a closure.
+    """
     residual = numerics.force_tolerance
-    if not effects.breakage and solver_named(numerics.solver).elastic_curve:
+    if by_stress and not effects.breakage and solver_named(numerics.solver).elastic_curve:
         residual = min(residual, ELASTIC_TOLERANCE)
     resolved = numerics.breakage == "resolved"
     return {"residual": residual, "strength": 0.5 * BAND * numerics.tolerance if resolved else 0.0}
