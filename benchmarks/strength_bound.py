@@ -17,8 +17,9 @@ from pathlib import Path
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import COPIES, resolved
+from jointclosure.engine.assess import resolved
 from jointclosure.engine.joints import Reading, close_joint
+from jointclosure.engine.walls import COPIES
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.warmup import compile_kernels

@@ -33,7 +33,9 @@ def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **cha
                 row = {"variant": variant, "joint": joint, "copy_of_walls": copy, "cycle": 1}
                 row |= {"status": 0, "seconds": 1.0 + 9.0 * (variant == "fine"), "error": ""}
                 rows.append(
-                    row | {"unbreakable": 0.0, "oracle": 0.5} | dict.fromkeys(ASSESSED, value)
+                    row
+                    | {"unbreakable_share": 0.0, "oracle_ratio": 0.5}
+                    | dict.fromkeys(ASSESSED, value)
                 )
     return pd.DataFrame(rows).assign(**changes)
 
@@ -86,8 +88,8 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
     [
         ({"scatter": 1e-4}, "easy"),
         ({"scatter": 0.1}, "hard"),
-        ({"scatter": 1e-4, "unbreakable": 0.2}, "hard"),
-        ({"scatter": 1e-4, "oracle": 1.5}, "not stable"),
+        ({"scatter": 1e-4, "unbreakable_share": 0.2}, "hard"),
+        ({"scatter": 1e-4, "oracle_ratio": 1.5}, "not stable"),
         ({"scatter": 1e-4, "status": 16}, "not stable"),
         ({"scatter": 1e-4, "error": "refused", "status": np.nan}, "not stable"),
     ],

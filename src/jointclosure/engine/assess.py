@@ -8,39 +8,26 @@ that of the order of breakage; several joints are compared as they are.
 
 import json
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine import oracle
 from jointclosure.engine.assessment import ASSESSED, REFINEMENT, Assessment, assessed
 from jointclosure.engine.cache import digest
-from jointclosure.engine.joints import Reading, read_joint
-from jointclosure.engine.judging import limits_of, tolerances_of
+from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.engine.walls import Walls
+from jointclosure.engine.walls import COPIES, Walls
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
-from jointclosure.joint.protocol import FAILURE, LOADING
-from jointclosure.joint.simulation import close_walls, height_datum
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Numerics
 
-COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
-    "as it is": lambda wall: wall,
-    "last digits": lambda wall: wall * (1.0 + 1e-12),
-    "mirrored": lambda wall: np.ascontiguousarray(wall[:, ::-1]),
-    "transposed": lambda wall: np.ascontiguousarray(wall.T),
-}
-"""Copies of a wall that close alike but for rounding and the order of breakage."""
 DROPS = (
     ("gouge",),
     ("breakage", "gouge"),
@@ -51,8 +38,8 @@ DROPS = (
 """Effects that are left out together."""
 LARGEST_BUDGET = 1e9
 """Processor time [s] that no budget exceeds: thirty years."""
-_MOST_JUDGED = 20_000
-"""Number of loaded cells up to which the oracle, which is dense, judges a state."""
+READ = (*ASSESSED, "unbreakable_share", "status", "timing_simulation", "oracle_ratio")
+"""Quantities that are read of every closure; the last one only where states are judged."""
 
 
 def resolved(tolerance: float) -> Numerics:
@@ -200,7 +187,7 @@ def _closures(
             with file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps({"key": keys[at], "row": kept[keys[at]]}) + "\n")
         report(done / len(places), tasks[at][0])
-    lacking = dict.fromkeys((*ASSESSED, "status", "seconds", "unbreakable", "oracle"), math.nan)
+    lacking = dict.fromkeys((*READ, "seconds"), math.nan)
     rows = []
     for (name, joint, copy), key in zip(tasks, keys, strict=True):
         cycles = np.arange(1, variants[name].cycle_count + 1)
@@ -220,41 +207,7 @@ def _kept(file: Path | None) -> dict[str, Any]:
 
 
 def close_variant(walls: Walls, conditions: Conditions, judged: bool) -> dict[str, Any]:
-    """Close walls, and return `ASSESSED` by cycle, and facts, as plain numbers."""
-    kept = (float(conditions.largest_stress),) if judged else ()
-    start = time.process_time()
-    closed = close_walls(*walls, conditions, snapshots=kept)
-    seconds, status = time.process_time() - start, int(closed.status)
-    row = read_joint(walls, closed, seconds, Reading(conditions, tuple(ASSESSED)))
-    facts = {"status": status, "seconds": seconds}
-    if status < FAILURE:
-        facts["unbreakable"] = float((closed.locked_share + closed.flat_share).max())
-    if judged and status < FAILURE:
-        facts["oracle"] = oracle_ratio(walls, closed, conditions)
-    return {name: np.asarray(values).tolist() for name, values in row.items()} | facts
-
-
-def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:
-    """Return the oracle's largest number over its limit, at the first maximum.
-
-    NaN for more cells in contact than it can judge.
-    """
-    at = int(np.flatnonzero(closed.snapshot_branch.values == LOADING)[0])
-    snapshot, area = closed.isel(snapshot=at), walls[0].size * conditions.grid_spacing**2
-    force, step = snapshot.snapshot_force.values, int(snapshot.snapshot_step)
-    if np.count_nonzero(force) > _MOST_JUDGED:
-        return math.nan
-    datums = [height_datum(wall) for wall in walls]  # the solver sees walls without them
-    broken = snapshot.snapshot_upper.values - datums[0], snapshot.snapshot_lower.values - datums[1]
-    upper, lower = (wall - datum for wall, datum in zip(walls, datums, strict=True))
-    model = conditions.rock, conditions.effects, conditions.choices
-    joint = oracle.Joint(upper, lower, conditions.grid_spacing, *model)
-    total = float(closed.normal_stress[step]) * area
-    state = oracle.State(*broken, force, float(closed.closure[step]), total)
-    verdict = oracle.judge(joint, state)
-    tolerances = tolerances_of(conditions.effects, conditions.numerics)
-    limits = limits_of(verdict, conditions.effects, tolerances)
-    numbers = verdict._asdict()
-    beyond = [math.inf for name, value in numbers.items() if value > limits.get(name, 0.0) == 0.0]
-    within = [numbers[name] / limit for name, limit in limits.items() if 0.0 < limit < math.inf]
-    return max([*beyond, *within])
+    """Close walls, and return `READ` and the oracle's number, if it is asked, as plain numbers."""
+    row = close_joint(walls, Reading(conditions, READ if judged else READ[:-1]))
+    row["seconds"] = row.pop("timing_simulation")
+    return {name: np.asarray(values).tolist() for name, values in row.items()}

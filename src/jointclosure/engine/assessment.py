@@ -34,8 +34,8 @@ class Assessment(NamedTuple):
     ----------
     closures : DataFrame
         One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
-        `ASSESSED` [SI], the share of the force on contacts that cannot break, the oracle's largest
-        number over its limit, and the ``error`` of walls that could not be closed.
+        `ASSESSED` [SI], ``unbreakable_share``, ``oracle_ratio``, and the ``error`` of walls that
+        could not be closed.
     differences : DataFrame
         One row per variant, quantity of `ASSESSED` and cycle: the mean difference from the
         ``reference`` on the same walls over the mean of the reference, with its 95 % interval
@@ -155,7 +155,7 @@ def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str,
     own = closures[(closures.variant == stated) & (closures.joint == closures.joint.min())]
     values = own.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
     spread = (values.std(axis=1) / values.mean(axis=1)).to_dict()
-    share, judged = float(own.unbreakable.max()), float(closures.oracle.max())
+    share, judged = float(own.unbreakable_share.max()), float(closures.oracle_ratio.max())
     failed = closures[~(closures.status < FAILURE)]
     scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
     if len(failed):

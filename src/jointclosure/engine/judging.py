@@ -1,8 +1,15 @@
 """States of a joint at rest, judged by the oracle while a solver closes it."""
 
+import math
+
 import numpy as np
+import xarray as xr
 
 from jointclosure.engine import oracle
+from jointclosure.engine.walls import Walls
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.simulation import height_datum
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
@@ -20,8 +27,8 @@ SOLVED = 1.01
 _LARGEST_JUDGED = 2500
 """Number of contacts above which only every tenth state is judged, because the oracle is dense."""
 _LARGEST_CURVE = 20_000
-"""Number of cells above which only the first, middle and last point of an elastic curve are
-judged."""
+"""Number of cells in contact above which no snapshot is judged; number of cells above which only
+the first, middle and last point of an elastic curve are."""
 
 
 def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
@@ -130,3 +137,29 @@ class JudgedSolver:
                 joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
             )
         )
+
+
+def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:
+    """Return the oracle's largest number over its limit, at the first maximum.
+
+    NaN for more cells in contact than it can judge.
+    """
+    at = int(np.flatnonzero(closed.snapshot_branch.values == LOADING)[0])
+    snapshot, area = closed.isel(snapshot=at), walls[0].size * conditions.grid_spacing**2
+    force, step = snapshot.snapshot_force.values, int(snapshot.snapshot_step)
+    if np.count_nonzero(force) > _LARGEST_CURVE:
+        return math.nan
+    datums = [height_datum(wall) for wall in walls]  # the solver sees walls without them
+    broken = snapshot.snapshot_upper.values - datums[0], snapshot.snapshot_lower.values - datums[1]
+    upper, lower = (wall - datum for wall, datum in zip(walls, datums, strict=True))
+    model = conditions.rock, conditions.effects, conditions.choices
+    joint = oracle.Joint(upper, lower, conditions.grid_spacing, *model)
+    total = float(closed.normal_stress[step]) * area
+    state = oracle.State(*broken, force, float(closed.closure[step]), total)
+    verdict = oracle.judge(joint, state)
+    tolerances = tolerances_of(conditions.effects, conditions.numerics)
+    limits = limits_of(verdict, conditions.effects, tolerances)
+    numbers = verdict._asdict()
+    beyond = [math.inf for name, value in numbers.items() if value > limits.get(name, 0.0) == 0.0]
+    within = [numbers[name] / limit for name, limit in limits.items() if 0.0 < limit < math.inf]
+    return max([*beyond, *within])

@@ -138,6 +138,12 @@ def _volume_error(joint: ClosedJoint) -> float:
     return max(errors)
 
 
+def _oracle_ratio(joint: ClosedJoint) -> float:
+    from jointclosure.engine.judging import oracle_ratio
+
+    return oracle_ratio(joint.walls, joint.closed, joint.conditions)
+
+
 def pair_seconds(count: int = 5) -> float:
     """Measure the median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200.
 
@@ -228,6 +234,12 @@ QUANTITIES: dict[str, Quantity] = {
         "hysteresis, share of the work of loading", "1", CYCLE,
         lambda joint: hysteresis(joint.closed), r"\eta",
         {"comment": "what unloading does not give back"}),
+    "unbreakable_share": Quantity(
+        "largest share of the force on contacts that cannot break", "1", (),
+        lambda joint: float((joint.closed.locked_share + joint.closed.flat_share).max())),
+    "oracle_ratio": Quantity(
+        "largest number of the oracle over its limit, at the first maximum", "1", (),
+        _oracle_ratio),
     "fft_pair": Quantity(
         "processor time of an FFT pair of 200 x 200 cells, measured beside the closure", "s", (),
         lambda joint: pair_seconds(), r"t_\mathrm{FFT}"),

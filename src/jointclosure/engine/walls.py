@@ -1,6 +1,6 @@
 """Walls of the joints of a case or an experiment, made from their seeds."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -13,6 +13,14 @@ from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted, wall
 
 Walls = tuple[np.ndarray, np.ndarray]
 """Upper and lower wall (y, x), heights towards the other [m]."""
+
+COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
+    "as it is": lambda wall: wall,
+    "last digits": lambda wall: wall * (1.0 + 1e-12),
+    "mirrored": lambda wall: np.ascontiguousarray(wall[:, ::-1]),
+    "transposed": lambda wall: np.ascontiguousarray(wall.T),
+}
+"""Copies of a wall that close alike but for rounding and the order of breakage."""
 
 
 def seeds_of(settings: SurfaceSettings) -> list[int]:
@@ -36,6 +44,12 @@ def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
         yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
+
+
+def copied(settings: SurfaceSettings, copy: str) -> Iterator[Walls]:
+    """Generate copies (`COPIES`) of the walls of a block."""
+    for upper, lower in walls_of(settings):
+        yield COPIES[copy](upper), COPIES[copy](lower)
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:
@@ -92,6 +106,7 @@ def _of_surfaces(maker: Callable[..., Iterator[Walls]]) -> Callable[..., Iterato
 
 MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
     "synthetic": _of_surfaces(walls_of),
+    "copied": _of_surfaces(copied),
     "misaligned": _of_surfaces(misaligned),
     "nested": _of_surfaces(nested),
     "reseated": reseated,
