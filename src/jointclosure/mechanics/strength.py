@@ -30,18 +30,27 @@ def critical_indentation(pressure_limit, asperity_modulus):
 
 
 @kernel
+def bounded_strength(curvature, critical, filling):
+    """Return the curvature [1/m] and q by which the strength of a contact is computed.
+
+    They are its own, unless strength is bounded and its curvature below ``filling`` [1/m], at which
+    the contact at strength fills its base: the force is then at most that at this curvature, and
+    delta_break = q/filling (kappa/filling)^(1/3), as the indentation by a force goes with
+    kappa^(1/3). ``filling`` is 0 without a bound.
+    """
+    if curvature >= filling:
+        return curvature, critical
+    return filling, critical * cube_root(curvature / filling)
+
+
+@kernel
 def is_overstressed(overlap, curvature, critical, breaking_force, substrate, filling):
     """Return whether a pair at overlap delta_S [m] exceeds its strength, Eqs. (5), (10), (22).
 
     ``critical`` is q of `critical_indentation`, ``breaking_force`` 4/3 E_a* q^(3/2) [Pa].
     delta_break = q/kappa and F_break = 4/3 E_a* q^(3/2)/kappa^2 give the overlap at breakage.
     Multiplied by kappa^2 the condition needs neither root nor division, and a flat contact (kappa =
-    0) never breaks, unless strength is bounded: below the curvature ``filling`` [1/m], at which the
-    contact at strength fills its base, the force is at most that at this curvature, and
-    delta_break = q/filling (kappa/filling)^(1/3), as the indentation by a force goes with
-    kappa^(1/3). ``filling`` is 0 without a bound.
+    0) never breaks, unless strength is bounded.
     """
-    sharper = max(curvature, filling)
-    part = cube_root(curvature / sharper) if sharper > curvature else 1.0
-    strength = critical * sharper * part + substrate * breaking_force
-    return overlap * sharper * sharper > strength
+    kappa, indentation = bounded_strength(curvature, critical, filling)
+    return overlap * kappa * kappa > indentation * kappa + substrate * breaking_force

@@ -24,6 +24,7 @@ import numpy as np
 from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.mechanics.gouge import drops
+from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import is_peak, neighbourhood
 from jointclosure.solvers.pair_batch import (
     BATCH,
@@ -31,7 +32,6 @@ from jointclosure.solvers.pair_batch import (
     LOWER,
     UPPER,
     assess,
-    bounded_strength,
     fixed_losses,
     gather,
     measure_drops,

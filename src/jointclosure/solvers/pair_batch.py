@@ -23,8 +23,8 @@ import math
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel
-from jointclosure.mechanics.contact import cube_root
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
+from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import wall_curvature
 
 BATCH = 128
@@ -105,14 +105,6 @@ def scatter(batch, i, cell, upper, lower, stride):
         for column in range(3):
             upper[start + column] = batch.heights[UPPER, 3 * row + column, i]
             lower[start + column] = batch.heights[LOWER, 3 * row + column, i]
-
-
-@kernel
-def bounded_strength(curvature, critical, filling):
-    """Return curvature [1/m] and q of a strength that is bounded, see `is_overstressed`."""
-    if curvature >= filling:
-        return curvature, critical
-    return filling, critical * cube_root(curvature / filling)
 
 
 @kernel
