@@ -4,7 +4,6 @@ import sys
 
 from snakemake.utils import min_version
 
-from jointclosure.storage.logs import SHOWN
 from studies.frame.config.files import DEFAULT
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.jobs.job import ENGINE
@@ -24,13 +23,10 @@ include: "workflow/rules/products.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 
 
 onstart:
-    if NUMERICS_REMARK:
-        logger.info(f"{SHOWN}{NUMERICS_REMARK}")
     if workflow.local_exec:  # on a cluster each job starts on its node
         # Snakemake names it to bash without quotes, whatever the name of this folder
         sys.executable = os.path.relpath(sys.executable)

@@ -18,7 +18,7 @@ import pandas as pd
 from yardstick import machine, show
 
 from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.storage.text import write_csv
 from studies.effects.figures import choice_figure, region_figure
 from studies.effects.validation import validate, validation_settings, validation_summary
 from studies.frame.config.configuration import configured, merged, merged_study
@@ -36,7 +36,7 @@ def main(arguments) -> None:
     }
     changes = {"study": {"root_seed": arguments.seed}, "ablation": {"validation": design}}
     try:
-        study = configured(merged(merged_study(STUDY), changes), read_csv).typed
+        study = configured(merged(merged_study(STUDY), changes)).typed
     except ConfigurationError as error:
         raise SystemExit(str(error)) from None
     if arguments.output:

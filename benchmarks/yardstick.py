@@ -28,7 +28,6 @@ from jointclosure.engine.settings import BASE, Case, ClosureSettings
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
-from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import configured, merged, merged_study
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.model import Configuration
@@ -85,7 +84,7 @@ def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
     Changes that cannot be end the benchmark, with a message that names the key.
     """
     try:
-        configuration = configured(merged(merged_study(), *changes), read_csv).typed
+        configuration = configured(merged(merged_study(), *changes)).typed
     except ConfigurationError as error:
         raise SystemExit(str(error)) from None
     return configuration, [case for case in cases_of(configuration) if case.parameter == BASE]

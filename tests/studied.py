@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from jointclosure.storage.text import read_csv
 from studies.frame.config import files
 from studies.frame.config.configuration import Configured, configured, merged
 from studies.frame.config.model import Configuration
@@ -18,7 +17,7 @@ def keys_of(*changes: dict) -> dict:
 
 def checked_study(*changes: dict) -> Configured:
     """The paper's study with changes, checked."""
-    return configured(keys_of(*changes), read_csv)
+    return configured(keys_of(*changes))
 
 
 def study_of(*changes: dict) -> Configuration:

@@ -30,7 +30,7 @@ STUDIES = {
 """Pages that are about one study; the others are parts of docs/beyond.md."""
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
-    "accuracy", "accuracy_biases", "conclusions", "continuum", "effects", "flow",
+    "accuracy", "conclusions", "continuum", "effects", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "measured_fit",
     "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
     "solver_speed",

@@ -7,7 +7,6 @@ surfaces and all levels, whose error is known better than that of the base level
 Confidence intervals are percentiles over resampled surfaces.
 """
 
-import json
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -275,45 +274,3 @@ def _sampling(base: pd.Series, realizations: int, confidence: float) -> tuple[fl
     tail = 0.5 * (1.0 - confidence)
     low, high = np.sqrt(free / scipy.stats.chi2.ppf([1.0 - tail, tail], free))
     return error, error * low, error * high
-
-
-def setting_table(
-    costs: pd.DataFrame, settings: list[Setting], scenes: dict, presets: dict
-) -> pd.DataFrame:
-    """Summarise the error and cost of each setting of the numerics.
-
-    For each variant and setting of its first rock that differs from the base only in numerics:
-    ``numerics``, the differences as JSON; ``error_percent``, the largest |error| of a mean
-    maximum closure of a rock and cycle; ``bound_percent``, the largest end of their confidence
-    intervals; ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks'
-    medians.
-
-    The reference of all settings of a variant is its finest setting. The error of that is
-    therefore 0, and its bound is that of the finest setting of the other integrator.
-    """
-    rows = []
-    for scene, about in scenes.items():
-        of_scene = [setting for setting in settings if setting.scene == scene]
-        for setting in of_scene:
-            if setting.rock != of_scene[0].rock or setting.numerics is None:
-                continue
-            point = {"knob": setting.knob, "value": setting.value}
-            part = _rows_of(costs, scene, point)
-            bounded = part
-            if point == about["finest"] and about.get("cross"):
-                bounded = _rows_of(costs, scene, about["cross"])
-            names = [name for name, preset in presets.items() if preset == point]
-            rows.append(
-                {"scene": scene, "preset": names[0] if names else ""}
-                | point
-                | {"error_percent": part.mean_error_percent.abs().max()}
-                | {"bound_percent": bounded[["mean_low", "mean_high"]].abs().max(axis=None)}
-                | dict(part[["relative_time", "pairs", "seconds"]].mean())
-                | {"numerics": json.dumps(setting.numerics)}
-            )
-    return pd.DataFrame(rows)
-
-
-def _rows_of(costs: pd.DataFrame, scene: str, point: dict) -> pd.DataFrame:
-    here = (costs.scene == scene) & (costs.knob == point["knob"])
-    return costs[here & (costs["value"] == point["value"])]

@@ -11,21 +11,15 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from jointclosure.engine.settings import BASE, ClosureSettings, Grid, Surface
+from jointclosure.engine.settings import BASE, ClosureSettings
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Rock
 from studies.frame.config.configuration import configured, merged, problem_lines, refuse
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.model import Configuration
-from studies.frame.config.presets import numerics_in_full
 from studies.frame.ensemble.cases import block_settings, cases_of, surface_settings
 
 _OF_RUN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
-
-
-_POINTS = ("finest", "cross")
-"""Keys of a variant that name a knob and its value, and are not keys of a configuration."""
 
 
 class Setting(NamedTuple):
@@ -33,8 +27,7 @@ class Setting(NamedTuple):
 
     Knob `BASE` is the setting without any changed knob. ``run`` is the name of the run with its
     results: settings with equal configurations share one. ``other_joints``: whether the knob
-    changes the joints themselves, so that a difference is no numerical error. ``numerics`` are
-    the keys in which it differs from the variant's base, None if other keys differ too.
+    changes the joints themselves, so that a difference is no numerical error.
     """
 
     scene: str
@@ -43,7 +36,6 @@ class Setting(NamedTuple):
     value: float | str
     run: str
     other_joints: bool
-    numerics: dict | None
 
 
 class Run(NamedTuple):
@@ -58,29 +50,6 @@ class Run(NamedTuple):
     base: float
 
 
-class Joint(NamedTuple):
-    """Joint that a variant of the model closes, of its first rock at the base level.
-
-    ``stress`` [Pa] is the maximum; ``levels`` is the number of levels of a run.
-    """
-
-    grid: Grid
-    surface: Surface
-    rock: Rock
-    jrc: float
-    stress: float
-    levels: int
-
-
-def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint:
-    """Return the joint of a variant."""
-    run = runs[next(setting.run for setting in settings if setting.scene == scene)]
-    closed = run.levels[run.values.index(run.base)]
-    case, made = closed.case, closed.surfaces
-    stress, levels = case.max_normal_stress, len(run.levels)
-    return Joint(made.grid, made.surface, case.intact, case.jrc, stress, levels)
-
-
 def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
     """Return all settings of a configuration's ``accuracy`` section, and the runs by name."""
     problems = list(_unknown(keys))
@@ -89,7 +58,7 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
     if not problems:
         for setting, whole in _settings(keys):
             try:
-                typed = configured(whole, _no_table).typed
+                typed = configured(whole).typed
                 runs.setdefault(setting.run, _run(typed, setting.rock, keys["accuracy"]))
             except InputError as error:
                 where = f"variant {setting.scene}, {setting.knob} {setting.value}"
@@ -99,19 +68,14 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
     return settings, runs
 
 
-def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a variant or knob")
-
-
 def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
     """Generate all settings of a design, with the keys of their configurations."""
     design = keys["accuracy"]
-    plain = keys | {"numerics": numerics_in_full(keys)}  # includes the keys of a preset
     runs: dict[str, str] = {}
     for scene, scene_keys in design["scenes"].items():
-        overrides = {key: value for key, value in scene_keys.items() if key not in _POINTS}
+        overrides = {key: value for key, value in scene_keys.items() if key != "finest"}
         for rock in keys["study"]["rocks"]:
-            base = merged(plain, overrides, {"study": {"rocks": [rock]}})
+            base = merged(keys, overrides, {"study": {"rocks": [rock]}})
             turned: list[tuple[str, float | str, dict]] = [(BASE, "", base)]
             for knob, way in design["knobs"].items():
                 if scene in way["scenes"]:
@@ -120,16 +84,7 @@ def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
                 what = json.dumps([scene, rock, *(whole[key] for key in _OF_RUN)], sort_keys=True)
                 run = runs.setdefault(what, label_of(scene, rock, knob, value))
                 other = design["knobs"].get(knob, {}).get("other_joints", False)
-                changed = _changed_numerics(whole, base)
-                yield Setting(scene, rock, knob, value, run, other, changed), whole
-
-
-def _changed_numerics(keys: dict, base: dict) -> dict | None:
-    """Return numerics that differ from the base, None if any other key differs."""
-    if any(keys[name] != base[name] for name in base if name != "numerics"):
-        return None
-    numerics, usual = keys["numerics"], base["numerics"]
-    return {key: numerics[key] for key in usual if numerics[key] != usual[key]}
+                yield Setting(scene, rock, knob, value, run, other), whole
 
 
 def _run(configuration: Configuration, rock: str, design: dict) -> Run:
@@ -156,17 +111,11 @@ def _unknown(keys: dict) -> Iterator[str]:
     """Generate problems of variants, knobs and keys that do not exist."""
     design = keys["accuracy"]
     for scene, settings in design["scenes"].items():
-        overrides = {key: value for key, value in settings.items() if key not in _POINTS}
+        overrides = {key: value for key, value in settings.items() if key != "finest"}
         yield from _strange(keys, overrides, f"accuracy.scenes.{scene}")
-        for name in _POINTS:
-            knob = (settings.get(name) or {"knob": BASE})["knob"]
-            if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
-                where = f"accuracy.scenes.{scene}.{name}.knob"
-                yield f"{where} = {knob!r}: is no knob of this variant"
-    for name, point in design["presets"].items():
-        if point["knob"] != BASE and point["knob"] not in design["knobs"]:
-            yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"
-    yield from _unknown_of_total(design)
+        knob = settings["finest"]["knob"]
+        if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
+            yield f"accuracy.scenes.{scene}.finest.knob = {knob!r}: is no knob of this variant"
     for knob, way in design["knobs"].items():
         where = f"accuracy.knobs.{knob}"
         for scene in way["scenes"]:
@@ -182,23 +131,6 @@ def _unknown(keys: dict) -> Iterator[str]:
                 yield from _strange(keys, entry["set"], f"{where}.values")
             elif not _keys_of(way):
                 yield f"{where}.values = {entry!r}: without key or scale it needs value and set"
-
-
-def _unknown_of_total(design: dict) -> Iterator[str]:
-    """Generate problems of settings in the diagram of total error that do not exist."""
-    total = design.get("total")
-    if not total:
-        return
-    scene = total["scene"]
-    if scene not in design["scenes"]:
-        yield f"accuracy.total.scene = {scene!r}: must be one of {', '.join(design['scenes'])}"
-    for name, point in total["methods"].items():
-        way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
-        values = [entry["value"] if isinstance(entry, dict) else entry for entry in way["values"]]
-        turned = scene in way["scenes"] and point["value"] in values
-        if point["knob"] != BASE and not turned:
-            where = f"accuracy.total.methods.{name}"
-            yield f"{where} = {point['knob']} {point['value']}: is no setting of {scene}"
 
 
 def _keys_of(way: dict) -> list[str]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, StringConstraints, Tag
 
 from jointclosure.parameters import Rock
-from studies.frame.config.section import Name, Positive, Section, Several, StudySection, entry
+from studies.frame.config.section import Name, Section, Several, StudySection, entry
 
 SectionKey = Annotated[str, StringConstraints(pattern=r"^[a-z]+[.][A-Za-z_]+$")]
 
@@ -30,9 +30,6 @@ class Scene(Section):
     finest: Point = entry(
         "Knob and value of the reference of all settings of the variant; knob `base` for "
         "none turned."
-    )
-    cross: Point | None = entry(
-        "The finest setting of another integrator, a check of the reference.", None
     )
 
 
@@ -68,22 +65,6 @@ class Knob(Section):
     )
 
 
-class TotalError(Section):
-    """The diagram of total error (`snakemake total_error`): every way to a result, with the
-    scatter and the worth of control variates of the default study (studies/accuracy/results)."""
-
-    scene: str = entry("Variant of the model whose errors and times count.")
-    methods: dict[Name, Point] = entry(
-        "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
-    )
-    interval_cycles: Several[int] | None = entry(
-        "Cycles of whose intervals it is; null: all of which errors are known.", None
-    )
-    budgets_min: Several[Positive] = entry(
-        "Core-minutes for which the best split is tabulated.", min_length=1
-    )
-
-
 class Accuracy(StudySection):
     """Design of a study of what accuracy costs (accuracy.yaml): variants of the model, and
     the knobs that are turned in each."""
@@ -96,9 +77,6 @@ class Accuracy(StudySection):
     )
     resamples: int = entry("Resamples of the surfaces for confidence intervals.", ge=10, le=100_000)
     confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
-    presets: dict[Name, Point] = entry(
-        "Words for settings of the numerics (numerics.preset), each a knob and its value."
-    )
     scenes: dict[Name, Scene] = entry(
         "Variants of the model by name: sections of a configuration that are merged over the "
         "study's, and `finest`, the knob and value of the reference.",
@@ -109,7 +87,6 @@ class Accuracy(StudySection):
         "multiplied by it, or each value brings the settings that it stands for.",
         min_length=1,
     )
-    total: TotalError | None = None
 
 
 SECTION = Accuracy

@@ -13,10 +13,9 @@ from studies.accuracy.cost import (
     cost_table,
     order_table,
     runs_of,
-    setting_table,
     source_table,
 )
-from studies.accuracy.design import design_of, joint_of
+from studies.accuracy.design import design_of
 from studies.accuracy.figures import SCENE_TITLES, error_sources, work_precision
 from studies.frame.config.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
@@ -43,19 +42,17 @@ def accuracy_design(configured: Configured) -> Design:
         "realizations": configuration.study.realizations,
         "significance": configuration.statistics.significance,
     }
-    if keys.get("total"):
-        parameters["joint"] = joint_of(keys["total"]["scene"], settings, runs)
     variants = sorted({setting.scene for setting in settings})
     return Design(
         jobs,
-        tuple(PREFIX + name for name in ("cost", "orders", "sources", "settings")),
+        tuple(PREFIX + name for name in ("cost", "orders", "sources")),
         tuple(PREFIX + name for name in (*variants, "sources")),
         parameters,
     )
 
 
 def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Return costs, orders of convergence, sources of error, and the settings of presets."""
+    """Return costs, orders of convergence, and sources of error."""
     keys, settings = parameters["keys"], parameters["settings"]
     runs, seed = runs_of(joints, parameters["bases"]), parameters["root_seed"]
     drawn, drawn_for_sources = (
@@ -72,7 +69,6 @@ def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
         "cost": costs,
         "orders": order_table(costs),
         "sources": pd.concat(sources),
-        "settings": setting_table(costs, settings, keys["scenes"], keys["presets"]),
     }
     return {PREFIX + name: table for name, table in tables.items()}
 

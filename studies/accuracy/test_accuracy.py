@@ -44,12 +44,7 @@ def test_knobs_scale_set_and_bring_settings_and_equal_ones_share_a_run():
     assert ("elastic", "steps", 1) not in found
     assert found["full", "steps", 1].run == found["full", "base", ""].run
     assert len(runs) == len(found) - 1
-    changed = {"displacement_step_um": 6.25, "breakage_step_um": 2.5}
-    assert found["full", "steps", 0.5].numerics == changed
-    assert found["full", "base", ""].numerics == {}
-    rule = found["full", "surface_rule", "hurst 0.6"]
-    assert rule.numerics is None
-    assert rule.other_joints
+    assert found["full", "surface_rule", "hurst 0.6"].other_joints
 
 
 def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
@@ -65,10 +60,9 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
     assert np.all(alone.max_closure_net == alone.max_closure)
 
 
-@pytest.mark.parametrize(("name", "least"), [("accuracy", 100), ("accuracy_biases", 19)])
-def test_every_setting_of_the_accuracy_studies_can_be_run(name, least):
-    _, runs = design_of(checked_study(read_plain(ROOT / f"studies/accuracy/{name}.yaml")).keys)
-    assert len(runs) > least
+def test_every_setting_of_the_accuracy_study_can_be_run():
+    _, runs = design_of(checked_study(read_plain(ROOT / "studies/accuracy/accuracy.yaml")).keys)
+    assert len(runs) > 100
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():
@@ -85,9 +79,7 @@ def test_a_run_closes_the_same_surfaces_at_all_levels():
 
 
 def fake_setting(knob, value, scene="full"):
-    return Setting(
-        scene, "slate", knob, value, f"{scene}-{knob}-{value}", knob == "surface_rule", {}
-    )
+    return Setting(scene, "slate", knob, value, f"{scene}-{knob}-{value}", knob == "surface_rule")
 
 
 def fake_run(error, seconds, n=12, noise=0.0):

@@ -15,7 +15,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
-from studies.frame.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
+from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.jobs.seals import check_folder
@@ -89,7 +89,6 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         pictures=_pictures(folder, sealed, json.loads(stated)),
         benchmarks=read_benchmarks(folder / "benchmarks"),
         accuracy=_table(accuracy / "tables/accuracy_cost.csv", check_folder(accuracy)),
-        presets=read_csv(MEASURED),
         **{name: _table(folder / f"tables/{file}.csv", sealed) for name, file in _TABLES.items()},
     )
 

@@ -107,7 +107,7 @@ def labelled_wavelengths(wavelengths: Iterable[float]) -> dict[str, float | None
 
 def checked(keys: dict) -> Configured:
     """Return the configuration of keys that were checked before a job started."""
-    return Configured(keys, resolved(keys), "")
+    return Configured(keys, resolved(keys))
 
 
 def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:

@@ -12,7 +12,6 @@ from jointclosure.statistics.drawn_studies import Design
 from studies.frame.config.configuration import Configured
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.model import Configuration
-from studies.frame.config.wanted import Wanted, measured_rocks, wanted_of
 from studies.frame.ensemble.cases import ensembles_of
 from studies.frame.measured_files import CurveSettings, curve_settings
 from studies.frame.products import Product
@@ -48,11 +47,6 @@ class Plan(NamedTuple):
     def curves(self) -> dict[str, CurveSettings]:
         """Settings of the measured curves by rock."""
         return curve_settings(self.typed)
-
-    @property
-    def wanted(self) -> Wanted | None:
-        """Accuracy that is required, if any."""
-        return wanted_of(self.configured.keys)
 
     def file(self, name: str, made: bool = True) -> str | None:
         """Path of a file of the study, None if it is not made."""
@@ -142,8 +136,5 @@ SETTINGS: dict[str, Callable[[Plan], Any]] = {
     "design": lambda plan: Design(
         plan.typed.study.realizations, plan.typed.statistics.significance
     ),
-    "wanted": lambda plan: plan.wanted,
-    "preset": lambda plan: plan.configured.granted,
-    "measured_as": lambda plan: measured_rocks(plan.configured.keys, read_plain(DEFAULT)),
 }
 """Parts of the configuration, in SI."""

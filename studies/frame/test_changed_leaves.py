@@ -14,7 +14,6 @@ import pytest
 import yaml
 
 from jointclosure.inputs import InputError
-from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import configured, merged_study
 from studies.frame.config.files import read_plain
 from studies.frame.experiments import checked_design, experiments_in
@@ -51,7 +50,7 @@ def read(keys, file):
     """All that is asked of a configuration before a job starts; True where it is refused."""
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
-        found = configured(merged_study(file), read_csv)
+        found = configured(merged_study(file))
         for name in experiments_in(found.keys):
             checked_design(name, found)
     except InputError:

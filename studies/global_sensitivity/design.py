@@ -14,7 +14,8 @@ from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.config.configuration import (
     Configured,
-    checked_with,
+    configured,
+    merged,
     overlaid,
     problem_lines,
     refuse,
@@ -194,7 +195,7 @@ def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
             point[place] = u
             sampled = (sampling, point) if together else (alone, [u])
             try:
-                checked_with(keys, keys_at(sampled[0], keys, rock, sampled[1]), _alone(rock))
+                configured(merged(keys, keys_at(sampled[0], keys, rock, sampled[1]), _alone(rock)))
             except InputError as error:
                 yield f"{where}: {'; '.join(problem_lines(error))}"
             except KeyError as error:

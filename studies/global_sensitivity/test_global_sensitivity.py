@@ -120,7 +120,7 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
         for row, point in enumerate(sampling.points()[:3, 0]):
             alone = {"study": {"rocks": [rock], "draws": "common"}}
             keys = merged(full.keys, keys_at(sampling, full.keys, rock, point), alone)
-            typed = configured(keys, read_csv).typed
+            typed = configured(keys).typed
             case = base_case(rock, typed.rocks[rock])
             block = range(2 * row, 2 * row + 2)
             expected = block_settings(typed, {case.label: case}, case.label, block)

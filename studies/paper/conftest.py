@@ -15,7 +15,7 @@ from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import resolved
-from studies.frame.config.files import MEASURED, PAPER_TABLE_3
+from studies.frame.config.files import PAPER_TABLE_3
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.ensemble.tables import check_results
@@ -111,5 +111,4 @@ def material(study, configuration, default, pictures):
         benchmarks=pd.DataFrame(jobs | {"max_rss": [1, np.nan]}),
         measured=None,
         accuracy=None,
-        presets=read_csv(MEASURED),
     )

@@ -18,10 +18,8 @@ from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.provenance import configuration_text
 from jointclosure.storage.text import read_csv, read_text
-from studies.frame.config.files import METHODS
 from studies.frame.config.rocks import StudyRock
 from studies.frame.config.sections import Statistics
-from studies.frame.config.wanted import Wanted, preset_errors
 from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.ensemble.covariates import measure_covariates as measure
 from studies.frame.ensemble.tables import check_results as check
@@ -45,7 +43,6 @@ from studies.paper.layout import (
     with_paper,
 )
 from studies.paper.measured_fits import fit_table
-from studies.paper.planning import describe_reached, reached_table
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 
 __all__ = ["PRODUCTS"]
@@ -118,27 +115,6 @@ def fit_measured(
 def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
     """Hydraulic apertures of a study's cases as a table."""
     return flow_table(study)
-
-
-@product("tables/accuracy_reached.csv", when=lambda plan: plan.wanted)
-def reach_accuracy(
-    study: Closures,
-    covariates: Known | None,
-    wanted: Wanted,
-    preset: str,
-    measured_as: dict[str, str | None],
-    significance: float,
-    log: Log,
-):
-    """Compare the accuracy of a study with the wanted accuracy."""
-    methods = read_csv(METHODS)
-    errors = {
-        rock: preset_errors(methods, preset, wanted.of, known)
-        for rock, known in measured_as.items()
-    }
-    table = reached_table(study, covariates, wanted, errors, significance)
-    log(describe_reached(table, wanted))
-    return table
 
 
 @product("tables/table_3_predictive.csv", "tables/table_3_joint_tests.csv", "predictive.nc")

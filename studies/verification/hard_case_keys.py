@@ -107,7 +107,7 @@ def _unbounded(model: type[pydantic.BaseModel], *left_out: str) -> type[pydantic
 
 EffectKeys = _unbounded(sections.StudyEffects, "auto")
 ChoiceKeys = _unbounded(sections.ChoiceKeys, "concave")
-NumericsKeys = _unbounded(sections.NumericsKeys, "preset", "accuracy", "breakage", "target")
+NumericsKeys = _unbounded(sections.NumericsKeys, "breakage", "target")
 
 
 class SameAsKeys(Keys):

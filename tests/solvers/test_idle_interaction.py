@@ -12,7 +12,6 @@ from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
-from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import configured, merged, merged_study
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
@@ -137,5 +136,5 @@ def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
     ],
 )
 def test_a_study_leaves_it_out_where_effects_are_chosen_unless_told_otherwise(keys, share):
-    stated = configured(merged(merged_study(), keys), read_csv).typed
+    stated = configured(merged(merged_study(), keys)).typed
     assert stated.numerics.idle_interaction == share

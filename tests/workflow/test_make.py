@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from jointclosure.storage.text import read_csv
 from tests.engine.test_forks import wait_for_processes
 from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
 
@@ -316,33 +315,3 @@ def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
     table = "results/tiny/tables/configuration.json"
     snakemake(folder, "--", table, python=str(python))
     assert (folder / table).is_file()
-
-
-ACCURATE = """study: {name: accurate, rocks: [slate], pool: null}
-grid: {cells_x: 12, cells_y: 12}
-rocks:
-  slate:
-    max_normal_stress_MPa: 1
-    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: null}
-numerics: {accuracy: {of: mean, within: 0.15, most: 400}}
-statistics: {bootstrap_resamples: 10, repetitions: 100}
-output: {stress_points: 5}
-"""
-
-
-@pytest.mark.slow
-def test_a_study_adds_surfaces_until_the_accuracy_wanted_is_reached_and_closes_none_twice(project):
-    (project / "accurate.yaml").write_text(ACCURATE)
-    done = make(project, "study", "CONFIG=accurate.yaml")
-    assert done.returncode == 0, done.stdout + done.stderr
-    for words in ("preset quick", "core-minutes a case", "not reached in", "continues with"):
-        assert words in done.stdout
-    table = read_csv(project / "results/accurate/tables/accuracy_reached.csv")
-    assert table.met.all()
-    assert (table.surfaces > 20).all()
-    log = (project / "results/accurate/logs/make_study.log").read_text()
-    assert "cases: joints closed" in log
-    # the same command finds all there
-    again = make(project, "study", "CONFIG=accurate.yaml")
-    assert "nothing was left to do" in again.stdout
-    assert "accuracy: mean within 15 % reached" in again.stdout

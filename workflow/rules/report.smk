@@ -1,5 +1,4 @@
 # The study as one page to read: `snakemake report`.
-from studies.frame.config.files import MEASURED as MEASURED_SETTINGS
 from studies.paper.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
@@ -21,7 +20,6 @@ rule write_report:
         captions=[caption(figure) for figure in FIGURES],
         paper=PAPER,
         default=os.path.relpath(DEFAULT),
-        presets=os.path.relpath(MEASURED_SETTINGS),
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
         # what `make conclusions` put together

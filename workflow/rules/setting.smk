@@ -9,7 +9,7 @@ from studies.frame.config.rocks import check_files, wall_files
 from studies.frame.ensemble.cases import closed_keys, wall_digests
 from jointclosure.compilation.sources import ROOTS, code_digest
 from jointclosure.walls.scans import files_of
-from jointclosure.storage.text import read_csv, read_text
+from jointclosure.storage.text import read_text
 from studies.frame import measured_files as measured
 from studies.paper.products import PRODUCTS
 from studies.frame.plan import BESIDE, Plan
@@ -17,8 +17,8 @@ from studies.frame.plan import BESIDE, Plan
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:
     read_plain(file)
-CONFIGURED = configuration.configured(config, read_csv)
-CONFIGURATION, NUMERICS_REMARK = CONFIGURED.typed, CONFIGURED.remark
+CONFIGURED = configuration.configured(config)
+CONFIGURATION = CONFIGURED.typed
 config.update(CONFIGURED.keys)
 check_files(CONFIGURATION.rocks)
 

@@ -20,14 +20,11 @@ from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
 from studies.frame.config.configuration import Configured, configured, merged_study
-from studies.frame.config.files import read_plain
 from studies.frame.config.model import sections
-from studies.frame.config.wanted import Wanted, wanted_of
 from studies.frame.experiments import checked_design
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.measured_files import curve_settings, measured_curves
 from studies.paper.layout import closure_lines
-from studies.paper.planning import describe_reached, surfaces_next
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {
@@ -91,13 +88,9 @@ def run_target(name: str, request: EndRequest) -> int:
     log.write_text("")
     with open(log, "a", encoding="utf-8") as stream:
         for goal in target.goals:
-            while True:
-                words = [*command, *given, *planned(override, folder), "--", goal]
-                status = follow(words, stream, log, request)
-                if status:
-                    return status
-                if goal != "all" or not enlarged(override, folder):
-                    break
+            status = follow([*command, *given, "--", goal], stream, log, request)
+            if status:
+                return status
     closures = folder / "tables/max_closure.csv"
     if "all" in target.goals and closures.exists():
         print("\n".join(closure_lines(read_csv(closures))))
@@ -113,7 +106,7 @@ def checked_name(name: str, override: str) -> str:
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target = TARGETS[name]
-    study = configured(merged_study(*([Path(override)] if override else [])), read_csv)
+    study = configured(merged_study(*([Path(override)] if override else [])))
     if target.section and not study.keys.get(target.section):
         raise InputError(
             f"{override}: has no section {target.section}, which make {name} needs "
@@ -122,46 +115,6 @@ def checked_name(name: str, override: str) -> str:
     target.check(study)
     measured_curves(curve_settings(study.typed), read_text)
     return study.typed.study.name
-
-
-PLAN = "accuracy_plan.yaml"
-"""File in a study's folder with the number of surfaces for its wanted accuracy."""
-
-
-def wanted_accuracy(override: str) -> Wanted | None:
-    """Return the wanted accuracy of a study, if any."""
-    return wanted_of(merged_study(*([Path(override)] if override else [])))
-
-
-def planned(override: str, folder: Path) -> list[str]:
-    """Return the arguments that set the planned number of surfaces for the wanted accuracy.
-
-    The file follows that of the study after one --configfile, as Snakemake takes the last only.
-    """
-    wanted, plan = wanted_accuracy(override), folder / PLAN
-    if wanted is None or not plan.is_file():
-        return []
-    earlier = wanted_of(read_plain(plan))
-    if earlier is None or earlier._replace(surfaces=None) != wanted._replace(surfaces=None):
-        plan.unlink()  # for another accuracy
-        return []
-    return [str(plan)]
-
-
-def enlarged(override: str, folder: Path) -> bool:
-    """Print the reached accuracy; plan more surfaces if necessary, and return whether."""
-    wanted = wanted_accuracy(override)
-    if wanted is None:
-        return False
-    table = read_csv(folder / "tables/accuracy_reached.csv")
-    print(describe_reached(table, wanted), flush=True)
-    surfaces = surfaces_next(table, wanted)
-    if surfaces is None:
-        return False
-    print(f"accuracy: continues with {surfaces} surfaces per case", flush=True)
-    plan = {"numerics": {"accuracy": wanted._replace(surfaces=surfaces)._asdict()}}
-    write_text(yaml.safe_dump(plan), folder / PLAN)
-    return True
 
 
 def snakemake(profile: str, cores: str) -> list[str]:

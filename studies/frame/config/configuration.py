@@ -2,11 +2,10 @@
 
 import copy
 import functools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import pandas as pd
 from pydantic import ValidationError
 
 from jointclosure.inputs import InputError
@@ -20,19 +19,9 @@ from jointclosure.parameters import (
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
-from studies.frame.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
+from studies.frame.config.files import DEFAULT, ConfigurationError, read_plain
 from studies.frame.config.model import Configuration, model, sections
-from studies.frame.config.presets import anything_breaks, chosen_numerics, numerics_in_full
 from studies.frame.config.schema import explained
-from studies.frame.config.wanted import (
-    check_left_out,
-    describe_grant,
-    grant,
-    measured_rocks,
-    methods_of,
-    wanted_of,
-    with_granted,
-)
 
 OTHER_TARGETS = ("hard_cases",)
 """Folders of results of targets that are no studies."""
@@ -41,16 +30,10 @@ USUAL = _OF_ROCK | {"stress": _OF_ROCK["max_normal_stress"]}
 
 
 class Configured(NamedTuple):
-    """A configuration as keys of a file; in SI; and what was chosen.
-
-    ``remark`` is a sentence on numerics that a preset or accuracy stands for, or empty; ``granted``
-    the preset that a result's accuracy chose, or None.
-    """
+    """A configuration as keys of a file, and in SI."""
 
     keys: dict
     typed: Configuration
-    remark: str
-    granted: str | None = None
 
 
 def overlaid(keys: dict, changes: dict) -> dict:
@@ -80,22 +63,15 @@ def written_out(keys: dict) -> dict:
     return keys | {"effects": Effects()._asdict() | {"auto": AUTO_TOLERANCE}}
 
 
-def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:
-    """A configuration from merged keys: words turned into numbers, checked, and in SI.
+def configured(keys: dict) -> Configured:
+    """A configuration from merged keys, checked, and in SI.
 
-    ``read`` reads the table that ``numerics.preset`` and ``accuracy`` choose from, where one of
-    them is given. `ConfigurationError` names every key that is wrong, its value, and what is
-    allowed.
+    `ConfigurationError` names every key that is wrong, its value, and what is allowed.
     """
     keys = written_out(keys)
-    resolved(keys)
-    try:
-        keys, sentence, granted = _chosen(keys, read_plain(DEFAULT), read)
-    except InputError as error:
-        raise ConfigurationError(str(error)) from None
     configuration = resolved(keys)
     refuse(contradictions(configuration, keys))
-    return Configured(keys, configuration, sentence, granted)
+    return Configured(keys, configuration)
 
 
 def resolved(keys: dict) -> Configuration:
@@ -104,45 +80,6 @@ def resolved(keys: dict) -> Configuration:
         return model().model_validate(keys)
     except ValidationError as error:
         raise refusal(explained(model(), keys, error)) from None
-
-
-def checked_with(keys: dict, *changes: dict) -> Configuration:
-    """Check keys of `Configured` with changes; a preset or accuracy is written out before."""
-    plain = keys | {"numerics": numerics_in_full(keys)}
-    return configured(merged(plain, *changes), _no_table).typed
-
-
-def _no_table(path: Path) -> pd.DataFrame:
-    raise InputError("numerics.preset, numerics.accuracy: only for a study as a whole")
-
-
-def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
-    """Keys with what a preset or an accuracy stands for, a sentence on it, and a granted preset."""
-    wanted = wanted_of(keys)
-    if wanted is None:
-        chosen = chosen_numerics(keys, default["numerics"], lambda: read(MEASURED))
-        return keys | {"numerics": chosen.numerics}, chosen.remark, None
-    if not anything_breaks(keys):
-        raise InputError("numerics.accuracy.of: known where contacts break, and nothing does here")
-    if keys["numerics"].get("preset") is not None:
-        raise InputError(
-            f"numerics.preset = {keys['numerics']['preset']!r}: leave it out, "
-            "numerics.accuracy.of chooses it"
-        )
-    check_left_out(keys, default)
-    settings, cycles = read(MEASURED), keys["study"]["cycles"]
-    methods = methods_of(read(METHODS), measured_rocks(keys, default).values())
-    granted = grant(wanted, methods, settings.preset.dropna().unique(), cycles)
-    named = {"preset": granted.preset, "accuracy": None}
-    numerics = chosen_numerics(
-        keys | {"numerics": keys["numerics"] | named},
-        default["numerics"],
-        lambda: settings,
-        by="accuracy.of",
-    ).numerics
-    kept = {"preset": None, "accuracy": keys["numerics"]["accuracy"]}
-    whole = with_granted(keys, wanted, granted) | {"numerics": numerics | kept}
-    return whole, describe_grant(wanted, granted), granted.preset
 
 
 def refuse(problems: Iterable[str]) -> None:

@@ -12,10 +12,6 @@ from jointclosure.inputs import InputError
 _STUDIES = Path(__file__).parents[2]
 DEFAULT = _STUDIES.parent / "config/default.yaml"
 """The paper's study; every other configuration is merged over it."""
-MEASURED = _STUDIES / "accuracy/results/accuracy/accuracy_settings.csv"
-"""Errors of settings of the numerics, from which presets are selected."""
-METHODS = _STUDIES / "accuracy/results/accuracy_biases/accuracy_methods.csv"
-"""Errors, scatter and cost of presets, from which a required accuracy is planned."""
 PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
 """The paper's Table 3."""
 

@@ -33,9 +33,6 @@ _ALLOWED = {
 }
 _IN_WORDS = {
     ("effects",): "must be auto, or effects with true or false",
-    ("numerics", "accuracy"): (
-        "must be a number above 0 and below 1, or {of: mean, within: 0.05} (of: mean or interval)"
-    ),
 }
 """Allowed values of keys whose types do not state them."""
 

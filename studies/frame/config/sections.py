@@ -2,12 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Tag
-
 from jointclosure.parameters import SOLVER_NAMES, Effects
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
-from studies.frame.config.section import Name, OrNull, Section, Several, Share, entry
+from studies.frame.config.section import Name, OrNull, Section, Several, entry
 
 
 class Study(Section):
@@ -137,42 +135,9 @@ class ChoiceKeys(Section):
     )
 
 
-class WantedKeys(Section):
-    """The accuracy of a result: chooses preset, number of surfaces and control variates, and
-    `make study` adds surfaces until it is reached (docs/accuracy.md)."""
-
-    of: Literal["mean", "interval"] = entry(
-        "mean: every case's mean maximum closure; interval: every indifference interval."
-    )
-    within: Share = entry(
-        "Total error that is wanted, relative: bias and half the 95 % confidence interval."
-    )
-    most: int = entry("Surfaces a case beyond which none are added.", 200, ge=10, le=1_000_000)
-    surfaces: int | None = entry(
-        "Surfaces a case; null: as many as are predicted. `make study` sets it.", None, ge=10
-    )
-
-
-Accuracy = Annotated[
-    Annotated[WantedKeys, Tag("wanted")] | Annotated[Share, Tag("number")],
-    Discriminator(lambda value: "wanted" if isinstance(value, dict) else "number"),
-]
-
-
 class NumericsKeys(Section):
     """Solver, steps and tolerances."""
 
-    preset: str | None = entry(
-        "A word for the other keys, as measured by the study of accuracy: quick, paper, accurate "
-        "or converged.",
-        None,
-    )
-    accuracy: Accuracy | None = entry(
-        "What mean maximum closures may be off by, relative: takes the cheapest numerics that were "
-        "found to reach it (needs choices.largest_radius_mm where anything breaks). Or the "
-        "accuracy of a result, {of: mean, within: 0.05}.",
-        None,
-    )
     solver: Literal[SOLVER_NAMES] = entry(  # type: ignore[valid-type]
         "fast, or reference: the paper's own loop, for small grids."
     )

@@ -50,7 +50,7 @@ class Material(NamedTuple):
 
     Tables that a study need not have are None. ``paper``: the paper's Table 3. ``default`` and
     ``schema``: the paper's configuration, and descriptions of keys. ``benchmarks``: the times of
-    jobs. ``measured``: fits of measured curves. ``accuracy``, ``presets``: `make accuracy`'s.
+    jobs. ``measured``: fits of measured curves. ``accuracy``: that of `make accuracy`.
     """
 
     study: xr.Dataset
@@ -69,7 +69,6 @@ class Material(NamedTuple):
     benchmarks: pd.DataFrame
     measured: pd.DataFrame | None
     accuracy: pd.DataFrame | None
-    presets: pd.DataFrame
     flow: pd.DataFrame | None = None
     conclusions: pd.DataFrame | None = None
 
@@ -131,14 +130,10 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
 def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> Iterator[Sheet]:
     """Generate all tables of the page."""
     study, claims, intervals = material.study, material.claims, material.intervals
-    keys, of_paper = (
-        json.loads(study.attrs["configuration"]),
-        set(titles) & set(material.paper.rock),
-    )
+    of_paper = set(titles) & set(material.paper.rock)
     compared = bool(of_paper)
     yield tables.closure_sheet(material.closures, titles)
     yield tables.check_sheet(material.checks)
-    yield tables.preset_sheet(material.presets, keys, material.default)
     yield tables.status_sheet(study, titles)
     yield tables.failure_sheet(study)
     yield tables.simulation_time_sheet(study, titles)

@@ -1,6 +1,5 @@
 """Tables of the page: what a study found, and how it ran."""
 
-import json
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
@@ -11,13 +10,6 @@ from jointclosure.engine.aggregation import succeeded
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
-from studies.frame.config.presets import (
-    SCENES,
-    anything_breaks,
-    numerics_in_full,
-    radii_words,
-    radius_of,
-)
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name
@@ -345,30 +337,6 @@ def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
     columns |= {"mean_low": "From", "mean_high": "To"}
     columns |= {"relative_time": "Time over the variant's base"}
     return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
-
-
-def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> Sheet:
-    """Errors of the presets of the numerics, and mark the preset of the study."""
-    mine = numerics_in_full(configuration)
-    changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
-    breaks = anything_breaks(configuration)
-    rows = measured[measured.scene.isin(SCENES.values()) & measured.preset.fillna("").ne("")]
-    radius = configuration["choices"]["largest_radius_mm"]
-    bounded = np.array([radius_of(scene) == radius for scene in rows.scene], dtype=bool)
-    same = rows.numerics.map(json.loads).map(lambda numerics: numerics == changed)
-    numbers = {
-        "error_percent": "Error of the mean closure (%)",
-        "bound_percent": "At most, by its confidence interval (%)",
-        "relative_time": "Time over the paper's steps",
-    }
-    table = rows.assign(
-        scene=rows.scene.map(radii_words),
-        mine=np.where(bounded & same & breaks, "yes", ""),
-        **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in numbers},
-    )
-    columns = {"scene": "Radii", "preset": "Preset"} | numbers | {"mine": "This study's"}
-    caption = "Presets of the numerics, with their errors from the study of accuracy"
-    return sheet("presets", caption, table, columns)
 
 
 _IN_WORDS = {
