@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES
+from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES, ClosedWalls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress, secant_stiffness
 from jointclosure.joint.simulation import close_walls
@@ -26,7 +25,7 @@ CONDITIONS = Conditions(0.25e-3, SLATE, LARGEST, 3, 0.5e6, Effects(), Choices(),
 def joint():
     walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
     closed = close_walls(*walls, CONDITIONS)
-    return closed, ClosedJoint(walls, closed, CONDITIONS, 0.0, np.empty(0))
+    return closed, ClosedWalls(walls, closed, CONDITIONS, 0.0, np.empty(0))
 
 
 def value(name, joint):

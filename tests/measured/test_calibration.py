@@ -267,7 +267,7 @@ def test_levels_without_points_are_not_read():
         ),
         (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
         (TWO_CYCLES, {"surfaces": 4}, "surfaces = 4: must be at least 5 for this curve"),
-        (GOOD, {"shape": None}, "shape = None: must be (cells along y"),
+        (GOOD, {"shape": None}, "size: must be given, the side of the meas"),
         (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
     ],
 )

@@ -30,6 +30,9 @@ from jointclosure.storage.folders import replace_files
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.scans import file_digest
 
+_SCANNED = ("units", "scan_spacing", "variable", "orientation", "shift", "single")
+"""Keywords of `jointclosure.close` that are no conditions."""
+
 
 def declare(command: argparse.ArgumentParser) -> None:
     options.add_walls(command)
@@ -54,7 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
     rock = options.rock_of(arguments, "max_normal_stress")
-    stated = options.scanned_of(arguments, rock, RESOLVED) | {"ranges": _ranges(arguments.range)}
+    stated = options.conditions_of(arguments, rock, RESOLVED) | options.given(arguments, _SCANNED)
+    stated |= {"cut_spikes": arguments.cut_spikes == "cut", "ranges": _ranges(arguments.range)}
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     kept = results.kept_stresses(arguments, stated["max_normal_stress"])
     joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)

@@ -24,11 +24,8 @@ from jointclosure.storage.provenance import versions_of
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
-_MEMORY_OF_A_JOB = 0.5e9
-"""Memory of a job of the paper's study in bytes: 305 MB for closures to 415 MB for tables, rounded
-up."""
-_DISK_OF_A_STUDY = 1e9
-"""Disk space of a study in bytes; the paper's study takes 0.2 GB, most of it for surfaces."""
+_MEMORY_OF_A_JOB, _DISK_OF_A_STUDY = 0.5e9, 1e9
+"""Memory of a job and disk space of the paper's study in bytes: at most 415 MB, and 0.2 GB."""
 
 Finding = tuple[str, str, str]
 """Item checked, its state, and advice if it is not in order."""
@@ -42,12 +39,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Print all findings; return 1 if there is any advice."""
     unwell = 0
     for what, state, advice in findings(Path.cwd()):
-        print(f"{'!' if advice else ' '} {what + ':':<18}{state}", flush=True)
-        if advice:
-            unwell += 1
-            print(f"{'':20}-> {advice}")
+        unwell += bool(advice)
+        more = f"\n{'':20}-> {advice}" if advice else ""
+        print(f"{'!' if advice else ' '} {what + ':':<18}{state}{more}", flush=True)
     print(f"\n{unwell} with advice" if unwell else "\nno problems")
-    return 1 if unwell else 0
+    return int(unwell > 0)
 
 
 def findings(folder: Path) -> Iterator[Finding]:
@@ -56,35 +52,29 @@ def findings(folder: Path) -> Iterator[Finding]:
     advice = "" if fits else "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12"
     yield "python", f"{platform.python_version()} at {sys.executable}", advice
     versions = versions_of("jointclosure", *_PACKAGES).items()
-    package, *others = (f"{name} {version}" for name, version in versions)
-    yield "packages", f"{package}; {', '.join(others)}", ""
-    missing = [extra for extra in EXTRAS if not installed(extra)]
-    state = f"with {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}"
+    yield "packages", ", ".join(f"{name} {version}" for name, version in versions), ""
+    have = {extra: installed(extra) for extra in EXTRAS}
+    missing = [extra for extra in EXTRAS if not have[extra]]
+    state = f"with {', '.join(extra for extra in EXTRAS if have[extra]) or 'none'}"
     if missing:
         state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
     yield "extras", state, ""
     machine = os.cpu_count() or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
     yield "cores", f"{cores} for this process, {machine} of the machine", ""
-    yield _threads(cores)
-    yield _memory(cores)
-    yield _kernels()
-    yield _results(folder)
+    yield from (_threads(cores), _memory(cores), _kernels(), _results(folder))
     yield _snakemake(folder)
 
 
 def _threads(cores: int) -> Finding:
     settings = {name: os.environ.get(name) for name in THREADS}
     state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
-    advice = (
-        "jobs that run side by side slow each other down unless each has one thread: set all to "
-        "1 (make does this; .ci/environment has the line for a shell)"
-    )
-    if cores == 1 or all(value == "1" for value in settings.values()):
-        advice = ""
-    elif not any(settings.values()):  # as in any shell
-        state, advice = f"{state}; make sets all to 1, and scripts should do the same", ""
-    return "threads", state, advice
+    if cores == 1 or set(settings.values()) == {"1"}:
+        return "threads", state, ""
+    if not any(settings.values()):  # as in any shell
+        return "threads", f"{state}; make sets all to 1, and scripts should do the same", ""
+    slow = "jobs that run side by side slow each other down unless each has one thread: set all to "
+    return "threads", state, f"{slow}1 (make does this; .ci/environment has the line for a shell)"
 
 
 def _memory(cores: int) -> Finding:
@@ -97,7 +87,7 @@ def _memory(cores: int) -> Finding:
 
 def _kernels() -> Finding:
     folder = cache_folder()
-    number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
+    number = len(list(folder.rglob("*.nbi")))
     state = "cold; the first joint compiles them, which takes about a minute of processor time"
     if number:
         state = f"warm, {number} kernels, {_megabytes(folder):.0f} MB"

@@ -23,7 +23,7 @@ UNITS = (
     | {name: "um" for name in Numerics._fields if name.endswith("_step")}
     | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots"), "MPa")
     | dict.fromkeys(("spacing", "scan_spacing", "largest_radius"), "mm")
-    | dict.fromkeys(("roll_off", "mismatch_wavelength"), "mm")
+    | dict.fromkeys(("roll_off", "mismatch_wavelength", "size"), "mm")
 )
 """Units of options by keyword; other options have none."""
 _OPTIONS = {
@@ -38,9 +38,19 @@ _CHOICES: dict[str, Iterable[str]] = {
     "shift": SHIFTS,
     "solver": SOLVER_NAMES,
 }
-_SCANNED = ("units", "scan_spacing", "variable", "orientation", "shift", "single")
-"""Keywords of `jointclosure.close` that are no conditions."""
 PICTURES = (".png", ".pdf", ".svg")
+
+
+def shape(text: str) -> tuple[int, int]:
+    """Read the number of cells (y, x)."""
+    parts = text.lower().split("x")
+    if len(parts) > 2 or not all(part.isdigit() for part in parts):
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two such as 200x100")
+    return int(parts[-1]), int(parts[0])
+
+
+CELLS: dict[str, Any] = {"option": "--cells", "type": shape, "metavar": "N"}
+"""Arguments of the option for the keyword ``shape``."""
 
 
 def option_of(keyword: str) -> str:
@@ -255,9 +265,3 @@ def conditions_of(
     stress = {"max_normal_stress": rock.max_normal_stress}
     stated = given(arguments, Conditions._fields) | {"rock": rock.intact}
     return stress | stated | model_of(arguments, usual)
-
-
-def scanned_of(arguments: argparse.Namespace, rock: KnownRock, usual: Numerics) -> dict[str, Any]:
-    """Return the keywords of `jointclosure.close` that are given: conditions, scans and range."""
-    stated = conditions_of(arguments, rock, usual) | given(arguments, _SCANNED)
-    return stated | {"cut_spikes": arguments.cut_spikes == "cut"}

@@ -12,6 +12,7 @@ import xarray as xr
 
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import curve_table, cycle_table, has_flow
+from jointclosure.joint.history import with_snapshots
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_animation, save_figure, write_vtu
 from jointclosure.storage.netcdf import write_netcdf
@@ -117,10 +118,7 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
     if closed.sizes["snapshot"]:
         save_animation(crushing_animation(closed, title), arguments.animation)
         print(f"wrote {arguments.animation}")
-    if asked := getattr(arguments, "snapshots", ()):
-        return closed.isel(snapshot=np.isin(closed.snapshot_stress.values, asked))
-    about = [name for name in closed.variables if str(name).startswith("snapshot_")]
-    return closed.drop_vars([*about, "upper_first", "lower_first"], errors="ignore")
+    return with_snapshots(closed, getattr(arguments, "snapshots", ()))
 
 
 def write(content: Any, path: Path, figures: int | None = None) -> None:

@@ -35,10 +35,13 @@ _WALLS = ("hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
 
 def declare(command: argparse.ArgumentParser) -> None:
     joint = command.add_argument_group("joint")
-    joint.add_argument("--cells", type=_shape, default=(100, 100), metavar="N",
-                       help="number of cells: 100 (default), or 200x100 (x by y)")  # fmt: skip
-    spacing, seed = {"default": 0.25e-3}, {"default": 1}
-    options.add_keywords(joint, wall_pair, "jrc", *_WALLS, spacing=spacing, seed=seed)
+    cells = {"default": (100, 100), "help": "number of cells: 100 (default), or 200x100 (x by y)"}
+    usual = {
+        "shape": options.CELLS | cells,
+        "spacing": {"default": 0.25e-3},
+        "seed": {"default": 1},
+    }
+    options.add_keywords(joint, wall_pair, "jrc", *_WALLS, **usual)
     options.add_conditions(command, Numerics())
     files = command.add_argument_group("results")
     options.add_file(files, "--output", "netCDF of all steps", ".nc")
@@ -61,11 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
     conditions = Conditions(**stated)
     kept = results.kept_stresses(arguments, conditions.max_normal_stress)
     conditions.checked(kept)
-    about = {"jrc": jrc, "shape": arguments.cells, "seed": arguments.seed}
-    about |= {"spacing": conditions.spacing, "unusual_values": conditions.unusual_values}
-    about |= options.given(arguments, _WALLS)
+    about = {"jrc": jrc, "spacing": conditions.spacing, "unusual_values": conditions.unusual_values}
+    about |= options.given(arguments, ("shape", "seed", *_WALLS))
     walls = wall_pair(**about)
-    ny, nx = arguments.cells
+    ny, nx = arguments.shape
     title = (
         f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {1e3 * conditions.grid_spacing:g} mm, "
         f"seed {arguments.seed}"
@@ -90,11 +92,3 @@ def run(arguments: argparse.Namespace) -> int:
         names = replace_files(arguments.tables, "simulate", partial(write_exports, closed, title))
         print(f"wrote {arguments.tables}: {', '.join(names) or 'no file'}")
     return int(results.failed(closed))
-
-
-def _shape(text: str) -> tuple[int, int]:
-    """Read the number of cells (y, x)."""
-    parts = text.lower().split("x")
-    if len(parts) > 2 or not all(part.isdigit() for part in parts):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two such as 200x100")
-    return int(parts[-1]), int(parts[0])

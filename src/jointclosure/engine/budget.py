@@ -103,18 +103,11 @@ class Source(NamedTuple):
 class Budget(NamedTuple):
     """Uncertainty budget of a closed joint.
 
-    Attributes
-    ----------
-    results : DataFrame
-        One row per variant and cycle: ``source``, ``value``, ``status``, ``cycle`` and `QUANTITIES`
-        (NaN if the variant could not be closed). The source of the joint itself is "", that of
-        joints in which all sources have random values is `ALL`.
-    ranges : DataFrame
-        Over (cycle, quantity): ``best``, of the joint itself; ``median``, ``low`` and ``high`` of
-        joints with random values, of which 9 in 10 lie between the latter; and the share of each
-        source, which sum to 1.
-    omitted : tuple of str
-        Sources that were not varied because no range of them is stated.
+    ``results`` has a row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for
+    random values of all), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if not closed.
+    ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``median``,
+    ``low`` and ``high`` of joints with random values, of which 9 in 10 lie between the latter; and
+    the share of each source, which sum to 1. Sources without a stated range are ``omitted``.
     """
 
     results: pd.DataFrame
@@ -246,18 +239,10 @@ def _two_digits(value: float) -> str:
 def ranges_of(
     results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
 ) -> pd.DataFrame:
-    """Compute `Budget.ranges`.
+    """Compute `Budget.ranges` of `Budget.results`.
 
-    Parameters
-    ----------
-    results : DataFrame
-        `Budget.results`.
-    sources : mapping
-        Sources of uncertainty by name.
-    shares : array (draws, sources)
-        Random values of the joints that were closed with `ALL`, as for `Source.at`.
-    further : array (any, sources)
-        Further random values.
+    ``shares`` (draws, sources) are the random values of the joints that were closed with `ALL`, as
+    for `Source.at`, and ``further`` (any, sources) further ones.
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):

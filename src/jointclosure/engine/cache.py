@@ -71,12 +71,8 @@ def make_missing(
 ) -> None:
     """Make the files of entries that are not kept, each with its log and benchmark.
 
-    ``prepare`` is called before the processes start, if anything is missing.
-
-    Raises
-    ------
-    RuntimeError
-        After all others are made, if some could not be.
+    ``prepare`` is called before the processes start, if anything is missing. If some could not be
+    made, `RuntimeError` is raised after all others are.
     """
     entries = list(entries)
     missing = [entry for entry in entries if not is_kept(entry, folder)]

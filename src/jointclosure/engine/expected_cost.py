@@ -79,11 +79,6 @@ def expected_cost(
 
     A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
     powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``.
-
-    Raises
-    ------
-    InputError
-        If ``ranges``, as for `sources_of`, are not allowed.
     """
     sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
     if upper.size <= SMALL:

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.engine.quantities import QUANTITIES, names_of_case
+from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import Walls, seeds_of, walls_of
 from jointclosure.joint.conditions import Conditions
@@ -43,7 +42,7 @@ def close_joint(walls: Walls, reading: Reading) -> Row:
 
 def read_joint(walls: Walls, closed: xr.Dataset, seconds: float, reading: Reading) -> Row:
     """Read quantities of a closed joint; of one that failed only those of effort."""
-    joint = ClosedJoint(walls, closed, reading.conditions, seconds, reading.stresses)
+    joint = ClosedWalls(walls, closed, reading.conditions, seconds, reading.stresses)
     failed = int(closed.status) >= FAILURE
     read = {name: QUANTITIES[name] for name in reading.names}
     return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not failed}

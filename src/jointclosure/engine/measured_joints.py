@@ -45,13 +45,7 @@ def measured_joints() -> pd.DataFrame:
 
 
 def measured(quantity: str, joint: str = ALL) -> Measured:
-    """Return a measured value of a joint; a value without a range is its own range.
-
-    Raises
-    ------
-    KeyError
-        If neither the joint nor all joints have the quantity.
-    """
+    """Return a measured value of a joint; a value without a range is its own range."""
     table = measured_joints()
     table = table[table.quantity == quantity]
     rows = (

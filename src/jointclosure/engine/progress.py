@@ -10,13 +10,7 @@ _BETWEEN_LINES, _PART = 30.0, 0.1
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar with the remaining time on standard error, only on a terminal.
-
-    Yields
-    ------
-    callable
-        Called with the completed part, from 0 to 1, and a description of the present step.
-    """
+    """Show a bar on a terminal; yield what takes the finished part and the present step."""
     # jobs do without it, and hundreds of them are started
     from rich.console import Console
     from rich.progress import (

@@ -2,14 +2,19 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 import scipy
+import xarray as xr
 
-from jointclosure.engine.closed_joint import ClosedJoint
-from jointclosure.joint.curves import cycle_table, hysteresis
-from jointclosure.joint.history import ATTRIBUTES, loop_between, seat_of
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import cycle_table, hysteresis, net_responses
+from jointclosure.joint.history import ATTRIBUTES, loop_between, seat_of, values_at_stresses
+from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 
@@ -41,31 +46,57 @@ def heading(title: str, unit: str) -> str:
     return title if unit in ("", "1") else f"{title} ({unit})"
 
 
-class Quantity(NamedTuple):
-    """A quantity of a closed joint.
+@dataclass(frozen=True)
+class ClosedWalls:
+    """Walls (y, x) [m] before loading, how they closed, and processor time of that [s].
 
-    Attributes
-    ----------
-    title : str
-        Title in tables and at axes, without unit.
-    unit : str
-        SI unit; "1" for a ratio.
-    dims : tuple of str
-        Dimensions of what the rule returns.
-    rule : callable
-        Function of a `ClosedJoint`.
-    symbol : str
-        Symbol in the mathematical notation of matplotlib.
-    further : mapping
-        Further attributes of a variable: a comment, or meanings of bits.
-    of_effort : bool
-        Whether it says what the computation did; failed joints have no other quantities.
+    ``closed`` is as from `jointclosure.simulate`; curves are read at ``stresses`` (n,) [Pa].
+    """
+
+    walls: tuple[np.ndarray, np.ndarray]
+    closed: xr.Dataset
+    conditions: Conditions
+    seconds: float
+    stresses: np.ndarray
+
+    @property
+    def summed(self) -> np.ndarray:
+        """Summed heights (y, x) of the pristine walls [m]."""
+        return self.walls[0] + self.walls[1]
+
+    @cached_property
+    def net(self) -> dict[str, np.ndarray]:
+        """Net closures and stiffness of each cycle (`net_responses`)."""
+        return net_responses(self.closed, float(np.max(self.conditions.max_normal_stress)))
+
+    def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Read values of steps at stresses, over (cycle, branch, stress)."""
+        tolerance = self.conditions.numerics.stress_tolerance
+        cycles = self.conditions.cycle_count
+        return values_at_stresses(self.closed, values, cycles, stresses, tolerance)
+
+    def hyperbola(self, name: str) -> np.ndarray:
+        """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""
+        cycles = range(1, self.closed.max_closure.size + 1)
+        return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
+
+    @cached_property
+    def _laws(self) -> pd.DataFrame:
+        return fitted_laws(self.closed)
+
+
+class Quantity(NamedTuple):
+    """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity.
+
+    ``symbol`` is in the mathematical notation of matplotlib; ``further`` are attributes of a
+    variable: a comment, or meanings of bits. ``of_effort`` says what the computation did; failed
+    joints have no other quantities.
     """
 
     title: str
     unit: str
     dims: tuple[str, ...]
-    rule: Callable[[ClosedJoint], Any]
+    rule: Callable[[ClosedWalls], Any]
     symbol: str = ""
     further: Mapping[str, Any] = {}
     of_effort: bool = False
@@ -91,7 +122,7 @@ def _history(
     name: str,
     dims: tuple[str, ...] = (),
     symbol: str = "",
-    rule: Callable[[ClosedJoint], Any] | None = None,
+    rule: Callable[[ClosedWalls], Any] | None = None,
 ) -> Quantity:
     """Make a quantity of a variable of a history, read as it is unless by another rule."""
     further = dict(ATTRIBUTES[name])
@@ -113,22 +144,22 @@ def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str 
     return Quantity(title, unit, CYCLE, lambda joint: joint.net[name], symbol, further)
 
 
-def _hydraulic(joint: ClosedJoint) -> np.ndarray:
+def _hydraulic(joint: ClosedWalls) -> np.ndarray:
     along = joint.closed.hydraulic_aperture.values.T
     return np.stack([joint.curve(values, joint.stresses) for values in along])
 
 
-def _loop(joint: ClosedJoint) -> np.ndarray:
+def _loop(joint: ClosedWalls) -> np.ndarray:
     half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
     return loop_between(*joint.curve(joint.closed.closure.values, half)[:, :, 0].T)
 
 
-def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
+def _aperture_at_seating(joint: ClosedWalls) -> np.ndarray:
     cycles = range(1, joint.conditions.cycle_count + 1)
     return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
 
 
-def _volume_error(joint: ClosedJoint) -> float:
+def _volume_error(joint: ClosedWalls) -> float:
     """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
     errors = []
     for before, name in zip(joint.walls, ("upper_final", "lower_final"), strict=True):
@@ -138,7 +169,7 @@ def _volume_error(joint: ClosedJoint) -> float:
     return max(errors)
 
 
-def _oracle_ratio(joint: ClosedJoint) -> float:
+def _oracle_ratio(joint: ClosedWalls) -> float:
     from jointclosure.engine.judging import oracle_ratio
 
     return oracle_ratio(joint.walls, joint.closed, joint.conditions)

@@ -22,6 +22,7 @@ from jointclosure.joint.conditions import (
     takes_conditions,
 )
 from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.history import with_snapshots
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import close_walls
@@ -47,18 +48,9 @@ steps, from which resolved breakage starts, are short enough for smooth curves."
 class ClosedJoint(NamedTuple):
     """Two scanned walls after registration and closure.
 
-    Attributes
-    ----------
-    pair : RegisteredPair
-        The walls that were closed; its ``report`` describes the registration.
-    history : Dataset
-        As from `jointclosure.simulate`.
-    conditions : Conditions
-        Rock, load and model.
-    rock_name : str
-        Name for `rock_text`; "rock" if the rock is given only by its properties.
-    budget : Budget or None
-        Range of the results over what the model leaves open; None for a single run.
+    ``pair`` has the walls that were closed, and describes their registration in its ``report``;
+    ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
+    only by its properties. ``budget`` is the range of the results; None for a single run.
     """
 
     pair: RegisteredPair
@@ -213,11 +205,7 @@ def _force_in_holes(
         stress = 1e-6 * float(history.snapshot_stress[highest])
         words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
         about = [caution(words) if share > 0.0 else words]
-    history = history.isel(snapshot=history.snapshot_stress.isin(snapshots))
-    if not len(snapshots):
-        states = [name for name in history.variables if str(name).startswith("snapshot_")]
-        history = history.drop_vars([*states, "upper_first", "lower_first"])
-    return history, about
+    return with_snapshots(history, snapshots), about
 
 
 def registered_walls(

@@ -90,21 +90,9 @@ def shifted_walls(upper: np.ndarray, lower: np.ndarray, shift: tuple[int, int]) 
 def sources_of(
     conditions: Conditions, shape: tuple[int, int], ranges: Mapping[str, tuple[float, float]] = {}
 ) -> dict[str, Source]:
-    """Return the sources of uncertainty of a joint by name.
+    """Return the sources of uncertainty of a joint of (ny, nx) cells, by name.
 
-    Parameters
-    ----------
-    conditions : Conditions
-        Checked conditions of the joint.
-    shape : (ny, nx)
-        Cells of its walls.
-    ranges : mapping
-        Lowest and highest value [SI] by name of `VARIED`; they replace `PLAUSIBLE`.
-
-    Raises
-    ------
-    InputError
-        If a name or a range is not allowed.
+    ``ranges`` are the lowest and highest value [SI] by name of `VARIED`; they replace `PLAUSIBLE`.
     """
     _check_ranges(conditions, ranges)
     effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
@@ -133,18 +121,7 @@ def sources_of(
 def variants_of(
     conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
 ) -> Iterator[Variant]:
-    """Generate the variants of a joint: each source changed alone, then all of them at random.
-
-    Parameters
-    ----------
-    conditions : Conditions
-        Conditions of the joint.
-    sources : mapping
-        As from `sources_of`.
-    draws : int
-        Number of variants in which all sources have random values.
-    seed : int
-    """
+    """Generate the variants of a joint: each source changed alone, then ``draws`` at random."""
     joint = Variant("", "", conditions)
     for name, source in sources.items():
         for value in source.values[0 if source.continuous else 1 :]:
@@ -192,23 +169,10 @@ def uncertainty_budget(
     closed: xr.Dataset | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> Budget:
-    """Close a joint with each source of uncertainty changed in turn, and with all at random.
+    """Close walls (y, x) [m] with each source of uncertainty changed alone, and all at random.
 
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights towards the other wall [m].
-    conditions : Conditions
-    ranges : mapping
-        As for `sources_of`.
-    closed : Dataset, optional
-        Result of `jointclosure.simulate` at the conditions, by default computed here.
-    report : callable
-        Receives the finished share and the name of the next variant.
-
-    Returns
-    -------
-    Budget
+    ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
+    and the name of the next variant.
     """
     conditions = conditions._replace(flow=False).checked()
     sources = sources_of(conditions, upper.shape, ranges)

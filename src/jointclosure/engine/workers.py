@@ -49,21 +49,9 @@ def number_of_workers(workers: int | None) -> int:
 def shared(
     function: Callable[..., Any], tasks: Sequence[tuple], workers: int, apart: bool = False
 ) -> Iterator[tuple[int, Any]]:
-    """Call a function for each of some tasks, in any order.
+    """Call a function of a module for tasks of arguments: (place, result or `Failed`), as finished.
 
-    Parameters
-    ----------
-    function : callable
-        A function of a module, so that a worker can import it.
-    tasks : sequence of tuple
-        Arguments, which can be pickled.
-    workers : int
-        Number of processes; 1 is the current process, unless ``apart``.
-
-    Yields
-    ------
-    (place of the task, result or `Failed`)
-        In the order in which they finish.
+    One worker is the current process, unless ``apart``.
     """
     if workers == 1 and not apart:
         for place, task in enumerate(tasks):
@@ -143,13 +131,7 @@ def _answer(function: Callable[..., Any], task: tuple) -> Any:
 
 
 def end_with_parent(parent: int) -> None:
-    """Have this process killed when its parent ends, whatever ends it, or has ended already.
-
-    Parameters
-    ----------
-    parent : int
-        Process that made this one, by its number, which it knew before.
-    """
+    """Have this process killed when the process that made it ends, or has ended already."""
     prctl = getattr(ctypes.CDLL(None), "prctl", None)  # of Linux only
     if prctl is None or prctl(_PR_SET_PDEATHSIG, signal.SIGKILL):
         threading.Thread(target=_kill_without, args=(parent,), daemon=True).start()

@@ -3,7 +3,7 @@
 The seating stress never changes the history, only how it is read.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,14 @@ def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
     return here
+
+
+def with_snapshots(history: xr.Dataset, stresses: Sequence[float]) -> xr.Dataset:
+    """Return a history with the snapshots at some stresses [Pa] only; as if closed with these."""
+    if len(stresses):
+        return history.isel(snapshot=history.snapshot_stress.isin(stresses))
+    states = [name for name in history.variables if str(name).startswith("snapshot_")]
+    return history.drop_vars([*states, "upper_first", "lower_first"], errors="ignore")
 
 
 def _whole_cycles(

@@ -1,14 +1,17 @@
 """Fit of a joint to its measured closure: mismatch wavelength, or strength of scanned walls."""
 
 import math
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.engine.progress import bar, duration
+from jointclosure.engine.scanned_joint import RESOLVED, Wall, registered_walls
 from jointclosure.engine.uncertainty import shifted_walls
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
@@ -42,6 +45,8 @@ from jointclosure.storage.text import read_text
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import wall_pair
 
+SPACING = 0.25e-3
+"""Usual grid spacing of random walls [m]."""
 WAVELENGTHS, STRENGTHS = 8, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
 STRENGTH_RANGE = (0.5, 2.0)
@@ -167,9 +172,13 @@ def fit(
     *,
     rock: str | Rock,
     jrc: float | tuple[float, float] | None = None,
+    scans: tuple[Wall, Wall] | None = None,
+    units: str | None = None,
+    orientation: str | None = None,
     pair: RegisteredPair | None = None,
+    size: float | None = None,
     shape: tuple[int, int] | None = None,
-    spacing: float = 0.25e-3,
+    spacing: float | None = None,
     seating_stress: float | None = None,
     fit_strength: bool = False,
     stress_unit: str | None = None,
@@ -185,7 +194,7 @@ def fit(
     numerics: Numerics = RESOLVED,
     simulated: Simulated | None = None,
     workers: int | None = None,
-    report: Callable[[float], None] = lambda share: None,
+    progress: bool = False,
 ) -> Fit:
     """Estimate the mismatch wavelength of a joint from its measured closure, or its strength.
 
@@ -200,15 +209,20 @@ def fit(
     jrc : float or (float, float)
         Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
         joint has a random one, so that intervals include it. Not needed for scanned walls.
+    scans : (upper, lower), optional
+        Scans of the walls, if there are any: the strength is then fitted. The simulated joints
+        differ in the position of the walls, which is known to one cell along x and y. Without
+        ``jrc``, ``size`` and ``shape``.
+    units, orientation : str, optional
+        As for `jointclosure.close`.
     pair : RegisteredPair, optional
-        The walls of the joint, if they were scanned (`jointclosure.walls.registration`). The
-        strength is then fitted, and the simulated joints differ in the position of the walls, which
-        is known to one cell along x and y. ``jrc``, ``shape`` and ``spacing`` are not used.
-    shape : (ny, nx)
-        Cells of the simulated joints, needed unless the walls were scanned. They should be as large
-        as the measured joint if the time allows, because closure depends on the size.
-    spacing : float
-        Grid spacing [m].
+        Scanned walls that are registered already, in place of ``scans``.
+    size : float, optional
+        Side of the measured joint [m], on which closure depends.
+    shape : (ny, nx), optional
+        Cells along the sides of a smaller joint, which takes less time and closes less far.
+    spacing : float, optional
+        Grid spacing [m]: by default 0.25 mm, or for scans as for `jointclosure.close`.
     seating_stress : float, optional
         Stress from which closures count [Pa]; the curve must start at or below it. By default as
         for `jointclosure.Conditions`.
@@ -236,8 +250,8 @@ def fit(
     workers : int, optional
         Number of processes, by default that of the processors available to this process. It does
         not affect the result.
-    report : callable
-        Called with the share of finished joints.
+    progress : bool
+        Whether to print what is assumed before joints are closed, and to show the progress.
 
     Raises
     ------
@@ -253,12 +267,23 @@ def fit(
     """
     intact = named_rock(rock)
     check_rock(intact)
+    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+    curve = read_curve(curve, stress_unit, closure_unit, columns)
+    if scans is not None:
+        for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
+            if value is not None:
+                raise InputError(f"{keyword} = {value!r}: must be left out with scans")
+        pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
     if pair is not None:
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
     jrcs = _jrc_range(jrc, pair)
-    shape = _checked(shape, surfaces, closure_error, seed)
-    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, stress_unit, closure_unit, columns)
+    spacing = SPACING if spacing is None else spacing
+    shape = _checked(_shape(size, shape, spacing), surfaces, closure_error, seed)
+    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength)
+    if progress and pair is not None:
+        print("\n".join(f"- {line}" for line in pair.report))
+    elif progress:
+        print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
     measured = _readings(curve, name, seating_stress)
     stress = float(measured.levels[-1])
     conditions = Conditions(
@@ -278,19 +303,39 @@ def fit(
         least = math.ceil(needed / math.prod(nodes))
         raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
     if simulated is None:
-        simulated = simulated_readings(
-            walls, conditions, measured, wavelengths, strengths, surfaces,
-            number_of_workers(workers), report,
-        )  # fmt: skip
+        with _shown(surfaces) if progress else nullcontext(lambda share: None) as report:
+            simulated = simulated_readings(
+                walls, conditions, measured, wavelengths, strengths, surfaces,
+                number_of_workers(workers), report,
+            )  # fmt: skip
     expected = (*nodes, surfaces, measured.values.size)
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
     wavelength = likelihood.interval(0) if pair is None else Interval(*pair.mismatch)
     strength = likelihood.interval(1) if fit_strength else None
-    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength)
     of_joints = measured, simulated, likelihood, assumed, closure_error, curve, pair is not None
     return Fit(wavelength, strength, likelihood.p_value, *of_joints)
+
+
+@contextmanager
+def _shown(surfaces: int) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar, and print the remaining time when each kind of joint was closed once.
+
+    The first joint does not count, because it may have compiled the kernels.
+    """
+    with bar("closing") as show:
+        first: list[float] = []
+
+        def report(share: float) -> None:
+            show(share, "")
+            first.extend([share, time.perf_counter()] if not first else [])
+            if math.isclose(share, 1.0 / surfaces):
+                spent = time.perf_counter() - first[1]
+                left = (1.0 - share) / (share - first[0]) * spent
+                print(f"about {duration(left)} until the last joint is closed", flush=True)
+
+        yield report
 
 
 def _random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wavelength: float):
@@ -325,7 +370,7 @@ def _jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
 
 
 def assumptions(
-    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, fit_strength: bool = False
+    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, fit_strength: bool
 ) -> str:
     """Describe the simulated joints; arguments as for `fit`, a JRC of NaN for scanned walls."""
     ny, nx = (1e3 * spacing * cells for cells in shape)
@@ -368,6 +413,23 @@ def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> 
     check_loadings(curve, name, seating_stress)
     with naming(name):
         return readings_of_curve(curve, seating_stress)
+
+
+def _shape(
+    size: float | None, shape: tuple[int, int] | None, spacing: float
+) -> tuple[int, int] | None:
+    """Return the cells of the simulated joints, which may be stated by the length of their side."""
+    check_positive("spacing", spacing, "m")
+    if size is None and shape is None:
+        raise InputError(
+            "size: must be given, the side of the measured joint (or, for a smaller one, shape in "
+            "Python, --cells on the command line), because closure depends on it"
+        )
+    if size is None:
+        return shape
+    check_positive("size", size, "m")
+    cells = round(size / spacing)
+    return cells, cells
 
 
 def _checked(

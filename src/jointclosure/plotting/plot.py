@@ -48,16 +48,10 @@ def curves(
     joint : Dataset or ClosedJoint
         As from `jointclosure.simulate` or `jointclosure.close`; or from
         `jointclosure.simulate_ensemble`, where joints are thin lines and their mean a thick one.
-    axes : Axes, optional
     since : {"touch", "seating", "cycle"}
         Zero of closure; that of ensembles is first touch.
     gross : bool
         Whether to draw gross closure, with the elastic indentation of the half-spaces.
-
-    Raises
-    ------
-    InputError
-        If ``since`` is another word.
     """
     check_one_of("since", since, _SINCE)
     history, axes = _history(joint), _axes(axes)
@@ -89,13 +83,7 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
-    """Draw net normal stiffness kn [MPa/mm] over stress, by chords between evenly spaced stresses.
-
-    Parameters
-    ----------
-    joint : Dataset or ClosedJoint
-    axes : Axes, optional
-    """
+    """Draw net normal stiffness kn [MPa/mm] over stress, by chords between even stresses."""
     axes = _axes(axes)
     draw_stiffness(axes, _history(joint))
     return axes
@@ -103,16 +91,7 @@ def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Ax
 
 @styled
 def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
-    """Draw a map of heights.
-
-    Parameters
-    ----------
-    heights : array (y, x)
-        [m].
-    spacing : float
-        Grid spacing [m].
-    axes : Axes, optional
-    """
+    """Draw a map of heights (y, x) [m] on a grid of a spacing [m]."""
     check_length("spacing", spacing)
     axes, heights = _axes(axes), np.asarray(heights)
     image = draw_heights(axes, heights, spacing, float(np.nanmax(np.abs(heights))))
@@ -135,12 +114,6 @@ def walls(
         with walls and spacing.
     spacing : float
         Grid spacing [m], needed with arrays.
-    axes : Axes, optional
-
-    Raises
-    ------
-    InputError
-        If arrays are given without the other wall or the spacing.
     """
     pair = getattr(upper, "pair", upper)
     if lower is None and hasattr(pair, "spacing") and hasattr(pair, "lower"):
@@ -160,18 +133,7 @@ def aperture(
 ) -> Axes:
     """Draw the distance of the deformed walls in a snapshot, with contacts in red.
 
-    Parameters
-    ----------
-    joint : Dataset or ClosedJoint
-        Joint closed with ``snapshots``.
-    snapshot : int
-        Index of the snapshot, by default the last.
-    axes : Axes, optional
-
-    Raises
-    ------
-    InputError
-        If the joint has no such snapshot.
+    ``joint`` was closed with ``snapshots``; ``snapshot`` is the index of one, by default the last.
     """
     axes = _axes(axes)
     _state_map(axes, joint, snapshot, "aperture")

@@ -118,28 +118,11 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
 def wall_on_grid(
     scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
 ) -> np.ndarray:
-    """Put a scan on a square grid and remove its mean plane.
+    """Return the heights (y, x) [m] of a scan less its plane on a square grid, NaN where unknown.
 
     A grid whose spacing divides that of the joint is thinned, other grids are interpolated by cubic
-    splines, and points linearly in the triangles between them.
-
-    Parameters
-    ----------
-    scan : Scan or Cloud
-    spacing : float
-        Grid spacing of the joint [m].
-    bounds : array (2, 2)
-        For points: smallest and largest (x, y) of the grid [m], by default those of the points.
-
-    Returns
-    -------
-    array (y, x)
-        Heights [m], NaN where none was measured.
-
-    Raises
-    ------
-    InputError
-        If the grid is finer than the scan, or the scan is inclined by more than `LARGEST_TILT`.
+    splines, and points linearly in the triangles between them. ``bounds`` (2, 2) are the smallest
+    and largest (x, y) [m] of the grid for points, by default those of the points.
     """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:

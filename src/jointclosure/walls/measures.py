@@ -52,21 +52,9 @@ def measure_wall(
     confidence: float = 0.95,
     seed: int = 1,
 ) -> list[Measure]:
-    """Compute all measures of a wall, as defined in docs/two_scans.md.
+    """Measure a wall (y, x) [m] less its plane, NaN where missing, as defined in docs/two_scans.md.
 
-    Parameters
-    ----------
-    heights : array (y, x)
-        Plane-detrended heights [m], outwards, NaN where missing.
-    spacing : float
-        Grid spacing [m].
-    resamples, confidence, seed
-        Parameters of the block bootstrap.
-
-    Raises
-    ------
-    InputError
-        If a side has fewer than `SMALLEST_WALL` cells, or all heights are equal.
+    ``resamples``, ``confidence`` and ``seed`` are those of the block bootstrap.
     """
     if min(heights.shape) < SMALLEST_WALL:
         raise InputError(
