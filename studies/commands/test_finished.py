@@ -7,7 +7,8 @@ from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
 from studies.frame.jobs.seals import write_seal
 
-COMMANDS = {"plan": ["--standard-error", "0.01"], "engineering": [], "compare": ["the other study"]}
+COMMANDS = {"plan": ["--standard-error", "0.01"], "compare": ["the other study"]}
+COMMANDS |= {"engineering": [], "report": []}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

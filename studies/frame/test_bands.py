@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint.curves import KINDS
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.frame.ensemble.tables import band_table
@@ -42,21 +41,6 @@ def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
     aperture = 1e3 * good.mean_aperture.sel(cycle=1, branch="loading", stress=1e6).values
     assert row.mean_aperture_mm_mean.item() == pytest.approx(aperture.mean())
     assert "hydraulic_aperture_x_mm_q95" in table
-
-
-def test_a_band_holds_its_median_and_the_second_cycle_seats_at_zero(ensemble):
-    table = band_table(ensemble).dropna(subset="closure_net_since_seating_mm_q50")
-    kinds = [f"closure_{kind}{since}_mm" for kind in KINDS for since in ("", "_since_seating")]
-    for name in (*kinds, "hydraulic_aperture_x_mm"):
-        low, middle, high = (table[f"{name}_q{q}"] for q in ("05", "50", "95"))
-        assert (low <= middle).all()
-        assert (middle <= high).all()
-    seat = table[
-        (table.cycle == 2) & (table.branch == "loading") & np.isclose(table.stress_MPa, 0.2)
-    ]
-    for kind in KINDS:
-        at_seat = seat[f"closure_{kind}_since_seating_mm_q95"].item()
-        assert at_seat == pytest.approx(0.0, abs=1e-3)
 
 
 def test_stiffness_of_the_landing_is_left_out(ensemble):

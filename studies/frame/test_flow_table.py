@@ -82,14 +82,6 @@ def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(stud
     assert np.isnan(rows.ratio_standard_deviation.iloc[3])
 
 
-def test_a_blocked_joint_counts_with_nothing(studies):
-    study = studies[True].copy(deep=True)
-    study["hydraulic_aperture"][:, 0, 1] = 0.0
-    blocked = flow_table(study).groupby("direction").blocked.unique()
-    assert (blocked["y"] == [1]).all()
-    assert (blocked["x"] == [0]).all()
-
-
 @pytest.mark.parametrize(("worst", "balanced"), [(1e-12, True), (1e-3, False)])
 def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
     numerics = study_of(TINY).numerics

@@ -7,11 +7,11 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine.settings import Grid
-from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.measured import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.config.files import ConfigurationError
 from studies.frame.config.rocks import check_files
-from studies.frame.ensemble.cases import cases_of, surface_settings, wall_name
+from studies.frame.ensemble.cases import cases_of, surface_settings
 from studies.frame.ensemble.walls import (
     Cutter,
     cut_walls,
@@ -93,12 +93,6 @@ def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     check_files(study_of().rocks)
 
 
-def test_windows_follow_the_draws_of_the_study():
-    for draws, different in (("common", 1), ("independent", 7)):
-        study = study_of(with_walls(), {"study": {"draws": draws}})
-        assert len({tuple(wall_name(study.study, case)) for case in cases_of(study)}) == different
-
-
 def test_prepared_walls_say_what_they_are(scan):
     walls = prepared({"lower": scan})
     assert list(walls.data_vars) == ["lower"]
@@ -124,20 +118,6 @@ def test_scans_of_different_size_are_refused_with_both_files(scan):
     printed = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
     with pytest.raises(jc.InputError, match=printed):
         prepared({"upper": scan, "lower": smaller}, upper="b.npz")
-
-
-def test_two_clouds_are_gridded_where_both_have_points():
-    rng = np.random.default_rng(1)
-    clouds = {}
-    for side, start in (("upper", 0.0), ("lower", 1e-3)):
-        x, y = start + 10e-3 * rng.random((2, 6000))
-        clouds[side] = Cloud(np.stack([x, y, 1e-4 * np.sin(900.0 * x)], axis=1))
-    walls = prepared(clouds, upper="a.xyz", missing="avoid", inverted=["upper"])
-    assert walls.sizes == {"y": 36, "x": 36}
-    summed = (walls.upper + walls.lower).values
-    # they are of one wall: heights at the same places cancel, but for the planes of both scans
-    flat = detrended(np.nan_to_num(summed)[2:-2, 2:-2])
-    assert flat.std() < 0.05 * float(walls.lower.std())
 
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):

@@ -49,36 +49,3 @@ def test_zero_and_infinity_are_at_the_ends_of_a_logarithmic_axis(figure):
     assert places[1:3].tolist() == [1.0, 2.0]
     words = [label.get_text() for label in axes.get_xticklabels()]
     assert words == ["mated", "waves beyond 1 mm mate", "2", "independent"]
-
-
-def test_names_are_those_of_their_column_only(figure):
-    assert [label.get_text() for label in figure.axes[1].get_xticklabels()] == ["0", "1"]
-
-
-def test_a_level_is_drawn_across_and_is_no_line(figure):
-    across = [line for line in figure.axes[1].lines if line.get_ydata()[0] == 901.0]
-    assert across[0].get_xdata() == [0, 1]
-    keys = [[text.get_text() for text in legend.get_texts()] for legend in figure.legends]
-    assert keys == [["1", "2"], ["mated", "waves beyond 1 mm mate", "2", "independent"]]
-
-
-def test_line_styles_tell_the_values_of_another_column_and_a_common_legend_has_both():
-    columns = [Column("shift_mm", "cycle", {}), Column("wavelength_mm", "cycle", {"shift_mm": 0})]
-    shown = table()[table().wavelength_mm < np.inf]
-    row = Row("closure (mm)", shown, "value", "error")
-    figure = panels([row], columns, {}, styles="wavelength_mm", reference=0.0)
-    assert len(figure.axes[0].containers) == 2 * 3
-    (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["1", "2", "2", "1", "0"]
-
-
-@pytest.mark.parametrize("length", [3, 40])
-def test_a_legend_is_no_wider_than_its_figure(length):
-    shown = table()[table().wavelength_mm < np.inf]
-    names = {"wavelength_mm": {value: f"{value:g}".rjust(length, "w") for value in (0.0, 1.0, 2.0)}}
-    columns = [Column("shift_mm", "wavelength_mm", {"cycle": 1})]
-    figure = panels([Row("closure (mm)", shown, "value", "error")], columns, names)
-    figure.draw_without_rendering()
-    box = figure.legends[0].get_window_extent()
-    assert box.x0 >= 0.0
-    assert box.x1 <= figure.bbox.x1

@@ -123,15 +123,6 @@ def test_an_import_inside_of_a_script_counts_and_its_folder_does_not(copy, tmp_p
     assert digest(str(scripts[0])) not in before
 
 
-def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch):
-    monkeypatch.setenv("JOINTCLOSURE_CACHE", str(tmp_path / "cache"))
-    expected = digest("statistics")
-    (store,) = (tmp_path / "cache").glob("digests-*")
-    store.write_text(store.read_text()[:-5])
-    assert digest("statistics") == expected
-    assert expected in store.read_text()
-
-
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
     "../studies/paper/closure_figures.py": {"draw_figures"},
@@ -214,12 +205,3 @@ def test_an_edited_title_runs_what_may_show_it_and_closes_no_walls_again(copy, u
     kernels = [digest(*KERNEL_PARTS, titles=titles) for titles in (False, True)]
     assert kernels[0] == cache_folder().name.removeprefix("numba-")
     assert kernels[0] != kernels[1]
-
-
-def test_simulations_import_no_pictures():
-    for script in ("close_ensemble", "close_experiment"):
-        files = sources.closure({SCRIPTS / f"{script}.py"})
-        for file in files:
-            lines = file.read_text(encoding="utf-8").splitlines()
-            loaded = [line for line in lines if line.startswith(("import ", "from "))]
-            assert not any("matplotlib" in line for line in loaded), f"{script}: {file}"

@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
@@ -19,7 +18,6 @@ from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.study import conclusion_figure, convergence_figure, index_figure
 from studies.global_sensitivity.table import (
-    INDEX_COLUMNS,
     QUANTITIES,
     by_rock,
     elasticity_table,
@@ -125,14 +123,6 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
             block = range(2 * row, 2 * row + 2)
             expected = block_settings(typed, {case.label: case}, case.label, block)
             assert repr(settings(row, point)) == repr(expected)
-
-
-def test_rows_that_are_added_change_no_job_before_them():
-    few, many = (EXPERIMENT.design(tiny(**section(rows=rows))) for rows in (16, 64))
-    assert len(many.jobs) == 4 * len(few.jobs)
-    for name in few.jobs:
-        assert repr(few.jobs[name]) == repr(many.jobs[name])
-    assert few.kernels() == many.kernels()
 
 
 def test_kernels_of_all_combinations_of_choices_are_compiled_before():
@@ -332,9 +322,3 @@ def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
     _, *lines = str(error.value).splitlines()
     named = {line.split(":")[0].strip() for line in lines}
     assert named == {"global_sensitivity.inputs.modulus"}
-
-
-def test_without_any_index_convergence_has_axes_alone():
-    """All rows of a design may have failed."""
-    figure = convergence_figure(pd.DataFrame(columns=list(INDEX_COLUMNS)), {})
-    assert [axes.containers for axes in figure.axes] == [[], []]

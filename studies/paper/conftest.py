@@ -3,12 +3,10 @@
 import json
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.compilation.sources import ROOTS
 from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.drawn_studies import Design
@@ -24,8 +22,6 @@ from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
 from studies.paper.report.content import Material
-from studies.paper.report.page import read_caption
-from studies.paper.report.sheets import Picture
 from studies.paper.world import world
 from tests.studied import DEFAULT
 
@@ -73,20 +69,7 @@ def study(configuration):
 
 
 @pytest.fixture(scope="session")
-def pictures(tmp_path_factory, configuration):
-    """A plain picture for each caption there is."""
-    path = tmp_path_factory.mktemp("figures") / "figure.png"
-    figure, _ = plt.subplots()
-    figure.savefig(path)
-    plt.close(figure)
-    return [
-        Picture(caption.stem, path.read_bytes(), read_caption(caption.read_text(), configuration))
-        for caption in sorted((ROOTS["studies"] / "paper/report/texts").glob("*.rst"))
-    ]
-
-
-@pytest.fixture(scope="session")
-def material(study, configuration, default, pictures):
+def material(study, configuration, default):
     paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
@@ -107,7 +90,7 @@ def material(study, configuration, default, pictures):
         paper=paper,
         default=default,
         schema=json_schema(model()),
-        pictures=pictures,
+        pictures=[],
         benchmarks=pd.DataFrame(jobs | {"max_rss": [1, np.nan]}),
         measured=None,
         accuracy=None,

@@ -168,19 +168,3 @@ def test_other_rocks_are_asked_without_the_papers_figures():
     # without Poisson's ratio nothing is ranked
     others = ["2c", "3b", "3c", "4", "5a", "5a, net", "5b", "5c", "5d", "6a", "6b"]
     assert table.index.tolist() == others
-
-
-def test_the_share_that_finds_a_claim_bears_the_error_of_its_pool():
-    """Pools of 30 surfaces differ by more than repetitions of one do, and as resampled ones do."""
-    stated = changed(2, compressive_strength=1.0)  # 5 % are as much as is significant
-    study = world(study_of(ONE), **stated)
-
-    def share(seed, pools):
-        pool = world(pool_of(study_of(ONE, {"study": {"root_seed": seed}})), **stated)
-        return both_tables(study, pool, 400, pools=pools)[0].loc["3c"]
-
-    found = share(1, 20)
-    others = [share(seed, 0).found_share for seed in range(2, 8)]
-    assert found.found_error > 2.0 * np.sqrt(found.found_share * (1.0 - found.found_share) / 400)
-    assert 0.4 < found.found_error / np.std(others, ddof=1) < 2.5
-    assert found.found_low < found.found_share - found.found_error

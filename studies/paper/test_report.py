@@ -3,12 +3,8 @@
 import pandas as pd
 import pytest
 
-from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import write_csv
-from studies import __main__ as cli
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
-from studies.frame.jobs.seals import write_seal
 from studies.paper.conftest import FAILED, JOINTS
 from studies.paper.report.content import (
     STAYS,
@@ -18,7 +14,6 @@ from studies.paper.report.content import (
     sensitivity_sentence,
     setting_rows,
 )
-from studies.paper.report.page import render
 
 
 @pytest.fixture(scope="module")
@@ -93,61 +88,3 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     assert most_sensitive(table, "youngs_modulus") == verdict
     plain = "is most sensitive to Young's modulus in all 2 rocks" in sensitivity_sentence(table)
     assert plain == (verdict == "stands")
-
-
-TABLES = {"closures": "max_closure", "intervals": "table_3_indifference", "claims": "claims"}
-TABLES |= {"margins": "claim_margins", "checks": "checks", "predictive": "table_3_predictive"}
-TABLES |= {"joint": "table_3_joint_tests", "elasticities": "elasticities"}
-
-
-@pytest.fixture
-def folder(material, tmp_path):
-    """A made-up study as a run leaves it."""
-    folder = tmp_path / "made_up"
-    for name in ("tables", "figures", "seals", "benchmarks/close_surfaces"):
-        (folder / name).mkdir(parents=True)
-
-    def seal(rule, *files):
-        write_seal(folder / f"seals/{rule}.json", list(files), {}, [])
-
-    write_netcdf(material.study, folder / "study.nc")
-    seal("aggregate", folder / "study.nc")
-    for part, name in TABLES.items():
-        write_csv(getattr(material, part), folder / f"tables/{name}.csv")
-        seal(name, folder / f"tables/{name}.csv")
-    (folder / "tables/configuration.json").write_text(material.study.attrs["configuration"])
-    seal("state_configuration", folder / "tables/configuration.json")
-    figures = [folder / f"figures/{picture.name}.png" for picture in material.pictures]
-    for figure, picture in zip(figures, material.pictures, strict=True):
-        figure.write_bytes(picture.png)
-    seal("draw_figures", *figures)
-    for job in material.benchmarks.itertuples():
-        rss = "-" if pd.isna(job.max_rss) else job.max_rss
-        table = folder / f"benchmarks/close_surfaces/{job.job}.tsv"
-        table.write_text(f"s\tmax_rss\n{job.s}\t{rss}\n")
-    return folder
-
-
-def test_the_files_give_the_page_that_their_content_gives(page, folder):
-    assert cli.main(["report", str(folder)]) == 0
-    assert (folder / "report.html").read_text(encoding="utf-8") == render(page)
-
-
-@pytest.mark.parametrize(
-    "missing",
-    ["study.nc", "seals/aggregate.json", "seals/checks.json", "seals/state_configuration.json"],
-)
-def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
-    (folder / missing).unlink()
-    assert cli.main(["report", str(folder)]) == 2
-    printed = capsys.readouterr().err
-    assert len(printed.splitlines()) == 1
-    assert "is missing" in printed or "must exist with a seal" in printed
-    assert not (folder / "report.html").exists()
-
-
-def test_an_edited_table_is_in_no_page(folder, capsys):
-    table = folder / "tables/claims.csv"
-    table.write_text(table.read_text().replace("undecided", "stands"))
-    assert cli.main(["report", str(folder)]) == 2
-    assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err

@@ -1,18 +1,15 @@
 """Figures are drawn from made-up studies; what they show is looked at by people."""
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
 from jointclosure.measured.curves import parsed_curve
-from jointclosure.storage.text import read_csv
 from studies.paper import closure_figures as plotting
-from studies.paper import sensitivity_figures
 from studies.paper.closure_figures import Measurements
 from studies.paper.empirical import barton_bandis
 from studies.paper.measured_fits import fit_table
-from tests.studied import ROOT, study_of
+from tests.studied import study_of
 
 ROCKS = study_of().rocks
 ROCK = ROCKS["slate"]._replace(max_normal_stress=2e6)
@@ -112,63 +109,3 @@ def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study
     assert len(best) == 2  # loading and unloading of the one cycle that was measured
     (row,) = fits.itertuples()
     assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
-
-
-def stored(name, number=4):
-    """A stored table of the paper's study with so many properties."""
-    table = read_csv(ROOT / f"studies/paper/results/paper/{name}.csv")
-    chosen = ["jrc", "youngs_modulus", "compressive_strength", "poisson_ratio"][:number]
-    return table[table.parameter.isin([*chosen, "base"])]
-
-
-@pytest.mark.parametrize("number", [1, 2, 3, 4])
-def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
-    intervals = stored("table_3_indifference", number)
-    figure = sensitivity_figures.interval_figure(intervals, ROCKS)
-    marks = [(x.get_marker(), x.get_color()) for axes in figure.axes for x in axes.lines]
-    dashes = intervals.in_paper & intervals.paper_length.isna()
-    assert marks.count(("x", "C1")) == dashes.sum()
-    figure.canvas.draw()
-    box = figure.legends[0].get_window_extent()
-    assert box.x0 >= 0.0
-    assert box.x1 <= figure.bbox.x1
-
-
-def test_trends_have_the_errors_of_their_means():
-    closures = stored("max_closure")
-    cases = sorted(set(closures.case))
-    values = {name: ("case", np.linspace(1.0, 2.0, len(cases))) for name in set(closures.parameter)}
-    study = xr.Dataset(values, coords={"case": cases})
-    figure = sensitivity_figures.trend_figure(closures, study, ROCKS)
-    bars = [line for axes in figure.axes for line in axes.collections]
-    assert len(bars) == len(ROCKS) * len(figure.axes)
-    heights = [s[1, 1] - s[0, 1] for bar in bars for s in bar.get_segments()]
-    errors = closures.max_closure_mean_mm_standard_error
-    np.testing.assert_allclose([min(heights), max(heights)], [2 * errors.min(), 2 * errors.max()])
-
-
-PAPER = pd.DataFrame(
-    [("dolerite", "jrc", 1, 0.9, 11.0), ("dolerite", "jrc", 2, np.nan, np.nan)],
-    columns=["rock", "parameter", "cycle", "paper_length", "paper_percent"],
-)
-
-
-def test_the_papers_dashes_stand_in_the_column_of_dashes():
-    two = {name: ROCKS[name] for name in ("dolerite", "slate")}
-    percent = 20.0 * np.random.default_rng(1).lognormal(0.0, 0.3, size=(4, 400))
-    percent[1, :100] = np.inf  # dolerite, cycle 2
-    over = ("entry", "repetition")
-    drawn = xr.Dataset(
-        {"percent": (over, percent), "null_percent": (over, 3.0 * percent)},
-        coords={
-            "rock": ("entry", np.repeat(np.array(list(two), dtype=object), 2)),
-            "parameter": ("entry", np.array(["jrc"] * 4, dtype=object)),
-            "cycle": ("entry", [1, 2, 1, 2]),
-        },
-    )
-    figure = sensitivity_figures.predictive_figure(drawn, PAPER, two, 20)
-    marks = [[x for x in axes.lines if x.get_marker() == "D"] for axes in figure.axes]
-    ((entry,), (dash,)) = marks
-    assert float(entry.get_xdata()[0]) == 11.0
-    assert float(dash.get_xdata()[0]) > 500.0
-    assert [text.get_text() for text in figure.axes[1].texts] == ["25 %", "0 %"]

@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from studies.frame.plan import NEEDS, SETTINGS, Plan, Product
-from studies.paper import products
 from studies.paper.products import PRODUCTS
 from tests.studied import ROOT, checked_study
 
@@ -99,33 +98,6 @@ def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows
     assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
     assert "least force" not in str(ended.value)
     assert not note.exists()
-
-
-def test_the_pool_is_checked_as_well_as_the_cases(monkeypatch):
-    def check(data, numerics, number, name):
-        found = f"{number} in {data}"
-        return pd.DataFrame([(name, *PASSED[1:3], found, True)], columns=COLUMNS)
-
-    monkeypatch.setattr(products, "check", check)
-    study, product = plan({"study": {"realizations": 20, "pool": 48}}), PRODUCTS["check_results"]
-    files = [Path(file).name for file in study.inputs(product)["ensembles"]]
-    rows = product.make(files, **study.settings(product), log=lambda line: None)
-    assert rows.ensemble.tolist() == ["cases", "pool"]
-    assert rows.found.tolist() == ["20 in study.nc", "48 in pool.nc"]
-
-
-def test_parts_are_written_in_the_order_of_the_files_or_by_their_names(tmp_path):
-    frames = {name: pd.DataFrame({name: [1]}) for name in ("first", "second")}
-    paths = [tmp_path / "second.csv", tmp_path / "first.csv"]
-
-    def written(make) -> list[str]:
-        Product(make, list, bool, False, False).write({}, {}, map(str, paths), print)
-        return [path.read_text().split()[0] for path in paths]
-
-    assert written(lambda: tuple(frames.values())) == ["first", "second"]
-    assert written(lambda: frames) == ["second", "first"]
-    with pytest.raises(ValueError, match="zip"):
-        written(lambda: (frames["first"],))
 
 
 def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):

@@ -11,7 +11,7 @@ from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.config.configuration import merged
 from studies.frame.config.files import read_plain
 from studies.paper.empirical import barton_bandis, scaled_to
-from studies.size.scaling import GEOMETRY, collapse_table, stacked
+from studies.size.scaling import GEOMETRY, collapse_table
 from studies.size.study import (
     EXPERIMENT,
     READ,
@@ -171,23 +171,6 @@ def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_pa
         assert own.loc["none", "largest_off_percent"] == pytest.approx(70.0 * np.log(2), abs=0.3)
         # closure goes as (rms height)^(0.7/0.5)
         assert own.loc["rms height", "exponents"].startswith("rms_height 1.4")
-
-
-def test_no_scaling_is_judged_by_few_realisations():
-    few = power_law(0.7, surfaces=8)
-    few["max_closure"][..., 5:, :] = np.nan
-    table = collapse_table({"rock": few}, ROLL_OFFS).set_index("reading")
-    assert (table.realizations[["max_closure"]] == 5).all()
-    assert table.removed_percent[["max_closure"]].isna().all()
-    assert table.removed_percent[["max_closure_net"]].notna().all()
-
-
-def test_the_longest_wave_ends_at_the_roll_off():
-    joints = stacked(power_law(0.7), ROLL_OFFS, "max_closure", 1)
-    longest = {name: set() for name in ROLL_OFFS}
-    for spectrum, wave in zip(joints.spectrum, joints.predictors["wave"][:, 0], strict=True):
-        longest[spectrum].add(round(1e3 * np.exp(wave), 9))
-    assert longest == {"flat": {1.0, 1.5}, "free": {1.0, 2.0, 4.0}}
 
 
 def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):

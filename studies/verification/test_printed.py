@@ -48,13 +48,6 @@ def test_the_quartic_as_printed_loses_every_digit_and_ours_none(base):
     assert found[f"jointclosure, p = {base:g}"].max() < 1e-13
 
 
-def test_a_missing_root_is_none_in_all_forms():
-    levels, flat = [1.0, 2.0, 3.0], [1.0, 1.0, 1.0]
-    assert mpmath.isnan(printed.exact_length(levels, flat, flat, 20, 2.0))
-    assert np.isnan(printed.length_as_printed(levels, flat, flat, 20, 2.0))
-    assert printed.relative_error(np.nan, mpmath.mpf(1)) == np.inf
-
-
 LOADS = pd.DataFrame(
     {
         "joint": ["paper's grid"] * 2 + ["polished"],

@@ -116,10 +116,3 @@ def test_the_simultaneous_sweep_stops_converging_where_its_spectral_radius_passe
         # one-sided, it converges on both sides
         ordered = sweeps.one_sided(problem, 1e-10)
         np.testing.assert_allclose(ordered.force, exact, atol=1e-8 * exact.max())
-
-
-def test_the_dense_matrix_is_the_solvers_table_written_out(hardest):
-    cells = hardest.contacts.cells
-    y, x = np.divmod(cells, 32)
-    table = hardest.table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-    np.testing.assert_allclose(hardest.matrix, table, rtol=1e-12)

@@ -1,14 +1,11 @@
 """Curves, stiffness and laws of a closed joint, held against what they must be."""
 
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli import main as cli
 from jointclosure.cli.exports import geos_aperture_table, itasca_tables
 from jointclosure.joint.curves import (
     area_of,
@@ -22,7 +19,6 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
 from jointclosure.plotting.joint import engineering_figure
-from jointclosure.storage.netcdf import read_netcdf
 from tests import joints
 from tests.joints import ELASTIC, SPACING, on_softer_half_spaces, pair
 
@@ -212,14 +208,6 @@ def test_softer_half_spaces_change_gross_columns_alone(closed):
         assert secant_stiffness(softer, cycle, 2e6, 4e6) == pytest.approx(stiffness)
 
 
-def test_what_stays_at_seating_is_most_of_the_first_cycle_and_little_of_the_second(closed):
-    cycles = cycle_table(closed)
-    for share in (cycles.residual_share_net, cycles.residual_share):
-        assert 0.2 < share[0] < 1.0
-        assert abs(share[1]) < 0.5 * share[0]
-    assert cycles.residual_share_net[0] > cycles.residual_share[0]
-
-
 @pytest.mark.parametrize("breakage", [False, True])
 def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
     walls = pair((20, 24))
@@ -263,19 +251,3 @@ def test_geos_is_given_the_hydraulic_aperture_where_there_is_one(closed):
     mean = closed.mean_aperture.values[here(closed, 2)]
     assert geos_aperture_table(plain)[1][0] == pytest.approx(float(mean[-1]), rel=1e-9)
     assert set(np.delete(geos_aperture_table(plain)[0], -2)) <= set(gap)  # but for its end slope
-
-
-def test_the_command_says_and_writes_hydraulic_apertures(tmp_path, capsys):
-    words = ["simulate", "--rock", "slate", "--cells", "14x12", "--stress", "2", "--flow"]
-    file, folder = tmp_path / "joint.nc", tmp_path / "tables"
-    assert cli.main([*words, "--output", str(file), "--tables", str(folder)]) == 0
-    out, stored = capsys.readouterr().out, read_netcdf(file)
-    largest = stored.hydraulic_aperture.values[stored.normal_stress.values.argmax()]
-    assert re.search(rf"cycle \d +\S+ +{1e3 * largest[0]:.5f} +{1e3 * largest[1]:.5f}", out)
-    tables = (folder / "joint_stiffness.dat").read_text()
-    found = dict(re.findall(r"^table '(aperture-[\w-]+)' add (.*)$", tables, re.M))
-    assert len(found) == 4
-    pairs = np.array(re.findall(r"\(([^,]+),([^)]+)\)", found["aperture-cycle-1-loading"]), float)
-    geometric = np.sqrt(stored.hydraulic_aperture.prod("direction").values)
-    np.testing.assert_allclose(pairs[:, 1], geometric[: len(pairs)], rtol=1e-6)
-    assert (np.diff(pairs[:, 0]) >= 0.0).all()

@@ -67,18 +67,6 @@ def test_single_precision_is_promoted_and_its_lost_digits_stay_lost(close):
     assert all(variable.dtype != np.float32 for variable in found.data_vars.values())
 
 
-def test_numbers_of_single_precision_do_not_make_the_answer_so(close, walls):
-    found = []
-    for real in (np.float32, lambda value: float(np.float32(value))):
-        numerics = jc.Numerics(*(real(step) for step in (12.5e-6, 5e-6, 6.25e-6, 2.5e-6)))
-        choices = jc.Choices(base_radius_in_cells=real(0.3), largest_radius=real(0.02))
-        load = {"max_normal_stress": real(1e6)} if close is simulate else {"closure": real(2**-13)}
-        about = {"numerics": numerics, "choices": choices, "rock": jc.Rock(*map(real, DOLERITE))}
-        found.append(close(*walls, spacing=real(SPACING), **about, **load))
-    assert found[0].identical(found[1])
-    assert all(v.dtype != np.float32 for v in found[0].variables.values())
-
-
 REFUSED = {
     "complex": (FLAT.astype(complex), "values of type complex128"),
     "object": (FLAT.astype(object), "values of type object"),
@@ -113,17 +101,6 @@ def test_what_is_no_wall_of_real_heights_is_refused_by_name(close, kind, side):
         close(*pair)
 
 
-def test_denormal_heights_are_as_good_as_flat(close):
-    flat = np.zeros((6, 7))
-    tiny = 5e-324 * np.random.default_rng(3).integers(0, 9, flat.shape)
-    kept = {"unusual_values": True}  # flat walls carry any stress
-    found, expected = close(tiny, flat, **kept), close(flat, flat, **kept)
-    assert int(found.status) == int(expected.status)
-    name = "max_closure" if close is simulate else "normal_stress"
-    assert np.isfinite(found[name]).all()
-    np.testing.assert_allclose(found[name], expected[name], rtol=1e-8)
-
-
 @pytest.mark.parametrize("spacing", [1e-30, 1e30, float("nan")])
 def test_a_spacing_whose_powers_do_not_fit_is_refused(close, spacing):
     with pytest.raises(jc.InputError, match="spacing = "):
@@ -154,31 +131,6 @@ def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant():
     assert int(equilibrium(*walls, closure=0.2e-3).status) == 0
     meant = equilibrium(*walls, closure=0.2, unusual_values=True)
     assert float(meant.normal_stress) > 1e11
-
-
-@pytest.mark.parametrize("name", ["levels", "means", "standard_deviations"])
-@pytest.mark.parametrize(
-    ("values", "printed"),
-    [
-        (np.array([1, 2, 3], complex), "values of type complex128"),
-        (np.ma.masked_array([1.0, 2.0, 3.0], [False, True, False]), "masked values"),
-        ([1.0, float("nan"), 3.0], r"1 values are not finite, the first at \(1\)"),
-    ],
-)
-def test_statistics_of_what_is_no_real_number_are_refused_by_name(name, values, printed):
-    good = {"levels": [70.0, 78.0, 85.0], "means": [3.0, 2.0, 1.0]}
-    good |= {"standard_deviations": [0.1] * 3, name: values}
-    with pytest.raises(jc.InputError, match=f"{name}: .*{printed}"):
-        jc.indifference_interval(**good, samples=20)
-
-
-@pytest.mark.parametrize("kind", [np.float16, np.float32, np.longdouble])
-def test_walls_do_not_depend_on_the_type_of_the_numbers_they_are_made_of(kind):
-    given = {"jrc": 8, "spacing": 2.0**-12, "hurst": 0.75}
-    typed = {name: kind(value) for name, value in given.items()}
-    one = jc.wall_pair(shape=SHAPE, seed=np.int64(3), **typed)
-    assert one[0].dtype == one[1].dtype == np.float64
-    np.testing.assert_array_equal(one, jc.wall_pair(shape=SHAPE, seed=3, **given))
 
 
 def named(wall, dims=("y", "x"), **coords):

@@ -7,14 +7,11 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.joint.conditions import SEATING_STRESS, LoadCycle, load_cycles
-from jointclosure.joint.curves import cycle_table
-from jointclosure.joint.laws import law_curves
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.measured import Scan
 from tests import joints
 from tests.joints import ELASTIC, SPACING, pair
-from tests.measured.test_calibration import GOOD
 from tests.studied import study_of
 
 SCENES = {"all": jc.Effects(), "elastic": ELASTIC}
@@ -93,16 +90,6 @@ def test_breakage_remembers_the_largest_stress_only_through_the_walls():
     ratio = low_first.residual_closure.values[1] / at_once.residual_closure.values[0]
     assert ratio == pytest.approx(1.0, abs=0.1)
     assert low_first.residual_closure.values[0] < low_first.residual_closure.values[1]
-
-
-def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
-    table = cycle_table(history)
-    assert np.isfinite(table.max_closure_seated_net_mm[0])
-    assert np.isnan(table.residual_closure_seated_net_mm[0])  # unloaded to 1 MPa only
-    curves = law_curves(history)
-    assert curves.keys() == {(1, "loading"), (4, "unloading")}
-    assert curves[1, "loading"][0][-1] == pytest.approx(3.0, rel=0.01)
-    assert curves[4, "unloading"][0][-1] == pytest.approx(4.0, rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -189,14 +176,6 @@ def test_a_rock_is_given_by_its_name_or_its_properties(door, walls):
             DOORS[door](*walls, rock=rock, max_normal_stress=2e6)
 
 
-def test_functions_of_one_state_take_the_name_of_a_rock_too(walls):
-    given = {"spacing": SPACING, "closure": 1e-5}
-    named, stated = (
-        jc.equilibrium(*walls, rock=rock, **given) for rock in ("granite", ROCKS["granite"].intact)
-    )
-    assert named.identical(stated)
-
-
 def test_the_rocks_of_the_paper_are_those_of_the_default_study():
     study = study_of()
     assert study.rocks.keys() == ROCKS.keys() - {"granite"}
@@ -212,14 +191,3 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     checked = jc.Conditions(SPACING, "granite", load).checked()
     assert checked.seating_stress == pytest.approx(seating, rel=1e-15)
     assert checked == checked.checked()
-
-
-def test_a_command_and_fit_take_a_load_below_the_usual_seating_stress(tmp_path):
-    words = ["simulate", "--rock", "granite", "--jrc", "8", "--cells", "12", "--stress", "0.027"]
-    assert cli.main([*words, "--output", str(tmp_path / "joint.nc")]) == 0
-    assert read_netcdf(tmp_path / "joint.nc").attrs["seating_stress_Pa"] == pytest.approx(2.7e3)
-    curve = tmp_path / "kPa.csv"
-    curve.write_text(GOOD.replace("stress_MPa", "stress_kPa"))
-    about = {"rock": "granite", "jrc": 10, "shape": (10, 10), "surfaces": 4}
-    fitted = jc.fit(curve, **about, effects=ELASTIC)
-    assert fitted.measured.seating == pytest.approx(500.0)

@@ -15,7 +15,7 @@ from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.netcdf import read_netcdf
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
@@ -115,22 +115,6 @@ def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps
     assert joint.force.sum() == 0.0
 
 
-def test_a_replayed_cycle_costs_no_flow(monkeypatch):
-    """The third cycle breaks nothing: its steps are those of the second."""
-    solved = []
-
-    def counted(aperture, direction):
-        solved.append(direction)
-        return flow_along(aperture, direction)
-
-    monkeypatch.setattr("jointclosure.joint.flow.flow_along", counted)
-    closed = joints.closed(pair(SHAPE), STRESS, flow=True, cycles=3)
-    second, third = (closed.hydraulic_aperture[(closed.cycle == cycle).values] for cycle in (2, 3))
-    assert third.sizes["step"] > 3
-    assert np.array_equal(third, second[-third.sizes["step"] :])
-    assert len(solved) <= len(DIRECTIONS) * (closed.sizes["step"] - third.sizes["step"])
-
-
 def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_step(snapshots):
     closed = snapshots[1]
     at = (closed[f"snapshot_{name}"].values.tolist() for name in ("cycle", "branch", "stress"))
@@ -181,14 +165,6 @@ def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(snap
         assert all(a < b for a, b in itertools.pairwise(lost[:3]))
     else:
         assert (closed.snapshot_broken_volume == 0.0).all()
-
-
-def test_snapshots_have_units_and_come_back_from_a_file(snapshots, tmp_path):
-    write_netcdf(snapshots[1], tmp_path / "joint.nc")
-    again = read_netcdf(tmp_path / "joint.nc")
-    for name in ("upper", "lower", "force", "gap", "broken_volume"):
-        assert again[f"snapshot_{name}"].attrs["units"]
-        np.testing.assert_array_equal(again[f"snapshot_{name}"], snapshots[1][f"snapshot_{name}"])
 
 
 @pytest.mark.parametrize("wrong", [-1.0, 5.1e6, np.nan, np.inf])

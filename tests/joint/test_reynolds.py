@@ -13,7 +13,6 @@ from jointclosure.joint.flow import (
     DIRECTIONS,
     FLOWS,
     NOT_SOLVED,
-    SIDES,
     flow_along,
 )
 from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
@@ -148,18 +147,6 @@ def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
     assert flow_along(field, "x").hydraulic_aperture == pytest.approx(flow.hydraulic_aperture)
 
 
-def test_a_dead_end_behind_a_narrow_face_leaves_the_flow_exact():
-    field = np.full((9, 12), 1e-3)
-    field[3:6, 5] = 0.0
-    field[3:6, 7] = 0.0
-    field[3, 6] = field[5, 6] = 0.0
-    field[4, 7] = 10e-9
-    flow = flow_along(field, "x")
-    field[4, 7] = 0.0
-    assert flow[:2] == flow_along(field, "x")[:2]
-    assert flow.status == FLOWS
-
-
 def test_barriers_of_many_magnitudes_keep_their_serial_average_and_scale():
     field = np.ones((40, 40))
     for column, aperture in ((10, 1e-3), (11, 1e-6), (12, 1e-4)):
@@ -201,15 +188,6 @@ def test_a_flow_with_periodic_sides_does_not_depend_on_where_the_sides_are(shape
     shifted = flow_along(np.roll(field, shape[0] // 2, axis=0), "x", "periodic")
     assert flow.status == FLOWS
     assert shifted.hydraulic_aperture == pytest.approx(flow.hydraulic_aperture, rel=1e-12)
-
-
-def test_joined_sides_let_a_channel_across_them_flow_and_hinder_nothing():
-    field = np.zeros((6, 8))
-    field[0, :5] = field[-1, 4:] = 1e-4
-    assert flow_along(field, "x").status == BLOCKED
-    assert flow_along(field, "x", "periodic").status == FLOWS
-    closed, periodic = (flow_along(random_field(2), "x", s).hydraulic_aperture for s in SIDES)
-    assert periodic > closed
 
 
 def test_pressures_are_those_of_a_dense_solution():

@@ -19,10 +19,6 @@ from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, balanced, pair
 
 TARGET = 4e6
-ALONG_STEPS = {
-    *("closure", "normal_stress", "contact_fraction", "bulk_indentation"),
-    *("mean_aperture", "equilibrium_residual"),
-}
 
 
 @pytest.fixture(scope="module")
@@ -40,15 +36,6 @@ def on(dataset, cycle, branch):
     here = np.flatnonzero((dataset.cycle.values == cycle) & (dataset.branch.values == branch))
     here = np.concatenate([here[:1] - 1, here]) if here[0] > 0 else here
     return dataset.closure.values[here], dataset.normal_stress.values[here]
-
-
-def test_history_starts_at_first_touch_and_has_the_promised_variables(closed):
-    assert closed.closure.values[0] == closed.normal_stress.values[0] == 0.0
-    assert closed.cycle.dims == closed.branch.dims == ("step",)
-    assert {name for name, v in closed.data_vars.items() if v.dims == ("step",)} == ALONG_STEPS
-    for name in ("max_closure", "residual_closure"):
-        assert closed[name].dims == closed[f"{name}_seated"].dims == ("cycle",)
-    assert all(variable.attrs["long_name"] for variable in closed.data_vars.values())
 
 
 @pytest.mark.parametrize("cycle", [1, 2])

@@ -53,6 +53,9 @@ def test_help_loads_no_command_and_a_command_no_other():
 FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 """What reading and writing datasets takes."""
 JOBS = [("make_product", FILES | {"numba", "scipy.stats"}), ("compile_kernels", FILES)]
+JOBS += [
+    (name, HEAVY - {"matplotlib", "seaborn"}) for name in ("close_ensemble", "close_experiment")
+]
 
 
 @pytest.mark.parametrize(("script", "needed"), JOBS)

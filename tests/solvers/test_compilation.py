@@ -45,21 +45,6 @@ def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
     assert printed[1] == ""
 
 
-COMPILING_JOB = """
-import contextlib, io, logging
-import jointclosure.joint.warmup
-from studies.frame.jobs.job import compile_all
-announce = logging.getLogger("jointclosure").warning
-jointclosure.joint.warmup.compile_kernels = lambda *kernel: announce("jointclosure: compiling")
-with contextlib.redirect_stderr(io.StringIO()):
-    compile_all([["full", "current", "fast", "resolved"]], lambda line: None)
-"""
-
-
-def test_a_job_that_compiles_announces_it_outside_of_its_log():
-    assert run(COMPILING_JOB)[1] == "jointclosure: compiling\n"
-
-
 def test_every_closure_of_a_factory_has_a_name_of_its_own():
     """Equal names, compiled in two processes, would collide where a third loads both."""
     flags = list(itertools.product([False, True], repeat=4))

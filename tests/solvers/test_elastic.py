@@ -50,15 +50,6 @@ def test_the_stresses_are_evenly_spaced_and_hold_the_seating_stress(small_joint)
     assert found.normal_stress == pytest.approx(0.5e6, rel=1e-6)
 
 
-def test_loading_unloading_and_all_cycles_are_one_curve(small_joint):
-    curve = curve_of(small_joint, cycles=3)
-    closure = curve.closure.values
-    np.testing.assert_array_equal(closure[:41], closure[:41][::-1])
-    np.testing.assert_array_equal(closure[40:81], closure[:41])
-    np.testing.assert_array_equal(closure[80:], closure[:41])
-    np.testing.assert_array_equal(curve.residual_closure, 0.0)
-
-
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
     slow = {"solver": "reference", "stress_tolerance": 1e-7, "sweep_tolerance": 1e-10}
@@ -73,12 +64,6 @@ def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
     assert int(curve.status) == 0
     assert float(curve.contact_fraction.max()) > 0.7
     assert float(curve.equilibrium_residual.max()) <= 1e-10
-
-
-def test_flat_contacts_without_substrate_are_rigid_and_said_to_be():
-    curve = curve_of([np.zeros((4, 5))] * 2, "asperities")
-    assert FLAGS[int(curve.status)] == "rigid_contact"
-    assert np.all(np.isnan(curve.max_closure))
 
 
 def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
@@ -142,28 +127,6 @@ def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
     closure = closures(first)[0]
     assert round(float(curve.contact_fraction.max()) * upper.size) == 2
     assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
-
-
-def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_overlap(monkeypatch):
-    """Of the cells that overlap most are pushed apart by those that touch."""
-    sizes = []
-    solve = elastic.solve_equilibrium
-
-    def counted(influence, contacts, *given):
-        sizes.append(contacts.cells.size)
-        return solve(influence, contacts, *given)
-
-    monkeypatch.setattr(elastic, "solve_equilibrium", counted)
-    walls = pair(80, 4)
-    touching = curve_of(walls, stress=60e6)
-    in_touching = sizes[-1]
-    monkeypatch.setattr(elastic, "_FEW", np.inf)
-    sizes.clear()
-    overlapping = curve_of(walls, stress=60e6)
-    assert in_touching < 0.6 * sizes[-1]
-    assert in_touching >= int(touching.contact_fraction.max() * walls[0].size)
-    np.testing.assert_allclose(touching.closure, overlapping.closure, rtol=1e-9)
-    np.testing.assert_allclose(touching.contact_fraction, overlapping.contact_fraction, atol=1e-12)
 
 
 def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):

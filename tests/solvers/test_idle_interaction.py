@@ -1,7 +1,5 @@
 """Interaction is left out while it is idle, and only then."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -105,26 +103,6 @@ def test_means_of_closure_stay_within_the_share_and_products_are_saved():
     assert np.abs(means[1] / means[0] - 1.0).max() <= SHARE
     products = [sum(int(joint.solver_iterations) for joint in runs) for runs in (full, less)]
     assert products[1] < 0.9 * products[0]
-
-
-def test_without_a_share_or_interaction_nothing_is_left_out():
-    joint = closed(share=0.0, cells=16, stress=2e6)
-    assert int(joint.idle_steps) == float(joint.idle_displacement) == 0
-    assert (joint.bulk_indentation.values[1:6] > 0.0).all()
-    without = closed(cells=16, stress=2e6, effects=jc.Effects(interaction=False))
-    assert int(without.idle_steps) == 0
-
-
-def test_it_acts_at_the_maximum_even_where_it_is_idle_up_to_there():
-    joint = closed(share=0.9, cells=16, stress=0.5e6)
-    assert int(joint.idle_steps) > 0
-    assert (joint.max_bulk_indentation.values > 0.0).all()
-
-
-def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
-    joint = closed(share=0.9, cells=16, stress=2e6, most_steps=45)
-    assert int(joint.status) >= 16
-    assert json.loads(joint.attrs["effects"])["interaction"] is True
 
 
 @pytest.mark.parametrize(

@@ -149,15 +149,6 @@ def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
     assert largest == table.size
 
 
-def test_what_is_known_of_the_matrix_is_not_filled_in_again(monkeypatch):
-    near = Neighbours(influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING))
-    near.slots(np.arange(100))
-    near.matrix[:100, :100] = -1.0
-    near.slots(np.arange(2, 110))
-    assert (near.matrix[:100, :100] == -1.0).all()
-    assert not np.any(near.matrix[100:110, :110] == -1.0)
-
-
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 def test_a_kept_matrix_and_the_convolution_give_the_same_joint(monkeypatch, breakage):
     walls, exact = pair(24, 5), {"breakage": breakage, "force_tolerance": 1e-11}

@@ -98,16 +98,6 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     assert np.var(plain) / np.var(found[:, 0]) > 1.5
 
 
-def test_an_adjusted_variance_is_unbiased_where_covariates_say_nothing():
-    random = generator(6)
-    found, one = [], Known(MEANS[:1], COVARIANCE[:1, :1], np.inf)
-    for _ in range(4000):
-        _, covariates = surfaces(random, 20)
-        values = random.normal(size=20)
-        found.append(adjusted_deviation(values, covariates[:, :1], one).value ** 2)
-    assert np.mean(found) == pytest.approx(1.0, abs=0.025)
-
-
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -183,15 +173,6 @@ def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_of
     assert 0.93 <= np.mean(inside) <= 0.97
     assert np.mean(ignored) < 0.85
     assert stated.covariance[0, 1] > 0.0
-
-
-def test_rows_adjusted_together_are_those_adjusted_alone():
-    samples, covariates = levels_of_surfaces(generator(9), 20, shared=False)
-    together = adjusted_values(samples, covariates, MEANS)[0]
-    of_all = np.array(adjusted_deviations(samples, covariates, KNOWN)).T
-    for rows, known, many, one in zip(samples, covariates, together, of_all, strict=True):
-        np.testing.assert_allclose(many, adjusted_values(rows, known, MEANS)[0], rtol=1e-12)
-        np.testing.assert_allclose(one, adjusted_deviations(rows, known, KNOWN), rtol=1e-12)
 
 
 def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says():

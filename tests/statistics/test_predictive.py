@@ -52,18 +52,6 @@ def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_
     np.testing.assert_allclose(drawn.lengths[:, 0], drawn.lengths[:, 1], rtol=1e-9)
 
 
-def test_parameters_share_the_surfaces_of_the_base_level():
-    random = generator(3)
-    pools = {name: Pool(random.normal(size=(1, 40)), name) for name in "abcde"}
-    both = {
-        key: Sensitivity(LEVELS, 0.0, tuple(pools[name] for name in names))
-        for key, names in (("E", "acb"), ("nu", "dce"))
-    }
-    means = [one.means for one in draw_studies(both, Design(), 50, random).values()]
-    np.testing.assert_array_equal(means[0][..., 1], means[1][..., 1])
-    assert (means[0] != means[1]).any(axis=(0, 1)).tolist() == [True, False, True]
-
-
 def test_lengths_are_those_of_the_means_and_deviations_drawn():
     random = generator(4)
     drawn = draw_studies({"x": sensitivity(random, 0.05, 60, "x")}, Design(), 200, random)["x"]

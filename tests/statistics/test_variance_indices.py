@@ -145,14 +145,6 @@ def test_shapley_effects_of_many_inputs_are_those_of_the_definition():
     assert np.abs(found - shapley_effects(values, coefficients)).max() > 0.05
 
 
-def test_shapley_effects_of_twenty_inputs_are_the_shares_of_independent_ones():
-    """Twenty inputs have a million subsets: only those of dependent ones are drawn."""
-    values, random = (0,) * 20, np.random.default_rng(6)
-    coefficients = random.standard_normal(len(terms_of(values)))
-    found = shapley_effects(values, coefficients, {(0, 1): 1e-9}, draws=2**12)
-    np.testing.assert_allclose(found, shapley_effects(values, coefficients), atol=2e-3)
-
-
 def test_what_has_no_index_is_said():
     points, responses = noisy(1, rows=16)
     with pytest.raises(jc.InputError, match=r"15 rows|must be 16 or more"):

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import jointclosure as jc
 from jointclosure.walls.measured import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.walls.scans import read_scan
-from tests.joints import SPACING, TWO_WALLS
+from tests.joints import SPACING
 from tests.walls.writers import (
     FORMS,
     Ground,
@@ -416,14 +416,6 @@ def test_a_solid_is_refused_and_not_taken_for_another_form(tmp_path):
         read_scan(tmp_path / "a.stl", units="mm")
 
 
-@pytest.mark.parametrize("name", ["a.ply", "a.obj"])
-def test_vertices_without_a_face_are_used_and_counted(name, wall, tmp_path):
-    write_mesh(tmp_path / name, Ground(wall).points(), [[0, 1, 26], [2, 3, 28]])
-    scan = read_scan(tmp_path / name, units="mm")
-    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-8)
-    assert "514 of 520 vertices belong to no face; they were used" in " ".join(scan.remarks)
-
-
 @pytest.mark.parametrize("form", ["a.npy", "x.dat.txt,y.dat.txt,z.dat.txt", "a.tif"])
 @pytest.mark.parametrize("sentinel", [-9999.0, 9999.0, 1e30, 0.0])
 def test_an_undeclared_sentinel_is_no_height(form, sentinel, wall, tmp_path):
@@ -491,16 +483,6 @@ def test_a_no_data_value_that_is_no_number_is_none_or_named(word, fails, wall, t
     else:
         found = read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
         np.testing.assert_allclose(found.heights, 1e-3 * wall)
-
-
-def test_both_walls_of_a_published_fracture_are_read():
-    if not TWO_WALLS.is_dir():
-        pytest.skip("the two walls are not here")
-    for name in ("side_a_bottom.txt", "side_b_top.txt"):
-        scan = read_scan(TWO_WALLS / name, units="mm")
-        lines = (TWO_WALLS / name).read_text().splitlines()
-        assert len(scan.points) == sum(line.count(".") >= 2 for line in lines)
-        np.testing.assert_allclose(np.ptp(scan.points[:, :2], axis=0), 65e-3, rtol=0.002)
 
 
 def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_size(wall, tmp_path):

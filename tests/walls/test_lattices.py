@@ -44,19 +44,6 @@ def test_a_grid_with_missing_points_is_that_grid_and_a_lost_profile_is_warned_of
     assert ("26 of them inside the wall (5 %): is the file inc" in warned) == (len(lost) == 26)
 
 
-def test_a_round_scan_without_its_corners_is_its_grid(points, tmp_path):
-    inside = np.hypot(*(points[:, :2] - points[:, :2].mean(axis=0)).T) < 3.0
-    scan = read_points(tmp_path / "a.xyz", points[inside])
-    assert scan.spacing == (SPACING, SPACING)
-    assert np.isfinite(scan.heights).sum() == inside.sum()
-
-
-def test_repeated_points_are_one_point(wall, points, tmp_path):
-    scan = read_points(tmp_path / "a.xyz", np.vstack([points, points[40:43]]))
-    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
-    assert "3 repeated points were skipped" in scan.remarks
-
-
 def test_places_that_are_written_rounded_are_those_of_a_grid(points, tmp_path):
     points = points * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
     scan = read_points(tmp_path / "a.xyz", points, digits=2)
@@ -126,12 +113,6 @@ def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
     assert scan.heights.shape == SHAPE
     assert known.sum() == known.size - lost
     np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
-
-
-def test_the_distances_along_x_and_y_may_differ(points, tmp_path):
-    scan = read_points(tmp_path / "a.xyz", points * [1.0, 3.0, 1.0] + [5e3, -7.0, 0.0])
-    assert scan.spacing == pytest.approx((3.0 * SPACING, SPACING), rel=1e-12)
-    assert scan.origin == pytest.approx((-7e-3, 5.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("gridded", [True, False])

@@ -65,26 +65,6 @@ def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
     assert np.all(low > 4 * SPACING)
 
 
-def test_a_scale_of_heights_changes_no_mismatch_wavelength():
-    upper, lower = jc.wall_pair(8.0, (48, 48), SPACING, 3, mismatch_wavelength=8 * SPACING)
-    one, other = (measured_mismatch(k * upper, k * lower, SPACING) for k in (1.0, 64.0))
-    assert one == other
-
-
-def test_a_shift_of_mates_reads_as_a_mismatch_of_its_length():
-    upper, lower = jc.wall_pair(
-        8.0, (80, 96), SPACING, 3, mismatch_wavelength=0.0, shift_in_cells=2
-    )
-    found = measured_mismatch(upper, lower, SPACING)
-    # waves shorter than about six shifts are out of step along x
-    assert 4 * SPACING < found.wavelength < 24 * SPACING
-
-
-def test_level_walls_tell_nothing():
-    level = np.zeros((16, 16))
-    assert measured_mismatch(level, level, SPACING).high == np.inf
-
-
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
     upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)

@@ -13,7 +13,6 @@ import jointclosure as jc
 from jointclosure.engine.choice import choose_effects
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
-from jointclosure.plotting.walls import pair_figure
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
@@ -272,16 +271,6 @@ def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patc
         walls_of_files(upper, patched, SPACING)
 
 
-@pytest.mark.parametrize("place", [np.s_[30], np.s_[:, 41], np.s_[:6, 20:26], np.s_[40:46, 66:]])
-def test_a_missing_profile_and_a_hole_at_the_edge_are_out_of_contact_and_cut_nothing(place, walls):
-    upper, lower = walls
-    lower[place] = np.nan
-    found = registered(scanned(upper), grid(lower), **AS_SCANNED)
-    assert found.upper.shape == SHAPE
-    assert counted(found) == (0, np.isnan(lower).sum())
-    assert found.holes[place].all()
-
-
 def test_what_the_other_scan_did_not_see_is_left_out_with_the_hole_beside_it(walls):
     upper, lower = walls
     upper[30:36, 62:71] = np.nan
@@ -443,15 +432,6 @@ def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
     assert np.abs(pair.mating.correlation).max() <= 1.0
 
 
-@pytest.mark.parametrize("factor", [1e-3, 1e3])
-def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
-    scans = [grid(factor * wall, step=factor * SPACING) for wall in (-joint[0], joint[1])]
-    with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
-        registered(*scans, cut_spikes=False)
-    stated = {"spacing": factor * SPACING, "unusual_values": True}
-    assert registered(*scans, cut_spikes=False, **stated).spacing == factor * SPACING
-
-
 @pytest.mark.parametrize("seed", range(12))
 def test_the_largest_rectangle_is_the_largest(seed):
     rng = np.random.default_rng(seed)
@@ -523,17 +503,6 @@ def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of():
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
 
 
-@pytest.mark.parametrize("shift", ["scanned", "mated"])
-def test_walls_at_their_best_fit_are_not_advised_to_be_moved_there(shift):
-    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9)
-    lower[:40, :40] = np.nan  # the largest rectangle is less than half of the scan
-    apart = grid(-upper, (0.0, SPACING)), grid(lower)
-    found = registered(*apart, orientation="common_frame", shift=shift, unusual_values=True)
-    (warning,) = (line for line in found.warnings if "walls overlap" in line)
-    assert ("--shift mated moves" in warning) == (shift == "scanned")
-    assert ("even in the position of best fit" in warning) == (shift == "mated")
-
-
 @pytest.fixture(scope="module")
 def grounds():
     """A joint in one frame [mm], z upwards."""
@@ -581,39 +550,6 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(grounds
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
-
-
-def test_report_and_figure_of_a_flat_wall_do_not_describe_two_scans(grounds):
-    heights = 1e-3 * grounds[1].heights
-    upper = grid(-1e-3 * grounds[0].heights, step=3e-4)
-    whole = registered(upper, grid(heights, step=3e-4), cut_spikes=False, unusual_values=True)
-    holed = heights.copy()
-    y, x = np.indices(heights.shape)
-    holed[abs(y - x) > 8] = np.nan  # most of what is left is outside of the largest rectangle
-    flat = registered("flat", grid(holed, step=3e-4), cut_spikes=False)
-    assert flat.overlap < 0.5
-    assert not flat.warnings
-    lines = " ".join(flat.report)
-    assert f"{100 * flat.overlap:.0f} % of it" in lines
-    assert not re.search("overlap|each other", lines)
-    for pair, number in ((flat, 4), (whole, 6)):
-        axes = pair_figure(pair, "a joint").axes
-        panels = [panel for panel in axes if panel.get_label() != "<colorbar>"]
-        assert len(panels) == number
-        assert all(panel.has_data() and panel.axison for panel in panels)
-
-
-def test_close_reads_the_array_of_a_file_that_a_variable_names(grounds, tmp_path):
-    path, heights = tmp_path / "a.npz", grounds[1].heights
-    np.savez(path, Z_mm=heights, other_mm=np.zeros((4, 4)), spacing_mm=0.3)
-    options = {"rock": DOLERITE, "max_normal_stress": 1e6, "single": True}
-    options["orientation"] = "towards"
-    with pytest.raises(jc.InputError, match=r"variable \(--variable on the command line\) must"):
-        jc.close(path, "flat", **options)
-    chosen = jc.close(path, "flat", variable="Z_mm", **options)
-    stated = jc.close(grid(1e-3 * heights, step=3e-4), "flat", **options)
-    assert (chosen.history.max_closure > 0.0).all()
-    np.testing.assert_array_equal(chosen.history.max_closure, stated.history.max_closure)
 
 
 REGISTERED = """

@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 import scipy
-from threadpoolctl import threadpool_info, threadpool_limits
 
 import jointclosure as jc
 from jointclosure.walls.measured import (
@@ -14,10 +13,8 @@ from jointclosure.walls.measured import (
     filled,
     heights_between,
     point_distance,
-    points_of,
     wall_on_grid,
 )
-from jointclosure.walls.plausibility import smoothing_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
 from tests.joints import SPACING
@@ -76,31 +73,6 @@ def test_heights_between_dense_points_are_those_of_all_triangles():
     difference = np.abs(found - whole)
     assert np.mean(difference < 1e-12) > 0.9
     assert difference.max() < 2e-7  # other triangles of points as near
-
-
-def test_a_grid_at_its_places_is_not_triangulated(monkeypatch):
-    """Four triangulations of 500 x 500 points took 21 of 22 s of bringing scans together."""
-    wall = jc.wall_pair(8.0, (12, 15), SPACING, seed=1)[0]
-    places = np.stack(np.meshgrid(np.arange(15), np.arange(12)), axis=-1) * SPACING
-    monkeypatch.setattr(scipy.spatial, "Delaunay", None)
-    found = heights_between(places.reshape(-1, 2), wall.ravel(), places + 1e-12, SPACING)
-    np.testing.assert_array_equal(found, wall)
-
-
-def test_triangles_are_not_shared_among_threads(monkeypatch):
-    """Scipy solves two equations for each; where processors are busy each took milliseconds."""
-    whole, threads = scipy.spatial.Delaunay, []
-
-    class Counted(whole):
-        def find_simplex(self, *arguments, **options):
-            threads.extend(library["num_threads"] for library in threadpool_info())
-            return super().find_simplex(*arguments, **options)
-
-    monkeypatch.setattr(scipy.spatial, "Delaunay", Counted)
-    with threadpool_limits(limits=2, user_api="blas"):
-        heights_between(np.eye(3, 2), np.zeros(3), np.full((1, 2), 0.3), 1.0)
-        assert {library["num_threads"] for library in threadpool_info()} == {2}
-    assert set(threads) == {1}
 
 
 def test_resampling_gives_no_height_where_a_neighbour_has_none(wall):
@@ -174,18 +146,6 @@ def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpola
         assert kept == pytest.approx(rms_slope(getattr(pair, side), SPACING), rel=0.01)
         assert measured == pytest.approx(rms_slope(detrended(whole), SPACING), rel=0.02)
         assert kept < 0.95 * measured
-
-
-def test_scattered_points_and_other_spacings_of_one_wall_are_warned_of():
-    wall = scan(jc.wall_pair(9.0, (60, 60), SPACING, seed=2, roll_off=None)[0])
-    some = Cloud(np.random.default_rng(1).permutation(points_of(wall))[:1800])
-    for one, step, warned in (
-        (wall, SPACING, False),
-        (wall, 2.0 * SPACING, False),
-        (wall, 1.3 * SPACING, True),
-        (some, 1.7 * SPACING, True),
-    ):
-        assert bool(smoothing_of(one, wall_on_grid(one, step), step)) == warned
 
 
 @pytest.mark.parametrize(("step", "warned"), [(SPACING / 2.0, 0), (SPACING / 2.3, 2)])

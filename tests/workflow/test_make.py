@@ -240,32 +240,6 @@ def test_a_second_request_kills_what_heeds_no_interrupt(waiting):
     assert run.returncode == 128 + signal.SIGINT
 
 
-PRINTS = """
-import sys
-class InputError(Exception): pass
-def run_target(name, request):
-    print("0.02 \u00b1 0.01")
-    with open("log") as file:
-        return 0 if file.fileno() > 2 and sys.stderr else 1
-"""
-
-
-@pytest.mark.parametrize("closed", ["", "<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
-def test_a_run_needs_no_open_stream_and_no_encoding(tmp_path, closed):
-    for name in ("run.py", "process_group.py"):
-        shutil.copy(ROOT / "workflow/scripts" / name, tmp_path)
-    (tmp_path / "targets.py").write_text(PRINTS)
-    (tmp_path / "log").touch()
-    done = subprocess.run(
-        ["sh", "-c", f"{sys.executable} run.py study {closed}"],
-        cwd=tmp_path,
-        capture_output=True,
-        env=os.environ | {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == (b"" if ">&-" in closed.split() else b"0.02 ? 0.01\n")
-
-
 @pytest.mark.parametrize(
     ("limit", "most", "printed"),
     [
