@@ -6,7 +6,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.engine.measured_joints import measured
 from studies.frame.config.files import ConfigurationError
-from studies.measured_joints.observables import BASE, OBSERVABLES, fitted_length, observables_of
+from studies.measured_joints.observables import BASE, OBSERVABLES, observables_of
 from studies.measured_joints.study import EXPERIMENT
 from tests.joints import SPACING
 from tests.studied import checked_study
@@ -90,13 +90,6 @@ def test_only_reseated_walls_leave_a_share_of_the_later_closure(observables):
     seated = stays[[name for name in stays.index if "reseated" not in name]].abs()
     assert seated.drop("strength 40 MPa").max() < 1.0
     assert seated["strength 40 MPa"] < 1.5  # where a little breaks anew: 1.04 %
-
-
-def test_wavelength_is_that_of_the_measured_closure():
-    logs, closures = np.log([1.0, 2.0, 4.0]), np.array([0.1, 0.2, 0.8])
-    assert np.exp(fitted_length(logs, closures, 0.5)) == pytest.approx(np.sqrt(8.0))
-    assert np.exp(fitted_length(logs, closures, 9.0)) == pytest.approx(4.0)
-    assert np.exp(fitted_length(logs, closures, 0.01)) == pytest.approx(1.0)
 
 
 def test_judgements_follow_from_the_intervals(tables):

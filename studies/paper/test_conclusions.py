@@ -76,14 +76,6 @@ def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, ex
     assert sum(counts) == sum(reading[2] for reading in readings)
 
 
-def test_readings_of_one_rock_are_counted_by_themselves():
-    readings = [(STANDS, ALL, True), (STANDS, ONE, True), (UNDECIDED, ONE, True)]
-    row = stated(STANDS, readings)
-    assert (row.readings_stand, row.readings_fall, row.readings_open) == (1, 0, 0)
-    assert (row.partial_stand, row.partial_fall, row.partial_open) == (1, 0, 1)
-    assert row.opened_by == "reading 2"
-
-
 GROSS, NET = "max_closure", "max_closure_net"
 
 

@@ -1,11 +1,11 @@
-"""The page of a study: its content, and `python -m studies report` from the files of a study."""
+"""The page of a study."""
 
 import pandas as pd
 import pytest
 
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
-from studies.paper.conftest import FAILED, JOINTS
+from studies.paper.conftest import FAILED, GRANITE, JOINTS
 from studies.paper.report.content import (
     STAYS,
     content,
@@ -14,6 +14,7 @@ from studies.paper.report.content import (
     sensitivity_sentence,
     setting_rows,
 )
+from studies.paper.report.page import render
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +26,11 @@ def rows_of(page, name):
     """Cells of a table by heading, by row."""
     sheet = page["sheets"][name]
     return [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
+
+
+def test_a_title_is_no_markup_of_the_page(page):
+    assert page["rocks"]["granite"].title == GRANITE
+    assert GRANITE not in render(page)
 
 
 def test_failures_are_counted_and_named(page, material):

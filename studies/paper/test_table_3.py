@@ -130,12 +130,6 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     assert dict(lengths_dataset(found).sizes) == {"entry": 8, "repetition": 400}
 
 
-def test_other_rocks_have_a_distribution_and_no_comparison(pool):
-    found, other = predictive(pool, Design(), 100, 1), PAPER[PAPER.rock != "dolerite"]
-    assert not {"paper_length", "p", "null_p"} & set(predictive_table(found, other).columns)
-    assert joint_table(found, other).empty
-
-
 @pytest.mark.parametrize("paired", [False, True])
 def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
     # one planned from a large pool, then done many times

@@ -6,7 +6,6 @@ import pytest
 
 from jointclosure.engine import joints as closing
 from jointclosure.engine import points as engine
-from jointclosure.engine import quantities as registry
 from jointclosure.engine.points import (
     Point,
     Sample,
@@ -98,12 +97,6 @@ def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
     assert table.joints.tolist() == [4, 8]
     assert (table.seconds > 0.0).all()
     assert table.error.isna().all()
-
-
-def test_the_time_of_a_transform_pair_is_the_median_of_differences_of_the_clock(monkeypatch):
-    clock = iter([10.0, 10.5, 20.0, 20.2, 30.0, 30.9])
-    monkeypatch.setattr(registry.time, "process_time", lambda: next(clock))
-    assert registry.pair_seconds(3) == pytest.approx(0.5)
 
 
 def test_the_mean_time_of_several_points_has_an_error(points, monkeypatch):

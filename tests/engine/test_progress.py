@@ -1,7 +1,6 @@
 """Progress: shown on a terminal, silent elsewhere."""
 
 import pytest
-from rich.console import Console
 
 from jointclosure.engine import progress
 from jointclosure.engine.progress import Countdown
@@ -21,7 +20,3 @@ def test_the_rest_is_estimated_and_reported_a_tenth_at_a_time(clock):
         count()
     count(36)
     assert lines == ["joints: 4 of 40, about 1 min 12 s left", "joints: 40 of 40"]
-
-
-def console(terminal):
-    return lambda stderr: Console(stderr=stderr, force_terminal=terminal)

@@ -13,7 +13,6 @@ from jointclosure.engine.budget import (
     NUMBERS,
     QUANTITIES,
     TOGETHER,
-    Budget,
     Source,
     ranges_of,
     shares_of,
@@ -21,7 +20,6 @@ from jointclosure.engine.budget import (
 from jointclosure.engine.uncertainty import (
     DRAWS,
     PLAUSIBLE,
-    SEED,
     random_shares,
     sources_of,
     uncertainty_budget,
@@ -103,69 +101,6 @@ def test_a_stated_source_and_a_wider_one_widen_the_range():
             for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
         )
         assert few > two > wider
-
-
-def test_random_values_of_a_source_do_not_depend_on_other_sources():
-    few, many = random_shares(["b", "a"], 19, 0), random_shares(["a", "c", "b"], 19, 0)
-    np.testing.assert_array_equal(few, many[:, [2, 0]])
-
-
-def test_random_values_of_two_sources_are_hardly_correlated():
-    sources = sources_of(CONDITIONS.checked(), (40, 40))
-    shares = random_shares(sources, DRAWS, SEED)
-    halves = np.column_stack(
-        [
-            column if source.continuous else np.floor(column * len(source.values))
-            for column, source in zip(shares.T, sources.values(), strict=True)
-        ]
-    )
-    for values in (shares, halves):
-        correlations = np.corrcoef(values.T) - np.eye(len(sources))
-        assert np.abs(correlations).max() < 0.4  # of random seeds the median is 0.5
-
-
-def test_joints_beside_which_the_best_value_lies_are_described():
-    columns = ["source", "value", "cycle", "status"]
-    rows = [["", "", 1, 0, 1.0], *([ALL, f"values {k}", 1, 0, 1.2 + 0.1 * k] for k in range(9))]
-    results = pd.DataFrame([row[:4] for row in rows], columns=columns)
-    results = results.assign(**{name: [row[4] for row in rows] for name in QUANTITIES})
-    index = pd.MultiIndex.from_product([[1], QUANTITIES], names=["cycle", "quantity"])
-
-    def described(best, together):
-        row = {"best": best, "median": 1.6, "low": 1.0, "high": 2.0}
-        row |= {TOGETHER: together, "alignment": 0.5}
-        lines = Budget(results, pd.DataFrame(row, index), ()).sentences()
-        return "median is 1.6" in " ".join(lines), "2.0, has values 8" in " ".join(lines)
-
-    assert described(1.0, 0.9) == (True, True)
-    assert described(1.6, 0.1) == (False, False)
-
-
-def budget_of(best, drawn):
-    """A budget of one source without effect: results (n,) are those of the random joints."""
-    sources = {"alignment": Source((0.0, 1.0), True)}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 100))
-    names = ["", "alignment", "alignment", *[ALL] * DRAWS]
-    values = dict.fromkeys(QUANTITIES, np.array([best] * 3 + list(drawn)))
-    results = pd.DataFrame({"source": names, "value": "", "cycle": 1, "status": 0} | values)
-    return Budget(results, ranges_of(results, sources, shares, further), ())
-
-
-def test_the_median_leads_where_the_best_value_lies_outside_its_range():
-    drawn = np.geomspace(0.4, 0.6, DRAWS)
-    inside, below = budget_of(0.45, drawn), budget_of(0.3, drawn)
-    assert inside.text(1, CLOSURE).startswith("0.45 (")
-    assert below.text(1, CLOSURE).startswith("0.49 (0.4")
-    assert "the best value, 0.30, lies outside the range" in str(below)
-    assert "lies outside" not in str(inside)
-
-
-def test_a_result_that_is_0_in_all_variants_is_not_given_as_certain():
-    absent, given = budget_of(0.0, np.zeros(DRAWS)), budget_of(0.0, np.linspace(0.0, 1.0, DRAWS))
-    assert absent.text(1, CLOSURE) == "not modelled"
-    assert "cycle 1: not modelled, as it is 0 in the model" in str(absent)
-    assert "(0 to" not in str(absent)
-    assert "not modelled" not in str(given)
 
 
 def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):

@@ -8,7 +8,6 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
-from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
     likelihood_of,
     readings_of_curve,
@@ -177,27 +176,6 @@ def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):
     assert [one.missed for one in odd.agreements()] == [True, True]
 
 
-def test_a_first_loading_that_no_joint_has_is_warned_of_and_its_band_is_of_the_nearest(found, lab):
-    near = found
-    scatter = np.random.default_rng(1).standard_normal((8, 1, 4, 4)) * [0.3, 0.05, 0.05, 0.05]
-    logs = np.log(near.measured.values) + scatter[..., :1] + scatter[..., 1:]
-    for factor, word in ((1.0, "fitted"), (4.0, "nearest")):
-        joints = near.simulated._replace(
-            logs=logs - np.log(factor), closures=near.simulated.closures / factor
-        )
-        other = fit(lab, jrc=10.0, **ABOUT, simulated=joints)
-        assert other.interval_holds
-        warned = [line for line in other.sentences() if line.startswith("Warning")]
-        assert len(warned) == (word == "nearest")
-        assert other.reached == (word == "fitted")
-        labels = [text for axes in fit_figure(other, "").axes for text in _legend(axes)]
-        assert f"cycle 1: nine in ten {word} joints" in labels
-
-
-def _legend(axes):
-    return axes.get_legend_handles_labels()[1]
-
-
 def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
     several = fit(lab, jrc=(2.0, 18.0), **ABOUT)
     assert several.likelihood.scatter[-1, -1] > found.likelihood.scatter[-1, -1]
@@ -241,18 +219,6 @@ def test_two_loadings_are_read_without_the_unloading_between_them():
     kept = [number for number, (_, level) in enumerate(whole.places()) if level is not None]
     assert loadings.places() == [whole.places()[number] for number in kept]
     np.testing.assert_allclose(loadings.values, whole.values[kept])
-
-
-def test_levels_without_points_are_not_read():
-    text = "stress_MPa,closure_mm,cycle\n0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
-    text += "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"
-    measured = readings_of_curve(parsed_curve(text, "lab.csv"), SEATING)
-    assert measured.places() == [(1, 5e6), (1, None), (2, 2.75e6), (2, 5e6)]
-    np.testing.assert_allclose(1e3 * measured.values, [0.1, 0.05, 0.03, 0.05], rtol=1e-6)
-    closure, stays, later, stiffness = quantities_of(measured.values, measured, 0.02)
-    assert stays.values == pytest.approx(50.0)
-    assert stiffness.values == pytest.approx(2.25 / 0.02)
-    assert (closure.unit, later.unit, stiffness.unit) == ("mm", "mm", "MPa/mm")
 
 
 @pytest.mark.parametrize(

@@ -54,15 +54,6 @@ def test_the_patches_system_has_the_mean_influence_between_their_cells():
     np.testing.assert_allclose(np.linalg.inv(space.inverse), expected, rtol=1e-9)
 
 
-def test_where_unloading_breaks_nothing_later_cycles_are_its_curve_and_cost_nothing(monkeypatch):
-    replayed = closed(3, force_tolerance=1e-11)
-    assert int(replayed.replayed_cycles) == 1
-    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *_: None)
-    ends_early = closed(3, force_tolerance=1e-11)
-    assert ends_early.sizes["step"] < replayed.sizes["step"]
-    assert int(ends_early.newton_steps) == int(replayed.newton_steps)
-
-
 @pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])
 def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage, tolerance):
     """Equilibrium is unique, and what was found to hold on unloading holds on reloading.

@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -116,33 +115,6 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
             assert "could not be written" in words
             assert "MB are free there" in words
     assert len(os.listdir(folder)) == sum(int(limit) >= size for limit in printed) > 0
-
-
-@pytest.fixture
-def small_disk(tmp_path):
-    """A file system of 64 kB, where this user may mount one."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
-    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
-        pytest.skip("no file system can be mounted here")
-    yield folder
-    subprocess.run(["umount", "--lazy", str(folder)], check=True)
-
-
-def test_a_full_disk_leaves_the_old_file_and_says_so(small_disk):
-    path = small_disk / "study.nc"
-    write_netcdf(some_dataset(20), path)
-    with pytest.raises(OSError, match=r"study.nc: could not be written .*; 0\.0 MB are free there"):
-        write_netcdf(some_dataset(500), path)
-    assert read_netcdf(path).identical(some_dataset(20))
-    assert os.listdir(small_disk) == ["study.nc"]
-
-
-def test_a_read_only_folder_is_named(small_disk):
-    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
-    with pytest.raises(OSError, match=r"study.nc: could not be written .*Read-only file system"):
-        write_netcdf(some_dataset(), small_disk / "study.nc")
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from jointclosure.walls.scans import read_scan
 from studies.frame.ensemble.walls import prepared_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS
 from tests.same_bits import PROCESSORS, printed
-from tests.walls.writers import Ground, read_in
+from tests.walls.writers import Ground
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
@@ -307,15 +307,6 @@ def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_r
         registered(scanned(upper), grid(lower))
 
 
-def test_a_hole_between_scattered_points_is_as_large_as_in_a_grid(walls):
-    upper, lower = walls
-    lower[30:38, 40:48] = np.nan
-    points = points_of(grid(lower))
-    points[:, :2] += np.random.default_rng(1).uniform(-0.2, 0.2, (len(points), 2)) * SPACING
-    found = registered(scanned(upper), Cloud(points), SPACING)
-    assert 50 <= counted(found)[1] <= 80
-
-
 @pytest.mark.parametrize(("size", "places"), [(8, [(20, 24)]), (3, [(8, 8), (30, 40), (12, 30)])])
 def test_a_hole_does_not_carry_the_load_of_the_joint(size, places):
     """Closures are those without the hole; holes filled between their rims changed them by 10 %."""
@@ -508,27 +499,6 @@ def grounds():
     """A joint in one frame [mm], z upwards."""
     upper, lower = (1e3 * wall for wall in jc.wall_pair(8.0, (24, 26), 3e-4, 3, correlation=0.9))
     return Ground(2.0 - upper, 0.3, (7.5, 40.0)), Ground(lower, 0.3, (7.5, 40.0))
-
-
-@pytest.mark.parametrize("forms", [["a.stl"] * 2, ["a.xyz", "a.csv"], ["a.nc", "a.stl"]])
-def test_all_forms_of_two_scans_are_one_joint_and_a_lost_line_changes_its_place_only(
-    forms, grounds, tmp_path
-):
-    expected = registered(*(grid(1e-3 * g.heights, step=3e-4) for g in grounds), **AS_SCANNED)
-    scans = [read_in(form, ground, tmp_path) for form, ground in zip(forms, grounds, strict=True)]
-    found = registered(*scans, **AS_SCANNED)
-    assert found.spacing == expected.spacing
-    places, lost = ((5, 7), (20, 3)), []
-    for ground, (y, x) in zip(grounds, places, strict=True):
-        points = np.delete(ground.points(), y * 26 + x, axis=0)
-        np.savetxt(tmp_path / "a.xyz", points, "%.6f", header="x_mm y_mm z_mm")
-        lost.append(read_scan(tmp_path / "a.xyz"))
-    without = registered(*lost, **AS_SCANNED)
-    for side, place in zip(("upper", "lower"), places, strict=True):
-        np.testing.assert_allclose(getattr(found, side), getattr(expected, side), atol=2e-9)
-        difference = np.abs(getattr(without, side) - getattr(expected, side))
-        largest, difference[place] = difference[place], 0.0
-        assert difference.max() <= 0.02 * largest  # of the plane, to which one height counts
 
 
 def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(grounds):

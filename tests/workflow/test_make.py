@@ -79,16 +79,6 @@ def test_what_make_gets_is_never_run(project, key, name):
     assert not list(project.rglob("X*"))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", HOSTILE)
-def test_a_configuration_of_any_name_is_read(project, name):
-    (project / name).write_text("study: {name: hostile}\ngrid: {cells_x: 2}\n")
-    refused = make(project, "study", f"CONFIG={name}")
-    assert refused.returncode != 0
-    assert "grid.cells_x = 2: must be at least 3" in refused.stderr
-    assert not (project / "X").exists()
-
-
 def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
     (project / "out.yaml").write_text("study: {name: ../../out}\n")
     refused = make(project, "study", "CONFIG=out.yaml")

@@ -22,7 +22,6 @@ from tests.workflow.runs import (
     assert_same,
     checkout,
     planned,
-    snakemake,
     studies_command,
 )
 
@@ -151,37 +150,3 @@ def test_any_realisation_is_repeated_by_one_command(copied):
     missing = studies_command("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
     assert "has no realisation 3" in missing.stderr
-
-
-@pytest.fixture
-def disk(tmp_path):
-    """A checkout whose results lie on a small disk, and how to mount that."""
-    folder = checkout(tmp_path / "disk")
-    results = folder / "results"
-    results.mkdir()
-
-    def mount(options: str) -> None:
-        words = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", results]
-        if not shutil.which("mount") or answer(words, folder).returncode:
-            pytest.skip("no file system can be mounted here")
-
-    yield folder, mount
-    answer(["umount", "--lazy", results], folder)
-
-
-def test_a_results_folder_that_is_read_only_is_an_error_that_names_it(disk):
-    folder, mount = disk
-    mount("ro,size=64k")
-    printed = snakemake(folder, fails=True)
-    assert "Read-only file system" in printed
-    assert RESULTS in printed
-
-
-def test_a_disk_that_fills_up_is_an_error_and_the_next_run_finishes(disk, study):
-    folder, mount = disk
-    mount("size=512k")
-    printed = snakemake(folder, fails=True)
-    assert "No space left on device" in printed or "MB are free there" in printed
-    mount("remount,size=64m")
-    finished(folder)
-    assert_same(folder / RESULTS, study / RESULTS)
