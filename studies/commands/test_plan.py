@@ -7,8 +7,8 @@ import pytest
 from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
 from studies.frame.ensemble.cases import pool_of
-from studies.paper.world import world
 from tests.studied import study_of
+from tests.world import world
 
 SMALL = {"study": {"name": "small", "rocks": ["slate"], "realizations": 4, "pool": 6}}
 

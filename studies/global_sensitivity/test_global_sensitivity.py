@@ -7,7 +7,6 @@ import xarray as xr
 from jointclosure.engine.points import close_points
 from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
-from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import configured, merged, resolved
 from studies.frame.config.files import ConfigurationError, read_plain
 from studies.frame.ensemble.cases import base_case, block_settings

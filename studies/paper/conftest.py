@@ -22,8 +22,8 @@ from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper
 from studies.paper.predictive import joint_table, predictive, predictive_table
 from studies.paper.report.content import Material
-from studies.paper.world import world
 from tests.studied import DEFAULT
+from tests.world import world
 
 ROOT = Path(__file__).parents[2]
 GRANITE = "Granite </script><b>of & sons"

@@ -13,8 +13,8 @@ from studies.frame.ensemble.cases import pool_of
 from studies.paper.claims import CLAIMS, HERTZ_EXCESS, NEGLIGIBLE, TARGET, TOLERANCE
 from studies.paper.judged_claims import Evidence, as_found, judge_claims
 from studies.paper.responses import rock_sample
-from studies.paper.world import ELASTICITIES, world
 from tests.studied import study_of
+from tests.world import ELASTICITIES, world
 
 PAPER = read_csv(PAPER_TABLE_3)
 TWO = {"study": {"rocks": ["dolerite", "slate"], "pool": 30}}

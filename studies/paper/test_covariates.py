@@ -15,8 +15,8 @@ from studies.frame.ensemble.covariates import (
     known_covariates,
     measure_covariates,
 )
-from studies.paper.world import world
 from tests.studied import study_of
+from tests.world import world
 
 SMALL = {
     "study": {"rocks": ["slate", "dolerite"], "realizations": 4, "pool": None},

@@ -19,8 +19,8 @@ from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.planning import GOALS, Goal, plan, power_of_ends
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import responses
-from studies.paper.world import ELASTICITIES, world
 from tests.studied import study_of
+from tests.world import ELASTICITIES, world
 
 PAPER = read_csv(PAPER_TABLE_3)
 ONE = {"study": {"rocks": ["dolerite"], "pool": 40}, "statistics": {"bootstrap_resamples": 20}}

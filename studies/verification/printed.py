@@ -113,19 +113,22 @@ def length_as_printed(levels, means, deviations, samples: int, critical: float) 
         (b, bs), (c, cs), (d, ds) = np.linalg.solve(powers, values)
     except np.linalg.LinAlgError:  # in double precision the levels are equal
         return float("nan")
-    n, t2 = float(samples), critical**2
-    rise = d - means[1]
-    roots = np.roots(
-        [
-            n * b**2 - t2 * bs**2,
-            2.0 * n * b * c - 2.0 * t2 * bs * cs,
-            n * c**2 + 2.0 * n * b * rise - t2 * cs**2 - 2.0 * t2 * bs * ds,
-            2.0 * n * c * rise - 2.0 * t2 * cs * ds,
-            n * rise**2 - t2 * (ds**2 + deviations[1] ** 2),
-        ]
-    )
+    of_mean, of_deviation = (b, c, d - means[1]), (bs, cs, ds)
+    roots = np.roots(_quartic(of_mean, of_deviation, deviations[1], float(samples), critical**2))
     real = roots[np.isreal(roots)].real
     return float(np.min(np.abs(real - levels[1]))) if real.size else float("nan")
+
+
+def _quartic(mean: tuple, deviation: tuple, at_base, n, t2) -> list:
+    """Return the coefficients of Eq. (29), highest power first, from those of Eqs. (25), (27)."""
+    (b, c, rise), (bs, cs, ds) = mean, deviation
+    return [
+        n * b**2 - t2 * bs**2,
+        2 * n * b * c - 2 * t2 * bs * cs,
+        n * c**2 + 2 * n * b * rise - t2 * cs**2 - 2 * t2 * bs * ds,
+        2 * n * c * rise - 2 * t2 * cs * ds,
+        n * rise**2 - t2 * (ds**2 + at_base**2),
+    ]
 
 
 def exact_length(levels, means, deviations, samples: int, critical: float) -> mpmath.mpf:
@@ -140,16 +143,9 @@ def exact_length(levels, means, deviations, samples: int, critical: float) -> mp
         half_range = (p[2] - p[0]) / 2
         u = [(value - p[1]) / half_range for value in p]
         (b, c, d), (bs, cs, ds) = (_exact_quadratic(u, v) for v in (means, deviations))
+        of_mean, at_base = (b, c, d - mpmath.mpf(float(means[1]))), mpmath.mpf(float(deviations[1]))
         n, t2 = mpmath.mpf(samples), mpmath.mpf(critical) ** 2
-        rise = d - mpmath.mpf(float(means[1]))
-        at_base = mpmath.mpf(float(deviations[1]))
-        coefficients = [
-            n * b**2 - t2 * bs**2,
-            2 * n * b * c - 2 * t2 * bs * cs,
-            n * c**2 + 2 * n * b * rise - t2 * cs**2 - 2 * t2 * bs * ds,
-            2 * n * c * rise - 2 * t2 * cs * ds,
-            n * rise**2 - t2 * (ds**2 + at_base**2),
-        ]
+        coefficients = _quartic(of_mean, (bs, cs, ds), at_base, n, t2)
         largest = max(abs(value) for value in coefficients)
         while coefficients and abs(coefficients[0]) <= largest * mpmath.mpf(10) ** -(2 * DIGITS):
             del coefficients[0]
