@@ -76,14 +76,6 @@ def test_a_cycle_counts_from_where_its_own_loading_starts(history):
     assert np.isnan(seated[1:]).all()  # they start above the seating stress
 
 
-def test_partial_unloading_of_elastic_walls_leaves_one_curve():
-    elastic = closed(SCENES["elastic"], stress=TURNS)
-    stress, closure = elastic.normal_stress.values, elastic.closure.values
-    at, first = np.unique(stress, return_index=True)
-    np.testing.assert_array_equal(closure, closure[first][np.searchsorted(at, stress)])
-    assert (elastic.unloading_excess == 0.0).all()
-
-
 def test_breakage_remembers_the_largest_stress_only_through_the_walls():
     low_first = closed(stress=[3e6, 0, 6e6])
     at_once = closed(stress=6e6, cycles=1)

@@ -1,8 +1,6 @@
 """Histories of one joint: conventions, scenes, statuses, and what is refused."""
 
 import itertools
-import subprocess
-import sys
 from unittest.mock import patch
 
 import numpy as np
@@ -14,9 +12,8 @@ from jointclosure.joint.protocol import FLAGS
 from jointclosure.joint.simulation import height_datum
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
-from jointclosure.storage.netcdf import read_netcdf
 from tests import joints
-from tests.joints import DOLERITE, ELASTIC, SPACING, balanced, pair
+from tests.joints import DOLERITE, ELASTIC, SPACING
 
 TARGET = 4e6
 
@@ -60,45 +57,11 @@ def test_last_contact_is_where_the_walls_as_they_are_only_just_touch(closed, wal
     assert closed.residual_closure.values[-1] == pytest.approx(touch, abs=1e-18)
 
 
-@pytest.mark.parametrize("solver", ["fast", "reference"])
-def test_without_breakage_loading_and_unloading_are_one_curve_of_equilibria(walls, solver):
-    exact = {"force_tolerance": 1e-8, "sweep_tolerance": 1e-12}
-    elastic = joints.closed(walls, TARGET, effects=ELASTIC, solver=solver, **exact)
-    if solver == "fast":  # goes up and down the same points
-        assert (elastic.unloading_excess == 0.0).all()
-        assert elastic.max_closure.values[0] == pytest.approx(elastic.max_closure.values[1])
-    for closure, stress in zip(elastic.closure.values, elastic.normal_stress.values, strict=True):
-        state = balanced(walls, float(closure), force_tolerance=1e-8)
-        assert stress == pytest.approx(float(state.normal_stress), rel=1e-7, abs=1e-3)
-    np.testing.assert_allclose(elastic.residual_closure, 0.0, atol=1e-15)
-
-
 def test_seating_changes_the_reading_and_never_the_history(walls, closed):
     other = joints.closed(walls, TARGET, seating_stress=0.0)
     xr.testing.assert_equal(other.closure, closed.closure)
     np.testing.assert_array_equal(other.max_closure_seated, other.max_closure)
     assert np.all(closed.max_closure_seated < closed.max_closure)
-
-
-PROCESS = """
-import sys
-from jointclosure.storage.netcdf import write_netcdf
-from tests.joints import closed, pair
-write_netcdf(closed(pair(16), 1e6, solver=sys.argv[1], breakage=sys.argv[2]), sys.argv[3])
-"""
-
-
-@pytest.mark.parametrize("method", [("fast", "resolved"), ("reference", "fixed_step")], ids=str)
-def test_a_process_of_its_own_gives_the_same_bits(method, tmp_path):
-    """By every method; that of the study is compared in tests/workflow."""
-    file = tmp_path / "closed.nc"
-    subprocess.run([sys.executable, "-c", PROCESS, *method, str(file)], check=True)
-    here, there = (
-        joints.closed(pair(16), 1e6, solver=method[0], breakage=method[1]),
-        read_netcdf(file),
-    )
-    for name, variable in here.data_vars.items():
-        assert there[name].values.tobytes() == variable.values.tobytes(), name
 
 
 def test_the_same_call_gives_the_same_numbers_and_leaves_the_walls_alone(walls, closed):

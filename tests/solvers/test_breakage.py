@@ -102,13 +102,6 @@ def test_nothing_overlaps_at_last_touch_whatever_was_broken():
     assert sum(left) == 0
 
 
-def test_without_gouge_what_breaks_is_gone(solver, small_joint):
-    joint, _ = settled(solver, small_joint, effects=Effects(gouge=False))
-    for before, after in zip(small_joint, (joint.upper, joint.lower), strict=True):
-        assert np.all(after <= before)
-        assert after.sum() < before.sum()
-
-
 def test_solvers_agree_in_the_mean_within_the_spread_of_the_order_of_breakage():
     """Equal in the mean over surfaces: see docs/decisions.md#0006-order-of-breakage."""
     fast, reference = (
