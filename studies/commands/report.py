@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pandas as pd
 import xarray as xr
 
 from jointclosure.compilation.sources import ROOTS
@@ -25,18 +24,6 @@ if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.sheets import Picture
 
 CAPTIONS = ROOTS["studies"] / "paper/report/texts"
-_TABLES = {
-    "intervals": "table_3_indifference",
-    "claims": "claims",
-    "margins": "claim_margins",
-    "predictive": "table_3_predictive",
-    "joint": "table_3_joint_tests",
-    "elasticities": "elasticities",
-    "measured": "measured_fit",
-    "flow": "hydraulic_aperture",
-    "conclusions": "conclusions",
-}
-"""Tables that not every study has, by the name of their `Material`."""
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -71,25 +58,21 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
     """Collect the material of the page."""
     from studies.paper.report.content import Material
 
-    def needed(name: str) -> Path:
-        path = folder / "tables" / name
-        if path not in sealed:
+    for name in ("configuration.json", "max_closure.csv", "checks.csv"):
+        if (path := folder / "tables" / name) not in sealed:
             raise InputError(f"{path}: must exist with a seal; is the study finished?")
-        return path
-
-    stated = read_text(needed("configuration.json"))
+    stated = read_text(folder / "tables/configuration.json")
+    files = [path for path in sealed if path.parent == folder / "tables"]
     accuracy = folder.parent / "accuracy"  # of `make accuracy`, if it was run beside this study
+    files += [path for path in check_folder(accuracy) if path.name == "accuracy_cost.csv"]
     return Material(
         study=study.assign_attrs(configuration=stated),
-        closures=read_csv(needed("max_closure.csv")),
-        checks=read_csv(needed("checks.csv")),
+        tables={path.stem: read_csv(path) for path in files if path.suffix == ".csv"},
         paper=read_csv(PAPER_TABLE_3),
         default=read_plain(DEFAULT),
         schema=json_schema(model()),
         pictures=_pictures(folder, sealed, json.loads(stated)),
         benchmarks=read_benchmarks(folder / "benchmarks"),
-        accuracy=_table(accuracy / "tables/accuracy_cost.csv", check_folder(accuracy)),
-        **{name: _table(folder / f"tables/{file}.csv", sealed) for name, file in _TABLES.items()},
     )
 
 
@@ -105,8 +88,3 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
         if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
         for text in [caption.read_text(encoding="utf-8")]
     ]
-
-
-def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
-    """Read a table that not every study has."""
-    return read_csv(path) if path in sealed else None

@@ -71,27 +71,26 @@ def study(configuration):
 @pytest.fixture(scope="session")
 def material(study, configuration, default):
     paper = read_csv(PAPER_TABLE_3)
-    closures = max_closure_table(study)
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
     claims, margins = judge_claims(Evidence(study, study, Design(), 100, 1, 3), paper)
     drawn = predictive(study, Design(), 100, 1, pools=3)
-    numerics = resolved(configuration).numerics
     jobs = {"rule": ["close_surfaces"] * 2, "job": ["a", "b"], "s": [3.0, 5.0]}
+    tables = {
+        "max_closure": max_closure_table(study),
+        "checks": check_results(study, resolved(configuration).numerics, JOINTS),
+        "table_3_indifference": intervals,
+        "claims": claims,
+        "claim_margins": margins,
+        "table_3_predictive": predictive_table(drawn, paper),
+        "table_3_joint_tests": joint_table(drawn, paper),
+        "elasticities": elasticity_table(study),
+    }
     return Material(
         study=study,
-        closures=closures,
-        intervals=intervals,
-        claims=claims,
-        margins=margins,
-        predictive=predictive_table(drawn, paper),
-        joint=joint_table(drawn, paper),
-        elasticities=elasticity_table(study),
-        checks=check_results(study, numerics, JOINTS),
+        tables=tables,
         paper=paper,
         default=default,
         schema=json_schema(model()),
         pictures=[],
         benchmarks=pd.DataFrame(jobs | {"max_rss": [1, np.nan]}),
-        measured=None,
-        accuracy=None,
     )

@@ -53,7 +53,8 @@ def test_failures_are_counted_and_named(page, material):
 
 def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
     row = {title: cell.key for title, cell in rows_of(page, "in-short")[0].items()}
-    base = material.closures[(material.closures.parameter == "base")]
+    closures = material.tables["max_closure"]
+    base = closures[closures.parameter == "base"]
     own = base[base.rock == base.rock.iloc[0]].set_index("cycle")
     assert row["Net closure since seating, cycle 2 (mm)"] == own.max_closure_seated_net_mean_mm[2]
     stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]

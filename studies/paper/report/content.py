@@ -1,7 +1,7 @@
 """Content of the page: values for the template, from a study and its tables."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -46,58 +46,46 @@ _LEFT_OUT = ("accuracy", "ablation")
 
 
 class Material(NamedTuple):
-    """Material of a page: the dataset, whose curves are read case by case, and its tables.
+    """Dataset of a study, whose curves are read case by case, its tables by name, and all else.
 
-    Tables that a study need not have are None. ``paper``: the paper's Table 3. ``default`` and
-    ``schema``: the paper's configuration, and descriptions of keys. ``benchmarks``: the times of
-    jobs. ``measured``: fits of measured curves. ``accuracy``: that of `make accuracy`.
+    ``paper``: the paper's Table 3; ``default`` and ``schema``: its configuration, descriptions of
+    keys; ``benchmarks``: times of jobs.
     """
 
     study: xr.Dataset
-    closures: pd.DataFrame
-    checks: pd.DataFrame
-    intervals: pd.DataFrame | None
-    claims: pd.DataFrame | None
-    margins: pd.DataFrame | None
-    predictive: pd.DataFrame | None
-    joint: pd.DataFrame | None
-    elasticities: pd.DataFrame | None
+    tables: Mapping[str, pd.DataFrame]
     paper: pd.DataFrame
     default: dict
     schema: dict
     pictures: list[Picture]
     benchmarks: pd.DataFrame
-    measured: pd.DataFrame | None
-    accuracy: pd.DataFrame | None
-    flow: pd.DataFrame | None = None
-    conclusions: pd.DataFrame | None = None
 
 
 def content(material: Material) -> dict:
     """Return names and values for the template."""
-    study = material.study
+    study, known = material.study, material.tables
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
     titles = {name: rock.title for name, rock in configuration.rocks.items()}
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
-    numbers = summary_sheet(study, material.closures, titles)
+    numbers = summary_sheet(study, known["max_closure"], titles)
     counts = outcome(study)
     drawn = FIRST_PICTURES[configuration.study.draws]
     return {
-        "finding": finding(numbers, material.elasticities, configuration),
+        "finding": finding(numbers, known.get("elasticities"), configuration),
         "validity": validity(configuration, counts),
         "first_pictures": [picture for picture in material.pictures if picture.name in drawn],
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": counts,
-        "verdicts": {} if material.claims is None else _verdicts(material.claims),
+        "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": departures(rows),
-        "failed_checks": int((~material.checks.passed).sum()),
+        "failed_checks": int((~known["checks"].passed).sum()),
         "pictures": material.pictures,
         "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
@@ -128,38 +116,38 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
 
 
 def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> Iterator[Sheet]:
-    """Generate all tables of the page."""
-    study, claims, intervals = material.study, material.claims, material.intervals
+    """Generate all tables of the page; a study need not have all that they are made of."""
+    study, known = material.study, material.tables
     of_paper = set(titles) & set(material.paper.rock)
     compared = bool(of_paper)
-    yield tables.closure_sheet(material.closures, titles)
-    yield tables.check_sheet(material.checks)
     yield tables.status_sheet(study, titles)
     yield tables.failure_sheet(study)
     yield tables.simulation_time_sheet(study, titles)
     yield tables.job_time_sheet(material.benchmarks)
     yield setting_sheet(rows)
-    if claims is not None:
-        yield tables.claim_sheet(claims, compared)
-        if material.margins is not None:
-            yield tables.evidence_sheet(claims, material.margins, titles, compared)
-    if intervals is not None and len(intervals) and "percent" in intervals:
+    if "claim_margins" in known:
+        yield tables.evidence_sheet(known["claims"], known["claim_margins"], titles, compared)
+    intervals = known.get("table_3_indifference", pd.DataFrame())
+    if len(intervals) and "percent" in intervals:
         yield tables.layout_sheet(intervals, titles, of_paper)
         yield tables.interval_sheet(intervals, titles, of_paper)
-    optional: list[tuple] = [
-        (material.conclusions, tables.conclusion_sheet),
-        (material.conclusions, tables.moved_sheet),
-        (material.flow, tables.flow_sheet, titles),
-        (material.measured, tables.measured_sheet, titles),
-        (material.predictive, tables.predictive_sheet, titles, compared),
-        (material.joint, tables.joint_sheet),
-        (material.elasticities, tables.ranking_sheet, titles),
-        (material.elasticities, tables.elasticity_sheet, titles),
-        (material.accuracy, tables.accuracy_sheet),
+    made: list[tuple] = [
+        ("max_closure", tables.closure_sheet, titles),
+        ("checks", tables.check_sheet),
+        ("claims", tables.claim_sheet, compared),
+        ("conclusions", tables.conclusion_sheet),
+        ("conclusions", tables.moved_sheet),
+        ("hydraulic_aperture", tables.flow_sheet, titles),
+        ("measured_fit", tables.measured_sheet, titles),
+        ("table_3_predictive", tables.predictive_sheet, titles, compared),
+        ("table_3_joint_tests", tables.joint_sheet),
+        ("elasticities", tables.ranking_sheet, titles),
+        ("elasticities", tables.elasticity_sheet, titles),
+        ("accuracy_cost", tables.accuracy_sheet),
     ]
-    for table, make, *about in optional:
-        if table is not None and len(table):
-            yield make(table, *about)
+    for name, make, *about in made:
+        if len(known.get(name, ())):
+            yield make(known[name], *about)
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
