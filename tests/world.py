@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.aggregation import join_cases
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.frame.config.model import Configuration
+from studies.frame.ensemble.aggregation import join_cases
 from studies.frame.ensemble.cases import cases_of, wall_name
 from tests.studied import study_of
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import jointclosure as jc
-from jointclosure.engine.aggregation import since_seating
+from studies.frame.ensemble.aggregation import since_seating
 
 IMAGES = Path(__file__).parents[1] / "images"
 FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"

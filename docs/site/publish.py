@@ -17,8 +17,8 @@ from templates import ROOT, folder_of
 
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.provenance import provenance
 from studies.frame.config.configuration import merged_study
+from studies.frame.config.files import provenance
 from studies.frame.jobs.seals import check_folder
 
 

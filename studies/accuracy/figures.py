@@ -7,16 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.settings import BASE
-from jointclosure.plotting.style import (
-    decimal_ticks,
-    keys_of,
-    legend_below,
-    panel_grid,
-    point_key,
-    styled,
-    subplots,
-)
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from studies.accuracy.labels import Label, label_marks
+from studies.frame.panels import keys_of, legend_below, point_key
 
 KNOB_TITLES = {
     "steps": "both steps",

@@ -6,9 +6,9 @@ import argparse
 import json
 from pathlib import Path
 
-from jointclosure.engine.aggregation import CURVES
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from studies.commands.finished import study_of
+from studies.frame.ensemble.aggregation import CURVES
 from studies.paper.planning import GOALS, Goal, plan
 
 

@@ -10,15 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from jointclosure.parameters import AUTO_TOLERANCE, Effects, scene_name
-from jointclosure.plotting.style import (
-    decimal_ticks,
-    key,
-    legend_below,
-    panel_grid,
-    point_key,
-    styled,
-    ticks_at,
-)
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled
+from studies.frame.panels import key, legend_below, point_key, ticks_at
 
 _FLOOR = 0.1
 _WIDE = 5.0

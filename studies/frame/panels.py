@@ -1,22 +1,61 @@
-"""Figures of tables: a row of panels for each quantity, a column for each coordinate."""
+"""Figures of tables: a row of panels for each quantity, a column for each coordinate; legends."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from jointclosure.engine.quantities import HEADINGS
-from jointclosure.plotting.style import decimal_ticks, key, panel_grid, styled, ticks_at
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _KEY, _LETTER = 0.7, 0.07
 """Widths [inches] of an entry of a legend without its words, and of a letter."""
+
+
+def key(label: str, **style) -> Line2D:
+    """Return an entry of a legend that stands for no line of the axes."""
+    return Line2D([], [], label=label, **style)
+
+
+def point_key(label: str, marker: str = "o", **style) -> Line2D:
+    """Return an entry of a legend with a marker and no line."""
+    return key(label, marker=marker, ls="", **style)
+
+
+def legend_below(
+    figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
+) -> None:
+    """Put a legend below all axes, by default in one row."""
+    settings |= {"ncols": columns or len(handles), "frameon": False}
+    figure.legend(handles=handles, loc="outside lower center", **settings)
+
+
+def keys_of(panels: Iterable[Axes]) -> list[Artist]:
+    """Return the first legend entry of every label in the panels."""
+    entries: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    return list(entries.values())
+
+
+def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
+    """Put ticks only at some values, without a change of the limits."""
+    values = list(values)
+    axis.set_major_locator(FixedLocator(values))
+    axis.set_minor_locator(NullLocator())
+    axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
 
 
 class Row(NamedTuple):

@@ -13,22 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
-from jointclosure.engine.aggregation import since_seating, since_start, succeeded
 from jointclosure.joint.protocol import UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.plotting.style import (
-    BRANCH_LINES,
-    above,
-    key,
-    legend_below,
-    panel_grid,
-    styled,
-    subplots,
-)
+from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots
 from jointclosure.plotting.walls import map_extent
 from jointclosure.statistics.standard_errors import percent
 from studies.frame.config.rocks import StudyRock
+from studies.frame.ensemble.aggregation import since_seating, since_start, succeeded
+from studies.frame.panels import key, legend_below
 from studies.paper.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from studies.paper.layout import roughness_title
 from studies.paper.measured_fits import FIT_COLUMNS, best_fits

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.control_variates import (
@@ -32,6 +31,7 @@ from jointclosure.statistics.standard_errors import (
     variation_of,
 )
 from studies.frame.config.sections import Statistics
+from studies.frame.ensemble.aggregation import succeeded
 from studies.frame.ensemble.covariates import Covariates
 from studies.paper.claims import NET, TARGET
 from studies.paper.responses import Response, adjustment, responses

@@ -10,10 +10,9 @@ import pytest
 from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.drawn_studies import Design
-from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
 from studies.frame.config.configuration import resolved
-from studies.frame.config.files import PAPER_TABLE_3
+from studies.frame.config.files import PAPER_TABLE_3, provenance
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
 from studies.frame.ensemble.tables import check_results

@@ -7,8 +7,8 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.aggregation import since_seating, succeeded
 from jointclosure.measured.curves import MeasuredCurve
+from studies.frame.ensemble.aggregation import since_seating, succeeded
 
 FIT_COLUMNS = (
     "rock", "cycle", "points", "largest_closure_mm", "samples",

@@ -8,7 +8,6 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import check_significance
@@ -19,6 +18,7 @@ from jointclosure.statistics.standard_errors import (
     quadratic_errors,
     resampled,
 )
+from studies.frame.ensemble.aggregation import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 

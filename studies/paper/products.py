@@ -11,15 +11,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.aggregation import CURVES
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from jointclosure.storage.provenance import configuration_text
 from jointclosure.storage.text import read_csv, read_text
+from studies.frame.config.files import configuration_text
 from studies.frame.config.rocks import StudyRock
 from studies.frame.config.sections import Statistics
+from studies.frame.ensemble.aggregation import CURVES
 from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.ensemble.covariates import measure_covariates as measure
 from studies.frame.ensemble.tables import check_results as check

@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.settings import BASE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
 from jointclosure.statistics.paired import PairedInterval, paired_indifference_interval
+from studies.frame.ensemble.aggregation import succeeded
 from studies.frame.ensemble.covariates import Covariates
 
 

@@ -9,16 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from jointclosure.parameters import PROPERTIES
-from jointclosure.plotting.style import (
-    key,
-    keys_of,
-    legend_below,
-    panel_grid,
-    point_key,
-    styled,
-    ticks_at,
-)
+from jointclosure.plotting.style import panel_grid, styled
 from studies.frame.config.rocks import StudyRock
+from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
 from studies.paper.layout import UNPAIRED_TEST, test_name
 
 _LEGEND_WIDTH = 4.2

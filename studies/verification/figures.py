@@ -8,7 +8,8 @@ import seaborn as sns
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from jointclosure.plotting.style import key, legend_below, point_key, styled, subplots
+from jointclosure.plotting.style import styled, subplots
+from studies.frame.panels import key, legend_below, point_key
 
 COLUMNS = 10
 METHODS = {"fixed_step": ("#0072b2", "-"), "resolved": ("#000000", "--")}

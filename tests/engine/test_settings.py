@@ -9,7 +9,6 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.cache import digest
 from jointclosure.engine.choice import choose_for_case
 from jointclosure.engine.joints import close_case
@@ -18,6 +17,7 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.frame.config.model import Configuration
+from studies.frame.ensemble.aggregation import join_cases
 from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of
 from studies.frame.ensemble.comparison import differences
 from studies.paper.closures import max_closure_table

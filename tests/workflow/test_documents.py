@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from jointclosure.cli import main as cli
-from jointclosure.engine.aggregation import join_cases
 from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.config.configuration import merged, written_out
+from studies.frame.ensemble.aggregation import join_cases
 from studies.frame.ensemble.cases import block_settings, cases_of
 from tests.studied import DEFAULT, study_of
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from jointclosure.storage.provenance import provenance
 from studies.frame.config.configuration import resolved
+from studies.frame.config.files import provenance
 from studies.frame.ensemble.closing import Ensemble, chosen_in
 from studies.frame.ensemble.walls import described
 from studies.frame.jobs.job import job, listed

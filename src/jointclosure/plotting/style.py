@@ -5,24 +5,15 @@ its style.
 """
 
 import functools
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import TypeVar
 
 import matplotlib
 import seaborn as sns
 from cycler import cycler
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import (
-    FixedLocator,
-    LogLocator,
-    NullFormatter,
-    NullLocator,
-    StrMethodFormatter,
-)
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
@@ -78,41 +69,6 @@ def panel_grid(rows: int, columns: int, panel: tuple, margin: tuple = (0.0, 0.0)
 def above(cycle: int, branch: str) -> float:
     """Return the drawing order: unloading above the next cycle's nearly equal loading."""
     return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
-
-
-def key(label: str, **style) -> Line2D:
-    """Return an entry of a legend that stands for no line of the axes."""
-    return Line2D([], [], label=label, **style)
-
-
-def point_key(label: str, marker: str = "o", **style) -> Line2D:
-    """Return an entry of a legend with a marker and no line."""
-    return key(label, marker=marker, ls="", **style)
-
-
-def legend_below(
-    figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
-) -> None:
-    """Put a legend below all axes, by default in one row."""
-    settings |= {"ncols": columns or len(handles), "frameon": False}
-    figure.legend(handles=handles, loc="outside lower center", **settings)
-
-
-def keys_of(panels: Iterable[Axes]) -> list[Artist]:
-    """Return the first legend entry of every label in the panels."""
-    entries: dict[str, Artist] = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    return list(entries.values())
-
-
-def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
-    """Put ticks only at some values, without a change of the limits."""
-    values = list(values)
-    axis.set_major_locator(FixedLocator(values))
-    axis.set_minor_locator(NullLocator())
-    axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
 
 
 def decimal_ticks(axis: Axis, **locator) -> None:

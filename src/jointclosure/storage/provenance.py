@@ -27,22 +27,6 @@ def origin() -> dict[str, str]:
     }
 
 
-def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Return `origin` with a configuration, without the split of work over jobs, and its seed."""
-    return origin() | {
-        "configuration": configuration_text(configuration),
-        "root_seed": str(configuration["study"]["root_seed"]),
-        "provenance_realizations_per_job": str(configuration["study"].get("realizations_per_job")),
-    }
-
-
-def configuration_text(configuration: dict[str, Any]) -> str:
-    """Return a configuration as JSON, without the split of work over jobs."""
-    study = dict(configuration["study"])
-    study.pop("realizations_per_job", None)
-    return json.dumps(configuration | {"study": study}, sort_keys=True)
-
-
 def to_plain(value: Any) -> Any:
     """Convert named tuples to mappings and tuples to lists, at every level."""
     if hasattr(value, "_asdict"):

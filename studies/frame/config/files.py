@@ -1,13 +1,16 @@
 """Configuration files: plain YAML, read strictly, and the files of the package."""
 
+import json
 import re
 import reprlib
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from jointclosure.inputs import InputError
+from jointclosure.storage.provenance import origin
 
 _STUDIES = Path(__file__).parents[2]
 DEFAULT = _STUDIES.parent / "config/default.yaml"
@@ -131,3 +134,19 @@ def _not_plain(settings: dict) -> str:
 def _short(value: object) -> str:
     text = reprlib.repr(value) if isinstance(value, dict | list) else repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def provenance(configuration: dict[str, Any]) -> dict[str, str]:
+    """Return `origin` with a configuration, without the split of work over jobs, and its seed."""
+    return origin() | {
+        "configuration": configuration_text(configuration),
+        "root_seed": str(configuration["study"]["root_seed"]),
+        "provenance_realizations_per_job": str(configuration["study"].get("realizations_per_job")),
+    }
+
+
+def configuration_text(configuration: dict[str, Any]) -> str:
+    """Return a configuration as JSON, without the split of work over jobs."""
+    study = dict(configuration["study"])
+    study.pop("realizations_per_job", None)
+    return json.dumps(configuration | {"study": study}, sort_keys=True)

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.aggregation import join_cases, succeeded
 from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.choice import choose_for_rock, possible_scenes
 from jointclosure.engine.joints import close_case, rows_by_seed
@@ -19,6 +18,7 @@ from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
 from studies.frame.config.model import Configuration
+from studies.frame.ensemble.aggregation import join_cases, succeeded
 from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of, ensembles_of
 from studies.frame.ensemble.walls import cut_walls
 from studies.frame.jobs.job import compile_all

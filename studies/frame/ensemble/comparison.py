@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.parameters import PROPERTIES
+from studies.frame.ensemble.aggregation import succeeded
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 MAY_DIFFER = ("provenance_", "timing_")

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.aggregation import since_seating, succeeded
 from jointclosure.joint.curves import KINDS
 from jointclosure.joint.protocol import LOADING
 from jointclosure.parameters import Numerics, scene_of
+from studies.frame.ensemble.aggregation import since_seating, succeeded
 
 QUANTILES = (0.05, 0.5, 0.95)
 VOLUME_TOLERANCE = 1e-12

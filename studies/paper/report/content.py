@@ -9,7 +9,6 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.page import number_text, provenance_rows
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
@@ -23,6 +22,7 @@ from jointclosure.statistics.verdicts import (
 )
 from studies.frame.config.configuration import resolved
 from studies.frame.config.model import Configuration
+from studies.frame.ensemble.aggregation import succeeded
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.report import tables

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.aggregation import succeeded
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
+from studies.frame.ensemble.aggregation import succeeded
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name
