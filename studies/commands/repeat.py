@@ -13,6 +13,7 @@ from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text
 from studies.frame.config.configuration import resolved
+from studies.frame.ensemble.cases import dataset_of
 from studies.frame.ensemble.closing import Ensemble, close_block
 from studies.frame.ensemble.comparison import differences
 
@@ -23,14 +24,16 @@ def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
     command.add_argument("realization", type=int, help="number of the realisation, from 0")
-    what = "a realisation of the pool of common surfaces"
-    command.add_argument("--pool", action="store_true", help=what)
+    other = command.add_mutually_exclusive_group()
+    for name, what in (("pool", "the pool of common surfaces"), ("finest", "the finest numerics")):
+        action = other.add_argument(f"--{name}", action="store_const", const=name, default="cases")
+        action.dest, action.help = "ensemble", f"a realisation of {what}"
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
     results, label, realization = arguments.results, arguments.case, arguments.realization
-    name = "pool" if arguments.pool else "cases"
+    name = arguments.ensemble
     ensemble = Ensemble(resolved(_keys(results, name)), name)
     block = next((block for block in ensemble.blocks if realization in block), None)
     if label not in ensemble.cases or block is None:
@@ -61,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _keys(results: Path, name: str) -> dict:
     """Return the keys of a study from the log of the job that closes its joints."""
-    log = results / f"logs/close_{'pool' if name == 'pool' else 'study'}.log"
+    log = results / f"logs/close_{Path(dataset_of(name)).stem}.log"
     lines = read_text(log).splitlines() if log.is_file() else []
     keys = [line.partition(_CONFIGURATION)[2] for line in lines if _CONFIGURATION in line]
     if not keys:

@@ -12,7 +12,7 @@ from jointclosure.statistics.drawn_studies import Design
 from studies.frame.config.configuration import Configured
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import ensembles_of
+from studies.frame.ensemble.cases import dataset_of, ensembles_of
 from studies.frame.measured_files import CurveSettings, curve_settings
 from studies.frame.products import Product
 
@@ -90,9 +90,8 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
     "paper": lambda plan: os.path.relpath(PAPER_TABLE_3),
     "study": _file("study.nc"),
     "pool": lambda plan: plan.file("pool.nc" if plan.pooled else "study.nc"),
-    "ensembles": lambda plan: [
-        plan.file(f"{name}.nc") for name in ("study", *["pool"] * plan.pooled)
-    ],
+    "ensembles": lambda plan: [plan.file(dataset_of(name)) for name in ensembles_of(plan.typed)],
+    "finest": _file("finest.nc"),
     "covariates": lambda plan: plan.file("covariates.nc", plan.variates),
     "pool_covariates": lambda plan: plan.file(
         "pool_covariates.nc" if plan.pooled else "covariates.nc", plan.variates
@@ -119,18 +118,19 @@ SETTINGS: dict[str, Callable[[Plan], Any]] = {
     "grid": lambda plan: plan.typed.grid,
     "surface": lambda plan: plan.typed.surface,
     "rocks": lambda plan: plan.typed.rocks,
-    "numerics": lambda plan: plan.typed.numerics,
     "seating_stress": lambda plan: plan.typed.seating_stress,
     "wall_strength_ratio": lambda plan: plan.typed.output.wall_strength_ratio,
     "curves": lambda plan: plan.curves,
     "root_seed": lambda plan: plan.typed.study.root_seed,
     "realizations": lambda plan: plan.typed.study.realizations,
-    "realizations_of": lambda plan: {
-        name: part.study.realizations for name, part in ensembles_of(plan.typed).items()
+    "closed_by": lambda plan: {
+        name: (part.study.realizations, part.numerics)
+        for name, part in ensembles_of(plan.typed).items()
     },
     # intervals do not depend on its other parts
     "statistics": lambda plan: plan.typed.statistics._replace(repetitions=0, control_variates=None),
     "control_variates": lambda plan: plan.typed.statistics.control_variates,
+    "accuracy": lambda plan: plan.typed.study.accuracy,
     "significance": lambda plan: plan.typed.statistics.significance,
     "repetitions": lambda plan: plan.typed.statistics.repetitions,
     "design": lambda plan: Design(

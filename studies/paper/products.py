@@ -18,7 +18,7 @@ from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
 from studies.frame.config.files import configuration_text
 from studies.frame.config.rocks import StudyRock
-from studies.frame.config.sections import Statistics
+from studies.frame.config.sections import Accuracy, Statistics
 from studies.frame.ensemble.aggregation import CURVES
 from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.ensemble.covariates import measure_covariates as measure
@@ -27,6 +27,7 @@ from studies.frame.ensemble.tables import flow_table
 from studies.frame.measured_files import CurveSettings, measured_curves
 from studies.frame.products import PRODUCTS, product
 from studies.paper import judged_claims as published
+from studies.paper.accuracy import describe_reached, reached_table
 from studies.paper.closures import (
     correlation_table,
     elasticity_table,
@@ -117,6 +118,16 @@ def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
     return flow_table(study)
 
 
+@product("tables/accuracy_reached.csv", when=lambda plan: plan.typed.study.accuracy, early=True)
+def reach_accuracy(
+    study: Closures, finest: Closures, accuracy: Accuracy, significance: float, log: Log
+):
+    """Results by two levels, the study's numerics and the finest, and their errors."""
+    table = reached_table(study, finest, accuracy, significance)
+    log(describe_reached(table, accuracy))
+    return table
+
+
 @product("tables/table_3_predictive.csv", "tables/table_3_joint_tests.csv", "predictive.nc")
 def predict_table_3(
     pool: Closures, paper: pd.DataFrame, design: Design, repetitions: int, root_seed: int
@@ -141,13 +152,13 @@ def judge_claims(
 
 
 @product("tables/checks.csv")
-def check_results(
-    ensembles: list[Closures], numerics: Numerics, realizations_of: dict[str, int], log: Log
-):
+def check_results(ensembles: list[Closures], closed_by: dict[str, tuple[int, Numerics]], log: Log):
     """Check the results; `require_checks` makes an error of a failed check."""
     checks = pd.concat(
         check(ensemble, numerics, realizations, name)
-        for ensemble, (name, realizations) in zip(ensembles, realizations_of.items(), strict=True)
+        for ensemble, (name, (realizations, numerics)) in zip(
+            ensembles, closed_by.items(), strict=True
+        )
     )
     for row in checks.itertuples():
         verdict = "passed" if row.passed else "FAILED"

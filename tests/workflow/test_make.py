@@ -1,6 +1,7 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
 import os
+import re
 import resource
 import shutil
 import signal
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from jointclosure.storage.text import read_csv
 from tests.engine.test_forks import wait_for_processes
 from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
 
@@ -279,3 +281,41 @@ def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
     table = "results/tiny/tables/configuration.json"
     snakemake(folder, "--", table, python=str(python))
     assert (folder / table).is_file()
+
+
+ACCURATE = """study: {name: NAME, rocks: [slate], pool: null, accuracy: {REQUEST}}
+grid: {cells_x: 12, cells_y: 12}
+rocks:
+  slate:
+    max_normal_stress_MPa: 1
+    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: null}
+statistics: {bootstrap_resamples: 10, repetitions: 100, control_variates: 500}
+output: {stress_points: 5}
+"""
+
+
+def request(project: Path, name: str, asked: str) -> subprocess.CompletedProcess:
+    text = ACCURATE.replace("NAME", name).replace("REQUEST", asked)
+    (project / f"{name}.yaml").write_text(text)
+    return make(project, "study", f"CONFIG={name}.yaml")
+
+
+@pytest.mark.slow
+def test_a_study_adds_surfaces_until_its_accuracy_is_reached_the_most_or_its_budget(project):
+    done = request(project, "accurate", "within: 0.25, most: 400")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "accuracy: continues with 20 surfaces" in done.stdout
+    assert "accuracy: mean within 25 % reached" in done.stdout
+    table = read_csv(project / "results/accurate/tables/accuracy_reached.csv")
+    assert table.met.all()
+    assert (table.surfaces >= 20).all()
+    again = make(project, "study", "CONFIG=accurate.yaml")
+    assert "nothing was left to do" in again.stdout
+    most = request(project, "most", "within: 0.01, most: 10")
+    assert re.search("not reached in 6 of 6, .*; 10 surfaces, the most, can give", most.stdout)
+    spent = request(project, "spent", "within: 0.01, budget_core_minutes: 0.1")
+    assert "; the budget of 0.1 core-minutes does not suffice for more" in spent.stdout
+    refused = request(project, "little", "within: 0.01, budget_core_minutes: 1.0e-6")
+    assert refused.returncode != 0
+    assert "must be at least" in refused.stderr
+    assert "s by the finest" in refused.stderr

@@ -30,33 +30,41 @@ rule close_block:
         "../scripts/close_block.py"
 
 
-rule close_study:
-    input:
-        walls=WALLS,
-        closed=closed_apart(*PILOTS, *CACHED("cases")),
-    output:
-        joints=f"{RESULTS}/study.nc",
-        first_walls=f"{RESULTS}/first_walls.nc",
-    priority: EARLY
-    threads: workflow.cores
-    params:
-        ensemble="cases",
-        configuration=closed_keys(config),
-        joints=keys_of("effects_of", "cases"),
-    script:
-        "../scripts/close_ensemble.py"
+for NAME in ENSEMBLES:
 
-
-if "pool" in ENSEMBLES:
-
-    use rule close_study as close_pool with:
+    rule:
+        name:
+            f"close_{Path(dataset_of(NAME)).stem}"
         input:
             walls=WALLS,
-            closed=closed_apart(*PILOTS, *CACHED("pool")),
+            closed=closed_apart(*PILOTS, *CACHED(NAME)),
         output:
-            joints=f"{RESULTS}/pool.nc",
-        priority: 0  # after the study, as both take all cores
+            **({"first_walls": f"{RESULTS}/first_walls.nc"} if NAME == "cases" else {}),
+            joints=f"{RESULTS}/{dataset_of(NAME)}",
+        priority: 0 if NAME == "pool" else EARLY  # the pool comes last, as each takes all cores
+        threads: workflow.cores
         params:
-            ensemble="pool",
+            ensemble=NAME,
             configuration=closed_keys(config),
-            joints=keys_of("effects_of", "pool"),
+            joints=keys_of("effects_of", NAME),
+        script:
+            "../scripts/close_ensemble.py"
+
+
+if "finest" in ENSEMBLES:
+
+    rule price_accuracy:
+        input:
+            walls=WALLS,
+        output:
+            f"{RESULTS}/tables/accuracy_price.csv",
+        params:
+            joints=lambda w: digest(
+                *(
+                    first.key
+                    for name in ("cases", "finest")
+                    for first in ENSEMBLES[name].firsts()
+                )
+            ),
+        script:
+            "../scripts/price_accuracy.py"

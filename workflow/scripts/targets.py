@@ -19,11 +19,14 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
-from studies.frame.config.configuration import Configured, configured, merged_study
+from studies.frame.config.configuration import Configured, configured, merged_study, resolved
+from studies.frame.config.files import read_plain
 from studies.frame.config.model import sections
+from studies.frame.config.sections import Accuracy
 from studies.frame.experiments import checked_design
 from studies.frame.jobs.folder import enter_folder
 from studies.frame.measured_files import curve_settings, measured_curves
+from studies.paper.accuracy import START, Counts, describe_reached, next_counts, start_counts
 from studies.paper.layout import closure_lines
 
 _PROFILE = "workflow/profiles/default"
@@ -87,10 +90,16 @@ def run_target(name: str, request: EndRequest) -> int:
     write_text(" " * 2**16, log)  # an error where the disk is full
     log.write_text("")
     with open(log, "a", encoding="utf-8") as stream:
+
+        def run(goal: str) -> int:
+            words = [*command, *given, *planned(override, folder), "--", goal]
+            return follow(words, stream, log, request)
+
+        status = reach(override, folder, run) if {"all", "report"} & {*target.goals} else 0
         for goal in target.goals:
-            status = follow([*command, *given, "--", goal], stream, log, request)
-            if status:
-                return status
+            status = status or run(goal)
+        if status:
+            return status
     closures = folder / "tables/max_closure.csv"
     if "all" in target.goals and closures.exists():
         print("\n".join(closure_lines(read_csv(closures))))
@@ -115,6 +124,63 @@ def checked_name(name: str, override: str) -> str:
     target.check(study)
     measured_curves(curve_settings(study.typed), read_text)
     return study.typed.study.name
+
+
+PLAN = "accuracy_plan.yaml"
+"""File in a study's folder with the numbers of surfaces for its requested accuracy."""
+
+
+def requested(override: str) -> Accuracy | None:
+    """Return the accuracy that a configuration file requests, if any."""
+    return resolved(merged_study(*([Path(override)] if override else []))).study.accuracy
+
+
+def planned(override: str, folder: Path) -> list[str]:
+    """Return the file with the numbers of surfaces for the requested accuracy, if there is one.
+
+    It follows that of the study after one --configfile, as Snakemake takes the last only.
+    """
+    plan, asked = folder / PLAN, requested(override)
+    if not plan.is_file():
+        return []
+    earlier = Accuracy(**read_plain(plan)["study"]["accuracy"])
+    if asked is None or asked._replace(differences=earlier.differences) != earlier:
+        plan.unlink()  # of another request
+        return []
+    return [str(plan)]
+
+
+def reach(override: str, folder: Path, run: Callable[[str], int]) -> int:
+    """Close surfaces until the requested accuracy is reached, if any; return the exit status."""
+    accuracy, tables = requested(override), folder / "tables"
+    if accuracy is None:
+        return 0
+
+    def plan(counts: Counts) -> None:
+        asked = accuracy._replace(differences=counts.differences).model_dump()
+        study = {"realizations": counts.surfaces, "accuracy": asked}
+        write_text(yaml.safe_dump({"study": study}), folder / PLAN)
+
+    if not planned(override, folder):
+        if accuracy.budget_core_minutes is None:
+            plan(START)
+        elif status := run("price_accuracy"):
+            return status
+        else:
+            plan(start_counts(read_csv(tables / "accuracy_price.csv"), accuracy))
+    while True:
+        if status := run("reach_accuracy"):
+            return status
+        closed = read_plain(folder / PLAN)["study"]
+        table = read_csv(tables / "accuracy_reached.csv")
+        counts = Counts(closed["realizations"], closed["accuracy"]["differences"])
+        following = next_counts(table, accuracy, counts)
+        print(describe_reached(table, accuracy, ended=following is None), flush=True)
+        if following is None:
+            return 0
+        plan(following)
+        words = f"{following.surfaces} surfaces and {following.differences} differences"
+        print(f"accuracy: continues with {words}", flush=True)
 
 
 def snakemake(profile: str, cores: str) -> list[str]:

@@ -54,6 +54,7 @@ LADDER = {"the paper's steps": Numerics()} | {
     for tolerance in (RESOLVED.tolerance * REFINEMENT**power for power in (1, 0, -1))
 }
 """Settings of the numerics that are compared, from the cheapest to the finest."""
+FINEST = list(LADDER.values())[-1]
 
 
 @takes_conditions

@@ -6,6 +6,7 @@ of the cheap level and D of the differences.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,11 +39,28 @@ def t_interval(samples: np.ndarray) -> Interval:
 def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
     """Return the mean at the finer level from cheap values (n,) and differences to it (k,).
 
-    The degrees of freedom are those of B. L. Welch, Biometrika 34, 1947, 28-35.
+    The differences are those of the first k joints.
     """
     value = float(np.mean(cheap) + np.mean(differences))
-    squares = [_squared_error(values) for values in (cheap, differences)]
-    return _about(value, squares, [np.size(cheap) - 1, np.size(differences) - 1])
+    return combined(value, [(cheap / np.size(cheap), differences / np.size(differences))])
+
+
+def combined(value: float, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> Interval:
+    """Return the interval of a sum of contributions at two levels, of independent groups of joints.
+
+    ``parts`` are the contributions of n joints at the cheap level and of differences of the first k
+    of them; both of a joint may be correlated. The degrees of freedom are those of B. L. Welch,
+    Biometrika 34, 1947, 28-35.
+    """
+    squares, freedoms = [], []
+    for cheap, differences in parts:
+        n, k = np.size(cheap), np.size(differences)
+        if k < 2:
+            return Interval(value, -math.inf, math.inf)
+        squares += [k * float(np.var(cheap[:k] + differences, ddof=1))]
+        squares += [(n - k) * float(np.var(cheap, ddof=1))]
+        freedoms += [k - 1, n - 1]
+    return _about(value, squares, freedoms)
 
 
 class Plan(NamedTuple):

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
+from jointclosure.engine.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
@@ -138,11 +139,18 @@ def _study_problems(configuration: Configuration) -> Iterator[str]:
     study, surfaces = configuration.study, configuration.statistics.control_variates
     if len(set(study.rocks)) < len(study.rocks):
         yield f"study.rocks = {list(study.rocks)!r}: must not have a rock twice"
-    closed = max(study.realizations, study.pool or 0)
+    most = study.accuracy.most if study.accuracy else 0
+    closed = max(study.realizations, study.pool or 0, most)
     if surfaces is not None and surfaces <= closed:
         yield (
             f"statistics.control_variates = {surfaces}: must be more than the {closed} surfaces of "
             "a case, whose means they adjust (or null: no adjustment)"
+        )
+    finest, numerics = FINEST.tolerance, configuration.numerics
+    if study.accuracy and numerics.breakage == "resolved" and numerics.tolerance < finest:
+        yield (
+            f"numerics.tolerance = {numerics.tolerance:g}: must be at least {finest:g} with "
+            "study.accuracy, that of the finest numerics"
         )
     of_target = sections().get(study.name)
     belongs = of_target is not None and of_target.name in configuration.study_sections

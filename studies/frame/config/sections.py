@@ -3,9 +3,32 @@
 from typing import Annotated, Literal
 
 from jointclosure.parameters import SOLVER_NAMES, Effects
+from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
-from studies.frame.config.section import Name, OrNull, Section, Several, entry
+from studies.frame.config.section import Name, OrNull, Section, Several, Share, entry
+
+
+class Accuracy(Section):
+    """Accuracy that is requested of a study: `make study` closes surfaces until it is reached."""
+
+    within: Share = entry("Half of the 95 % confidence interval, relative.")
+    of: Literal["mean", "interval", "stiffness"] = entry(
+        "mean: of every case's mean maximum closure; interval: of every indifference interval; "
+        "stiffness: of every case's mean net stiffness.",
+        "mean",
+    )
+    budget_core_minutes: float | None = entry(
+        "Processor time that the joints of all cases may take; null: any.", None, gt=0
+    )
+    most: int = entry("Surfaces of a case beyond which none are added.", 200, ge=10, le=1_000_000)
+    differences: int = entry(
+        "Surfaces of a case that are closed by the finest numerics too. `make study` sets it, and "
+        "realizations.",
+        FEWEST,
+        ge=2,
+        le=1_000_000,
+    )
 
 
 class Study(Section):
@@ -36,6 +59,11 @@ class Study(Section):
     surfaces_of: Name | None = entry(
         "Study whose random surfaces are drawn, so that two studies can be compared surface by "
         "surface; null: its own."
+    )
+    accuracy: Accuracy | None = entry(
+        "Accuracy that is requested: the results have differences to finer numerics on some of the "
+        "surfaces (docs/accuracy.md); null: none.",
+        None,
     )
     unusual_values: Literal["refuse", "allow"] = entry(
         "Whether numbers are refused that are not usual of rock, which often are a slip of units.",

@@ -4,12 +4,16 @@ The label of a case is used only to name files and is never parsed: rock, parame
 are fields of `Case`, and coordinates of every dataset.
 """
 
+from jointclosure.engine.assess import FINEST
 from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings, Walls
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
 from studies.frame.config.model import Configuration
 from studies.frame.config.rocks import StudyRock, wall_files
-from studies.frame.config.sections import Study
+from studies.frame.config.sections import Accuracy, Study
+
+BLOCK, FEW = 10, 4
+"""Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:
@@ -62,14 +66,40 @@ def pool_of(configuration: Configuration) -> Configuration:
             draws="common",
             surfaces_of=f"{study.surfaces_of or study.name} pool",  # cannot be a study's name
             pool=None,
+            accuracy=None,
         )
     )
 
 
+def finest_of(configuration: Configuration, accuracy: Accuracy) -> Configuration:
+    """Return the configuration that closes a study's first surfaces by the finest numerics."""
+    study = configuration.study
+    count = min(accuracy.differences, study.realizations)
+    return configuration._replace(
+        study=study._replace(
+            realizations=count, realizations_per_job=FEW, pool=None, accuracy=None
+        ),
+        numerics=FINEST,
+        effects=configuration.effects._replace(auto=None),
+        flow=False,
+    )
+
+
 def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
-    """Return the ensembles of a study by folder of their files: "cases", and "pool" if any."""
-    pooled = configuration.study.pool is not None
-    return {"cases": configuration} | ({"pool": pool_of(configuration)} if pooled else {})
+    """Return the ensembles of a study by folder of their files.
+
+    They are "cases"; "finest", the same with the finest numerics and all effects of the
+    configuration, if an accuracy is requested; and "pool" if there is one.
+    """
+    study = configuration.study
+    finest = {"finest": finest_of(configuration, study.accuracy)} if study.accuracy else {}
+    pool = {"pool": pool_of(configuration)} if study.pool is not None else {}
+    return {"cases": configuration} | finest | pool
+
+
+def dataset_of(ensemble: str) -> str:
+    """Return the file of an ensemble's dataset in the folder of the study."""
+    return "study.nc" if ensemble == "cases" else f"{ensemble}.nc"
 
 
 def wall_name(study: Study, case: Case) -> list[str]:
@@ -84,14 +114,17 @@ def wall_name(study: Study, case: Case) -> list[str]:
 
 def blocks_of(study: Study) -> list[range]:
     """Split the realisations of every case into the blocks of jobs."""
-    last, step = study.realizations, study.realizations_per_job or study.realizations
+    last = study.realizations
+    step = study.realizations_per_job or (BLOCK if study.accuracy else last)
     return [range(first, min(first + step, last)) for first in range(0, last, step)]
 
 
 def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
     output = {key: value for key, value in keys["output"].items() if key != "wall_strength_ratio"}
-    return {key: value for key, value in keys.items() if key != "statistics"} | {"output": output}
+    study = {key: value for key, value in keys["study"].items() if key != "accuracy"}
+    closed = {key: value for key, value in keys.items() if key != "statistics"}
+    return closed | {"study": study, "output": output}
 
 
 def wall_digests(walls: Walls) -> dict[str, str]:

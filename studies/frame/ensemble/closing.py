@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.choice import choose_for_rock, possible_scenes
 from jointclosure.engine.joints import close_case, rows_by_seed
-from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.settings import BASE, ClosureSettings
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
@@ -64,7 +64,7 @@ class Ensemble:
     @property
     def chosen(self) -> bool:
         """Whether pilots choose the effects of the rocks."""
-        return self._study.effects_chosen_to is not None
+        return self.configuration.effects_chosen_to is not None
 
     def settings(self, label: str, block: range) -> ClosureSettings:
         """Settings of a case and a block, with all effects that may be chosen."""
@@ -107,10 +107,15 @@ class Ensemble:
         name = f"{self.name}/{label}.{block.start}"
         return Entry(name, close_block, (settings,), options, len(block))
 
+    def firsts(self, folder: Path | None = None) -> list[Entry]:
+        """First joint of each rock's base case, with all effects that may be chosen."""
+        bases = [label for label, case in self.cases.items() if case.parameter == BASE]
+        return [self._entry(label, range(1), folder or Path(), {}, {}) for label in bases]
+
     def again(self, folder: Path, label: str) -> str:
         """Return the command that repeats a realisation of a case, without its number."""
-        pool = "--pool " if self.name == "pool" else ""
-        return f"python -m studies repeat {pool}{folder} {label}"
+        option = "" if self.name == "cases" else f"--{self.name} "
+        return f"python -m studies repeat {option}{folder} {label}"
 
     def kernels(self) -> list[list[str]]:
         """Kernels of all scenes that may be closed."""

@@ -1,0 +1,301 @@
+"""Accuracy of a study by two levels: its own numerics, and differences to the finest numerics.
+
+A result is that of n surfaces by the study's numerics plus its difference to the finest numerics on
+the first k of them (multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015, 259). It has no
+bias but that of the finest numerics, and its error holds anywhere, without measured tables.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.engine.quantities import QUANTITIES, shown_unit
+from jointclosure.inputs import InputError
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.two_level import (
+    FEWEST,
+    Interval,
+    best_plan,
+    combined,
+    two_level_mean,
+)
+from studies.frame.config.sections import Accuracy
+from studies.frame.ensemble.aggregation import succeeded
+from studies.frame.ensemble.cases import BLOCK, FEW
+from studies.paper.claims import TARGET
+from studies.paper.responses import Response, responses
+
+QUANTITY = {"mean": TARGET, "stiffness": "stiffness_net"}
+"""Quantities whose means are requested."""
+
+
+class Counts(NamedTuple):
+    """Surfaces of a case, and those of them that are closed by the finest numerics too."""
+
+    surfaces: int
+    differences: int
+
+
+START = Counts(BLOCK, FEWEST)
+"""What `make study` starts with."""
+
+
+class Estimate(NamedTuple):
+    """Result by two levels with its interval, and that of the study's numerics alone.
+
+    Over the result: ``half_width``, infinite if unknown; ``deviations`` of one surface and of one
+    difference; and ``finest``, the deviation of one surface by the finest numerics.
+    """
+
+    interval: Interval
+    study: float
+    half_width: float
+    deviations: tuple[float, float]
+    finest: float
+
+
+def reached_table(
+    study: xr.Dataset, finest: xr.Dataset, accuracy: Accuracy, significance: float
+) -> pd.DataFrame:
+    """Tabulate each requested result by two levels, its 95 % interval, and what is still needed.
+
+    ``value`` with ``low`` and ``high`` is the result, ``study_value`` that of the study's numerics
+    alone. ``least_percent`` is about the half-width if ``most`` surfaces were closed by both.
+    ``surface_core_minutes`` and ``difference_core_minutes`` are those of one more of all cases.
+    """
+    costs = [part.timing_simulation.mean("realization").values for part in (study, finest)]
+    reach = scipy.stats.t.ppf(0.975, accuracy.most - 1) / math.sqrt(accuracy.most)
+    rows = []
+    for about, counts, cases, estimate in (
+        _intervals(study, finest, significance)
+        if accuracy.of == "interval"
+        else _means(study, finest, QUANTITY[accuracy.of])
+    ):
+        seconds = float(costs[0][cases].mean()), float(costs[1][cases].mean())
+        needed = math.inf, math.inf
+        if math.isfinite(estimate.half_width):
+            plan = best_plan(estimate.deviations, seconds, accuracy.within)
+            needed = (plan.joints, plan.differences) if plan else needed
+        met = estimate.half_width <= accuracy.within and counts.differences >= FEWEST
+        rows.append(
+            about
+            | counts._asdict()
+            | estimate.interval._asdict()
+            | {"study_value": estimate.study, "half_width_percent": 100.0 * estimate.half_width}
+            | {"within_percent": 100.0 * accuracy.within, "met": met}
+            | dict(zip(("surfaces_needed", "differences_needed"), needed, strict=True))
+            | {"least_percent": 100.0 * reach * estimate.finest}
+            | {"surface_core_minutes": float(costs[0].sum()) / 60.0}
+            | {"difference_core_minutes": float(costs[1].sum()) / 60.0}
+        )
+    return pd.DataFrame(rows)
+
+
+def _means(study: xr.Dataset, finest: xr.Dataset, name: str) -> Iterator[tuple]:
+    """Generate means of all cases and cycles; those of stiffnesses are harmonic."""
+    quantity, pairs = QUANTITIES[name], finest.sizes["realization"]
+    unit, scale = shown_unit(quantity.unit)
+    good, both = succeeded(study).values, succeeded(finest).values
+    both = both & good[:, :pairs]
+    for i in range(study.sizes["case"]):
+        about = {key: study[key].values[i] for key in ("rock", "parameter", "level")}
+        alone = good[i].copy()
+        alone[:pairs] &= ~both[i]
+        for cycle in study.cycle.values.tolist():
+            cheap, fine = (part[name].sel(cycle=cycle).values[i] for part in (study, finest))
+            cheap = np.concatenate([cheap[:pairs][both[i]], cheap[alone]])  # pairs first
+            fine = fine[both[i]]
+            at = about | {"cycle": cycle, "quantity": name, "unit": unit}
+            estimate = _mean(1.0 / cheap, 1.0 / fine) if quantity.harmonic else _mean(cheap, fine)
+            low, high = sorted(_shown(end, scale, quantity.harmonic) for end in estimate[0][1:])
+            value, own = (
+                _shown(x, scale, quantity.harmonic) for x in (estimate[0].value, estimate.study)
+            )
+            shown = estimate._replace(interval=Interval(value, low, high), study=own)
+            yield at, Counts(cheap.size, fine.size), [i], shown
+
+
+def _shown(value: float, scale: float, harmonic: bool) -> float:
+    """Return a mean, or one over it, in the unit in which it is shown."""
+    return scale / value if harmonic else scale * value
+
+
+def _mean(cheap: np.ndarray, fine: np.ndarray) -> Estimate:
+    """Return the mean of n surfaces, of which the first k are closed by the finest numerics."""
+    if fine.size < 2:
+        return _UNKNOWN
+    differences = fine - cheap[: fine.size]
+    mean = two_level_mean(cheap, differences)
+    spread = [float(np.std(values, ddof=1)) / mean.value for values in (cheap, differences, fine)]
+    half = 0.5 * (mean.high - mean.low) / mean.value
+    return Estimate(mean, float(cheap.mean()), half, (spread[0], spread[1]), spread[2])
+
+
+_UNKNOWN = Estimate(Interval(*[math.nan] * 3), math.nan, math.inf, (math.inf, math.inf), math.inf)
+
+
+def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> Iterator[tuple]:
+    """Generate indifference intervals, in percent of the rock's value.
+
+    The logarithm of a length is linear in the surfaces to first order; their contributions to it
+    are those of a jackknife. The difference to the finest numerics is that of the logarithms of
+    both lengths on the surfaces that both have closed, for the test with all surfaces.
+    """
+    pairs = finest.sizes["realization"]
+    both = (succeeded(study).values[:, :pairs] & succeeded(finest).values).all(axis=0)
+    kept = np.concatenate([both, np.ones(study.sizes["realization"] - pairs, dtype=bool)])
+    study, finest = study.isel(realization=kept), finest.isel(realization=both)
+    for cheap, fine in zip(responses(study, TARGET), responses(finest, TARGET), strict=True):
+        n, k = cheap.samples.shape[1], fine.samples.shape[1]
+        scale, estimate = 100.0 / abs(cheap.base), _UNKNOWN
+        if k > 2:
+            pair = cheap._replace(samples=cheap.samples[:, :k])
+            whole, own = _log_length(cheap, significance, n)
+            (refined, changed), (same, unchanged) = (
+                _log_length(part, significance, n) for part in (fine, pair)
+            )
+            log = combined(whole + refined - same, [*zip(own, changed - unchanged, strict=True)])
+            if math.isfinite(log.low):
+                estimate = Estimate(
+                    Interval(*(scale * math.exp(end) for end in log)),
+                    scale * math.exp(whole),
+                    log.high - log.value,
+                    (_spread(own), _spread(changed - unchanged)),
+                    _spread(changed),
+                )
+        about = {
+            "rock": cheap.rock,
+            "parameter": cheap.parameter,
+            "level": "",
+            "cycle": cheap.cycle,
+        }
+        about |= {"quantity": "indifference_interval", "unit": "%"}
+        yield about, Counts(n, k), (study.rock == cheap.rock).values, estimate
+
+
+def _log_length(response: Response, significance: float, surfaces: int) -> tuple[float, np.ndarray]:
+    """Return the logarithm of a length, NaN without one, and contributions (group, n) to it.
+
+    Groups are the levels where these have other surfaces.
+    """
+    samples, n = response.samples, response.samples.shape[1]
+    if response.paired:
+        drawn = [samples, *(np.delete(samples, i, axis=1) for i in range(n))]
+        parts = (response._replace(samples=part) for part in drawn)
+        lengths = np.array([part.interval(significance, surfaces).length for part in parts])
+    else:
+        departures = samples - response.means[:, None]
+        squares = (departures**2).sum(axis=1, keepdims=True) - departures**2 * n / (n - 1)
+        without = np.sqrt(np.maximum(squares, 0.0) / (n - 2))
+        means, deviations = (
+            np.tile(values, (n * values.size + 1, 1))
+            for values in (response.means, response.deviations)
+        )
+        for level in range(response.levels.size):
+            place = 1 + level * n + np.arange(n)
+            means[place, level] = response.means[level] - departures[level] / (n - 1)
+            deviations[place, level] = without[level]
+        lengths = indifference_lengths(
+            response.levels, means, deviations, surfaces, significance, response.base
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.log(lengths)
+    return float(logs[0]), (n - 1) / n * (logs[0] - logs[1:]).reshape(-1, n)
+
+
+def _spread(contributions: np.ndarray) -> float:
+    """Return the standard deviation of one surface from contributions (group, n)."""
+    n = contributions.shape[1]
+    return n * math.sqrt(float(contributions.var(axis=1, ddof=1).sum()))
+
+
+def start_counts(price: pd.DataFrame, accuracy: Accuracy) -> Counts:
+    """Return the counts to start with, fewer where the budget is small.
+
+    ``price`` has, by ensemble and rock, the number of cases and the seconds of a joint.
+
+    Raises
+    ------
+    InputError
+        If the budget does not suffice for two surfaces by both numerics.
+    """
+    joints = price.groupby("ensemble").seconds.max()
+    minutes = (price.cases * price.seconds).groupby(price.ensemble).sum() / 60.0
+    counts, budget = START, accuracy.budget_core_minutes
+    while budget is not None and _core_minutes(counts, minutes.cases, minutes.finest) > budget:
+        if counts == Counts(2, 2):
+            least = _core_minutes(counts, minutes.cases, minutes.finest)
+            raise InputError(
+                f"study.accuracy.budget_core_minutes = {budget:g}: must be at least {least:.2g}, "
+                f"for 2 surfaces of all {price.cases.sum() // 2} cases; a joint takes up to "
+                f"{joints.cases:.2g} s by the study's numerics and {joints.finest:.2g} s by the "
+                "finest"
+            )
+        counts = Counts(*(max(2, count // 2) for count in counts))
+    return counts
+
+
+def _core_minutes(counts: Counts, surface: float, difference: float) -> float:
+    return counts.surfaces * surface + counts.differences * difference
+
+
+def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Counts | None:
+    """Return the counts to continue with; None if all is met, `most` or the budget is reached.
+
+    They are at most doubled, because deviations of few surfaces are known only roughly.
+    """
+    missing, most = table[~table.met], accuracy.most
+    if missing.empty:
+        return None
+    needed = [min(missing[f"{name}_needed"].max(), most) for name in Counts._fields]
+    surfaces, differences = (
+        max(have, min(step * math.ceil(need / step), 2 * have))
+        for need, step, have in zip(needed, (BLOCK, FEW), closed, strict=True)
+    )
+    if (surfaces, differences) == closed:  # what was expected did not suffice
+        surfaces, differences = surfaces + BLOCK, differences + FEW
+    budget = accuracy.budget_core_minutes
+    while True:
+        surfaces = max(min(surfaces, most), closed.surfaces)
+        counts = Counts(surfaces, max(min(differences, surfaces), closed.differences))
+        if counts == closed:
+            return None
+        if budget is None or _core_minutes(counts, *_prices(table)) <= budget:
+            return counts
+        surfaces, differences = surfaces - BLOCK, differences - FEW
+
+
+def _prices(table: pd.DataFrame) -> tuple[float, float]:
+    return table.surface_core_minutes.iloc[0], table.difference_core_minutes.iloc[0]
+
+
+def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True) -> str:
+    """Describe in a sentence what was reached, and if it has ``ended``, why not more."""
+    if table.empty:
+        return f"accuracy: this study has no {accuracy.of}"
+    worst = table.loc[table.half_width_percent.idxmax()]
+    counts = Counts(int(table.surfaces.max()), int(table.differences.max()))
+    parts = dict.fromkeys(str(part) for part in worst[["rock", "parameter", "level"]] if part)
+    missing = int((~table.met).sum())
+    reached = f"not reached in {missing} of {len(table)}" if missing else "reached"
+    sentence = (
+        f"accuracy: {accuracy.of} within {100.0 * accuracy.within:g} % {reached}, with "
+        f"{counts.surfaces} surfaces and {counts.differences} differences to the finest numerics "
+        f"({_core_minutes(counts, *_prices(table)):.2g} core-minutes); the worst is "
+        f"{worst.half_width_percent:.2g} % ({' '.join(parts)}, cycle {worst.cycle})"
+    )
+    if not missing or not ended:
+        return sentence
+    least = table.least_percent.max()
+    if accuracy.budget_core_minutes is not None and counts.differences < accuracy.most:
+        return (
+            f"{sentence}; the budget of {accuracy.budget_core_minutes:g} core-minutes does not "
+            "suffice for more"
+        )
+    can = f"can give about {least:.2g} %" if math.isfinite(least) else "do not give all of them"
+    return f"{sentence}; {accuracy.most} surfaces, the most, {can}"
