@@ -133,7 +133,11 @@ def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
     """
     variants = {"as stated": given}
     if given.effects.breakage:
-        settings = {name: given._replace(numerics=numerics) for name, numerics in LADDER.items()}
+        points = given.numerics.curve_points  # of elastic curves, no part of a setting
+        settings = {
+            name: given._replace(numerics=numerics._replace(curve_points=points))
+            for name, numerics in LADDER.items()
+        }
         variants = settings if given in settings.values() else variants | settings
     stated = next(name for name, variant in variants.items() if variant == given)
     for names in DROPS:

@@ -79,6 +79,8 @@ class Assessment(NamedTuple):
 
     def verdict(self, variant: str) -> str:
         """Say whether effects can be left out within the request, by the closures of all cycles."""
+        if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
+            return "needed: fails"
         rows = self.differences[self.differences.variant == variant]
         inside = [
             interval_of(row).within(self.within)
@@ -156,7 +158,8 @@ def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str,
     values = own.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
     spread = (values.std(axis=1) / values.mean(axis=1)).to_dict()
     share, judged = float(own.unbreakable_share.max()), float(closures.oracle_ratio.max())
-    failed = closures[~(closures.status < FAILURE)]
+    judged_by = closures[~closures.variant.astype(str).str.startswith(_EFFECT)]
+    failed = judged_by[~(judged_by.status < FAILURE)]
     scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
     if len(failed):
         first = failed.iloc[0]

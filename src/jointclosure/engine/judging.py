@@ -142,10 +142,12 @@ class JudgedSolver:
 def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:
     """Return the oracle's largest number over its limit, at the first maximum.
 
-    NaN for more cells in contact than it can judge.
+    NaN for more cells in contact than it can judge, and where breakage passed the maximum.
     """
-    at = int(np.flatnonzero(closed.snapshot_branch.values == LOADING)[0])
-    snapshot, area = closed.isel(snapshot=at), walls[0].size * conditions.grid_spacing**2
+    loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
+    if not loaded.sizes["snapshot"]:
+        return math.nan
+    snapshot, area = loaded.isel(snapshot=0), walls[0].size * conditions.grid_spacing**2
     force, step = snapshot.snapshot_force.values, int(snapshot.snapshot_step)
     if np.count_nonzero(force) > _LARGEST_CURVE:
         return math.nan

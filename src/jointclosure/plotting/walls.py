@@ -1,6 +1,7 @@
 """Figures of scanned walls and of the range of their joint's results."""
 
 import numpy as np
+import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -78,23 +79,28 @@ def price_figure(assessment: Assessment, title: str) -> Figure:
     table = table[(table.reference != table.variant) & (table.quantity == CLOSURE)]
     settings = table[~table.variant.str.startswith("without ")]
     figure, axes = subplots(figsize=(5.6, 3.8))
-    errors = settings.assign(error=100.0 * settings[["low", "high"]].abs().max(axis=1))
-    for cycle, rows in errors.groupby("cycle"):
-        axes.plot(rows.seconds, rows.error, "o", label=f"cycle {cycle}")
-    for name, rows in errors.groupby("variant"):
-        axes.plot(rows.seconds, rows.error, "-", color="0.7", zorder=0)
-        top = rows.seconds.iloc[0], rows.error.max()
-        axes.annotate(str(name), top, (0, 6), textcoords="offset points", ha="center")
-    axes.axhline(100.0 * assessment.within, color="0.5", linestyle="--", label="request")
-    axes.set(xscale="log", yscale="log", title=title)
-    axes.set(xlabel="processor time of a joint (s)")
+    error = 100.0 * settings[["low", "high"]].abs().max(axis=1)
+    draw_price(axes, settings.assign(error=error), 100.0 * assessment.within)
+    axes.set(title=title, xlabel="processor time of a joint (s)")
     axes.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
-    for axis in (axes.xaxis, axes.yaxis):
-        decimal_ticks(axis)
     axes.margins(x=0.3, y=0.15)
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     sns.despine(figure)
     return figure
+
+
+def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
+    """Draw ``error`` (%) over ``seconds`` of variants by cycle, with the request (%)."""
+    for mark, (name, of_setting) in zip("osD^", settings.groupby("variant", sort=False)):
+        axes.plot([], [], mark, color="0.5", label=str(name))
+        for colour, row in zip(("C0", "C1", "C2"), of_setting.itertuples()):
+            axes.plot(row.seconds, row.error, mark, color=colour)
+    for colour, cycle in zip(("C0", "C1", "C2"), settings.cycle.unique()):
+        axes.plot([], [], "-", lw=4, color=colour, label=f"cycle {cycle}")
+    axes.axhline(within, color="0.5", linestyle="--", label="request")
+    axes.set(xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        decimal_ticks(axis)
 
 
 def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:

@@ -1,0 +1,1 @@
+"""Assessment of a study's rocks: accuracy and its cost, hardness, and effects that are needed."""

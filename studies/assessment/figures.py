@@ -1,0 +1,85 @@
+"""Figures of an assessment: price of accuracy, changes by effects, and hardness."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jointclosure.engine.assessment import CLOSURE, LARGEST_UNBREAKABLE
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
+from jointclosure.plotting.walls import draw_price
+
+_COLUMNS = 4
+"""Largest number of panels in a row."""
+_VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
+
+
+def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFrame]]:
+    """Generate a panel for the closures of each condition, in one figure."""
+    shown = table[(table.quantity == CLOSURE) & (table.variant != table.reference)]
+    conditions = list(shown.groupby(["rock", "jrc", "stress_MPa"], sort=False))
+    columns = min(len(conditions), _COLUMNS)
+    rows = -(-len(conditions) // columns)
+    _, grid = panel_grid(rows, columns, panel, (1.2, 0.0), sharex=True, sharey=True)
+    for axes in grid.flat[len(conditions) :]:
+        axes.remove()
+    for axes, ((rock, jrc, stress), part) in zip(grid.flat, conditions, strict=False):
+        axes.set_title(f"{str(rock).capitalize()}, JRC {jrc:g}, {stress:g} MPa")
+        yield axes, part
+
+
+@styled
+def price_panels(table: pd.DataFrame, within: float) -> Figure:
+    """Draw the error of each setting of the numerics over its time, for each condition."""
+    for axes, part in _panels(table[table.verdict.isna() | (table.verdict == "")], (3.0, 2.8)):
+        error = part[["low_percent", "high_percent"]].abs().max(axis=1)
+        draw_price(axes, part.assign(error=error), 100.0 * within)
+    return _finished(axes, "processor time of a joint (s)", "error of mean net closure (%)")
+
+
+@styled
+def effect_panels(table: pd.DataFrame, within: float) -> Figure:
+    """Draw the change of the mean net closure without each group of effects."""
+    without = table[table.variant.str.startswith("without ")]
+    for axes, part in _panels(without, (3.0, 2.2)):
+        names = list(dict.fromkeys(part.variant))
+        axes.axvspan(-100.0 * within, 100.0 * within, color="0.9", lw=0.0, zorder=0)
+        for cycle, rows in part.groupby("cycle"):
+            at = [names.index(name) + 0.2 * (cycle - 1.5) for name in rows.variant]
+            bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
+            axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, label=f"cycle {cycle}")
+        axes.set_yticks(range(len(names)), names)
+        axes.set_xscale("symlog", linthresh=100.0 * within)
+        axes.set_ylim(len(names) - 0.5, -0.5)
+        ticks_at(axes.xaxis, [-100, -10, 0, 10, 100])
+    return _finished(axes, "change of mean net closure (%)", "")
+
+
+def _finished(axes: Axes, x: str, y: str) -> Figure:
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.supxlabel(x, fontsize="medium")
+    figure.supylabel(y, fontsize="medium")
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+@styled
+def hardness_figure(table: pd.DataFrame, within: float) -> Figure:
+    """Draw unbreakable share over spread of copies of each joint, with the limits of easy ones."""
+    figure, axes = subplots(figsize=(6.0, 3.8))
+    shown = table.assign(percent=100.0 * table.unbreakable)
+    marks = {"data": shown, "x": "spread_percent", "y": "percent", "ax": axes}
+    sns.scatterplot(**marks, hue="rock", style="verdict", markers=_VERDICTS, s=40)
+    axes.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
+    axes.axhline(100.0 * LARGEST_UNBREAKABLE, color="0.5", ls="--", zorder=0)
+    axes.set(xlabel="spread of net closure over copies that must close alike (%)", xscale="log")
+    axes.set(ylabel="force on contacts that cannot break (%)")
+    decimal_ticks(axes.xaxis)
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    sns.despine(figure)
+    return figure

@@ -1,0 +1,33 @@
+"""Section of the assessment of a study's rocks."""
+
+from collections.abc import Iterator
+
+from studies.frame.config.model import Configuration
+from studies.frame.config.section import Jrc, Positive, Several, Share, StudySection, entry
+
+
+class Assessment(StudySection):
+    """Assessment of a study's rocks by variants of their base case (`make assess`)."""
+
+    name = "assessment"
+    joints: int = entry("Surfaces of each condition, which all variants close.", ge=2, le=1_000)
+    within: Share = entry(
+        "Relative error that is requested of mean closures, and up to which an effect can be left "
+        "out."
+    )
+    jrc: Several[Jrc] = entry("Joint roughness coefficients; none: that of each rock.", ())
+    stress: Several[Positive] = entry(
+        "Maximum normal stresses [MPa]; none: that of each rock.", (), alias="stress_MPa"
+    )
+
+    def problems(self, configuration: Configuration) -> Iterator[str]:
+        """Generate stresses that are not above the seating stress."""
+        for stress in self.stress:
+            if stress <= configuration.seating_stress:
+                yield (
+                    f"assessment.stress_MPa = {1e-6 * stress:g}: must be more than "
+                    f"seating_stress_MPa ({1e-6 * configuration.seating_stress:g})"
+                )
+
+
+SECTION = Assessment
