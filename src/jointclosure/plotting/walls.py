@@ -91,12 +91,15 @@ def price_figure(assessment: Assessment, title: str) -> Figure:
 
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     """Draw ``error`` (%) over ``seconds`` of variants by cycle, with the request (%)."""
-    for mark, (name, of_setting) in zip("osD^", settings.groupby("variant", sort=False)):
-        axes.plot([], [], mark, color="0.5", label=str(name))
-        for colour, row in zip(("C0", "C1", "C2"), of_setting.itertuples()):
-            axes.plot(row.seconds, row.error, mark, color=colour)
-    for colour, cycle in zip(("C0", "C1", "C2"), settings.cycle.unique()):
-        axes.plot([], [], "-", lw=4, color=colour, label=f"cycle {cycle}")
+    colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
+    names = list(dict.fromkeys(settings.variant))
+    for row in settings.itertuples():
+        mark = "osD^v"[names.index(row.variant)]
+        axes.plot(row.seconds, row.error, mark, color=colours[row.cycle])
+    for mark, name in zip("osD^v", names, strict=False):
+        axes.plot([], [], mark, color="0.5", label=name)
+    for cycle, colour in colours.items():
+        axes.plot([], [], lw=4, color=colour, label=f"cycle {cycle}")
     axes.axhline(within, color="0.5", linestyle="--", label="request")
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
