@@ -50,11 +50,10 @@ def conclusion_tables(
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Compute shares of choices for which conclusions hold, and the inputs behind their margins.
 
-    A conclusion holds at a drawn choice if it does for the fitted elasticities by more than the
-    tolerance. ``rock`` "all" is in every rock at once; ``share_error`` is by jackknife over rows,
-    the 95 % interval at least as wide as for a count of single rows; ``rows_true`` are those for
-    whose changes, noise included, it holds. The second table has the ``share`` of the variance of
-    the margin due to each input's first function.
+    ``rock`` "all" is in every rock at once; ``share_error`` is by jackknife over rows, the 95 %
+    interval at least as wide as for a count of single rows; ``rows_true`` are those for whose
+    changes, noise included, it holds. The second table: ``share`` of the margin's variance due to
+    each input.
     """
     fits = _elasticities(sampling, keys, closed)
     shares: list[dict] = []

@@ -98,10 +98,7 @@ _ROWS = "rows of the design"
 
 @styled
 def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Draw first and total indices of every input, with a panel for each response.
-
-    Filled: total; hollow: first. Bars: 95 % intervals.
-    """
+    """Draw first (hollow) and total indices of every input by response, with 95 % intervals."""
     most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
     whole = table[table.rows == most]
     names = [name for name in dict.fromkeys(whole.input) if name != _SURFACES]
@@ -134,10 +131,7 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 
 
 def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Draw total indices of the closures of both cycles over the number of rows.
-
-    Bars are 95 % intervals.
-    """
+    """Draw total indices of both cycles over the number of rows, with 95 % intervals."""
     table = table[(table.response == "max_closure") & (table.input != _SURFACES)]
     table = table.assign(input=table.title, **{_ROWS: table.rows + table.left_out})
     rows = [

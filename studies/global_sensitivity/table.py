@@ -106,9 +106,8 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Compute first and total indices of inputs, for a quarter, half and all of the rows.
 
-    Of all rows also the Shapley effects of the fitted function, with independent and with dependent
-    inputs. The input "surfaces" has the share of the surfaces in a single joint's variance. There
-    are none of fewer than `FEWEST` complete rows.
+    Of all rows also Shapley effects. The input "surfaces" has the share of the surfaces in a single
+    joint's variance. There are none of fewer than `FEWEST` complete rows.
     """
     rows, fits = [], []
     for response in responses_of(sampling, closed):

@@ -50,9 +50,8 @@ AGREES = "agrees"
 def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     """Compute `OBSERVABLES` of each joint that was closed, by ``variant`` and ``wavelength``.
 
-    ``loaded_as`` is the variant that has the first loading of one of a single cycle, ``film_cells``
-    the number of cells of the grid in one of the film: the observed area of contact is at most so
-    many times that of the cells in contact.
+    ``loaded_as``: variant with the first loading of a single cycle; ``film_cells``: cells of the
+    grid in one of the film, whose contact area is at most so many times that of the cells.
     """
     joints = joints[joints.status < FAILURE]
     at = ["variant", "wavelength", "realization"]

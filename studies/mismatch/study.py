@@ -53,11 +53,7 @@ def mismatch_design(configured: Configured) -> Design:
 
 
 def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """Compute means over surfaces with errors, for each mismatch wavelength, shift and cycle.
-
-    Independent walls have an infinite wavelength. A joint that is too stiff for its steps may lack
-    a quantity, and is left out of its mean.
-    """
+    """Compute means over surfaces with errors; what a joint lacks is left out of its mean."""
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
         closed = part[part.status < FAILURE]
@@ -91,10 +87,8 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
-    ``shift_mm`` with its 95 % interval (bootstrap over surfaces), infinite if no shift of the
-    design suffices, and ``apertures``: that shift over the mean aperture of independent walls at
-    seating. ``tolerance`` is the share by which the mean closure may be below theirs. Means over
-    shifts are their isotonic regression, with straight lines between.
+    ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
+    ``apertures``: over the mean aperture of independent walls at seating. Means are isotonic.
     """
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]

@@ -94,12 +94,11 @@ class Elasticities(NamedTuple):
 class Statement(NamedTuple):
     """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
-    ``parameters`` must vary. ``margins`` (model, cycle, variable) are those of a model by name;
-    ``finds`` (studies, rock, cycle, variable) returns which studies (R,) confirm the statement. It
-    is true if all margins exceed ``above``, or lie ``within`` +-``above``. ``alike`` is the largest
-    difference that counts as none, for comparisons; a statement that is no comparison is false
-    below ``above``. ``before``: it compares with the cycle before. ``of_elasticities``: it depends
-    only on elasticities and the rock's values.
+    ``margins`` (model, cycle, variable) are by name, ``finds`` (studies, rock, cycle, variable)
+    which studies (R,) confirm it. It is true if all margins exceed ``above``, or lie ``within``
+    +-``above``. ``alike``: largest difference that counts as none, for comparisons. ``before``: it
+    compares with the cycle before. ``of_elasticities``: it depends only on these and the rock's
+    values.
     """
 
     number: str
@@ -287,9 +286,8 @@ TABLE_3 = "table 3"
 class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
-    ``section``: sections of the paper, or `OURS`. ``statement``: `UNJUDGED`, on no cycle, if
-    no sensitivity study can judge it; ``remark``: the reason, or what its verdict rests on.
-    ``shown``: where the paper has numbers for it, `TABLE_3` for entries of ``parameter``.
+    ``section``: of the paper, or `OURS`. ``statement``: `UNJUDGED` if no sensitivity study can
+    judge it. ``shown``: where the paper has numbers, `TABLE_3` for entries of ``parameter``.
     ``negated``: the claim is that the statement is *not* true in every rock.
     """
 

@@ -160,10 +160,7 @@ def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
-    """Return the realisation closest (RMS) to the mean curve of the first cycle, as drawn.
-
-    It is the first realisation if no curve has a point beyond the seating stress.
-    """
+    """Return the realisation closest (RMS) to the mean of the first cycle, or the first one."""
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = _curves(base, seating_stress).isel(cycle=0)
     curves = curves.where(curves.stress > (seating_stress or 0.0))

@@ -58,11 +58,9 @@ def estimate_columns(name: str, estimate: Estimate, scale: float = 1.0) -> dict[
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate mean, standard deviation and n of maximum closures by case and cycle, with errors.
+    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors.
 
-    ``max_closure_shown`` is the mean rounded to its standard error [mm]; ``variation`` is S/mean of
-    the maximum closure. Columns with ``adjusted`` are adjusted by the study's covariates, NaN
-    without covariates.
+    ``variation`` is S/mean; columns with ``adjusted`` are NaN without covariates.
     """
     good = succeeded(study).values
     rows = []
@@ -151,9 +149,8 @@ def _responses(
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
     """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors.
 
-    There is one row per rock, parameter and cycle, with and without bulk indentation. In a pool the
-    surfaces are the same at all levels, and errors are those of differences. Columns with
-    ``adjusted`` are adjusted by the ensemble's covariates, NaN without covariates.
+    Errors are those of differences where surfaces are the same; ``adjusted`` as in maximum
+    closures.
     """
     rows = []
     for row, gross, net in _responses(ensemble, covariates):
@@ -190,9 +187,8 @@ def indifference_table(
 ) -> pd.DataFrame:
     """Tabulate the indifference intervals of all rocks, parameters and cycles.
 
-    ``test`` is that of ``length`` and related columns, ``unpaired_length`` is by the published test
-    for any draws, ``p_of_ends`` the p value of the difference between the lowest and the highest
-    level, and ``adjusted_length`` from means and deviations adjusted by the covariates.
+    ``length`` is by ``test``, ``unpaired_length`` by the published test for any draws;
+    ``p_of_ends`` is of the difference between the lowest and the highest level.
     """
     rows = []
     for row, gross, net in _responses(study, covariates):

@@ -1,13 +1,10 @@
 """Judgement of the paper's claims: their truth in the model, and confirmation by a study.
 
-True of the model: margins (`studies.paper.claims`) with confidence intervals, from surfaces on
-which all cases are closed. A claim *stands* if all margins are in the range where it is true, in
-all rocks, and *falls* if one is outside; for a comparison there is *no difference* if the smallest
-margin is within the tolerance; otherwise it is *undecided*. The intervals of one claim are
-simultaneous with a confidence of 95 % (Bonferroni).
-
-Confirmed by a study: the share of repetitions of the study, with n independent draws at every
-level, in which the claim is true for all rocks by point estimates, as in the paper.
+True of the model: a claim *stands* if all margins (`studies.paper.claims`) are in the range where
+it is true, in all rocks, and *falls* if one is outside; for a comparison there is *no difference*
+if the smallest margin is within the tolerance; otherwise it is *undecided*. The 95 % intervals of
+one claim are simultaneous (Bonferroni). Confirmed by a study: the share of repetitions, with n
+independent draws at every level, in which the claim is true for all rocks by point estimates.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -47,10 +44,9 @@ MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
-    """Data from which claims are judged: a study confirms claims, a pool tells what is true.
+    """A study confirms claims, a pool (or the study itself) tells what is true.
 
-    ``pool`` is the study itself if it has none. ``design``: that of repetitions of the study.
-    ``resampled_pools``: number of pools for the error of confirmed shares due to the pool.
+    ``design`` is that of repetitions, ``resampled_pools`` how many give the error due to the pool.
     """
 
     study: xr.Dataset
@@ -64,10 +60,8 @@ class Evidence(NamedTuple):
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Judge all claims by both criteria, and return the margins that decide them.
 
-    ``found_share`` is the share of repetitions that confirm a claim, ``found_here`` and
-    ``paper_finds`` whether the study and the paper's Table 3 do. In a study of other rocks only,
-    `OF_PAPER` and claims that cannot be judged are left out. Intervals of margins are simultaneous
-    for a claim; the smallest margin of a rock ``decides``.
+    In a study of other rocks only, `OF_PAPER` and claims that cannot be judged are left out.
+    Intervals of margins are simultaneous for a claim; the smallest margin of a rock ``decides``.
     """
     samples, design = _samples(evidence.pool), evidence.design
     margins = {sample.rock: _margins(sample, design.critical_change) for sample in samples}
@@ -184,10 +178,7 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estim
 def _true(
     claim: Claim, asked: dict[str, dict[tuple, Estimate]], sizes: dict[str, int]
 ) -> tuple[str, list[dict]]:
-    """Return the verdict on the model, and rows of the margins of all rocks.
-
-    Of each rock the smallest margin, in standard errors, decides.
-    """
+    """Return the verdict on the model, and rows of margins; the smallest of a rock decides."""
     if not asked:
         return UNDECIDED, []
     statement = claim.statement
@@ -267,11 +258,7 @@ Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel:
-    """Mean closures (targets, cases) of all cases of a rock.
-
-    ``critical`` is t sqrt(2/n) of a study's test: the smallest significant change of a mean in
-    standard deviations of a closure.
-    """
+    """Mean closures (targets, cases) of a rock; ``critical``: change that is significant, in S."""
 
     def __init__(self, sample: RockSample, means: np.ndarray, critical: float) -> None:
         self.sample = sample
@@ -323,10 +310,9 @@ class ClosedModel:
 def estimated(
     numbers: Callable[[np.ndarray], Mapping[Name, float]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Return numbers that depend on means, with their standard errors.
+    """Return numbers that depend on means, with standard errors to first order in those of means.
 
-    The errors are to first order in the errors of the means, whose covariance is that over
-    surfaces: contributions of a surface equal at all levels cancel in differences.
+    Contributions of a surface that are equal at all levels cancel in differences.
     """
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)

@@ -58,9 +58,8 @@ def plan(
 ) -> pd.DataFrame:
     """Compute the surfaces per case that a goal needs, for every rock, parameter and cycle.
 
-    ``ensemble`` is a finished study or, better, its pool; ``paired`` plans common draws, which need
-    an ensemble of common surfaces. ``surfaces`` are infinite if more than `MOST`; ``low_68`` and
-    ``high_68`` are the central 68 % over resampled surfaces, ``core_minutes`` those of all levels.
+    ``ensemble`` is a finished study or, better, its pool, of common surfaces if ``paired``;
+    ``low_68`` and ``high_68`` are the central 68 % over resampled surfaces.
     """
     _check(goal)
     check_significance(significance)
@@ -85,10 +84,7 @@ def plan(
 def surfaces_for(
     response: Response, goal: Goal, significance: float, paired: bool, within: float = 0.0
 ) -> float:
-    """Return the smallest number of surfaces per case that is expected to reach the goal.
-
-    ``within`` is the allowed relative error of this number.
-    """
+    """Return the fewest surfaces per case expected to reach the goal, to a relative error."""
     met = _criteria(response._replace(paired=paired), significance)[goal.kind]
 
     def enough(n: int) -> bool:
@@ -141,10 +137,7 @@ def _criteria(response: Response, significance: float) -> dict[str, Callable[[in
 
 
 def length_error(response: Response, n: int) -> float:
-    """Return the relative standard error of a length from n surfaces.
-
-    The length is approximated by scatter over slope.
-    """
+    """Return the relative standard error of a length, scatter over slope, from n surfaces."""
     k, had = response.samples.shape
     mean = fit_quadratic(response.levels, response.means, response.base)
     covariance = mean_covariance(response.samples, response.paired)

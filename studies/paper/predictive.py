@@ -1,8 +1,7 @@
 """Predicted distributions of Table 3 over repetitions of the study, and tests of the paper's table.
 
-Repetitions are drawn from a pool (`jointclosure.statistics.drawn_studies`): n surfaces for every
-level, independently, as in the paper. The null model is a rock whose parameters have no effect:
-every level draws from the base case.
+Repetitions are drawn from a pool: n surfaces for every level, independently, as in the paper. In
+the null model no parameter has an effect: every level draws from the base case.
 """
 
 from typing import NamedTuple
@@ -48,11 +47,9 @@ _TEST = ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error
 class Predictive(NamedTuple):
     """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
 
-    The first of ``model`` and ``null`` is drawn from the pool itself. The others are drawn from
-    resampled pools, with fewer repetitions, for the error of probabilities and medians due to the
-    pool. ``twice`` has further repetitions of the resampled pools, ``same`` of the pool itself, as
-    many a set. ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of
-    each rock in the pool.
+    The first are drawn from the pool itself, the others from resampled pools, for the error due to
+    the pool. ``twice``: further ones of the resampled pools; ``same``: of the pool itself.
+    ``bases``: the rock's values [SI]. ``pool``: surfaces of each rock.
     """
 
     model: list[Lengths]
@@ -142,9 +139,8 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Tabulate each entry's distribution over repetitions, with the paper's value, as in Table 1.
 
-    Ends of ranges are infinite if too many repetitions have no root. ``median_error`` is due to the
-    number of repetitions, ``median_pool_error`` to that of the pool's surfaces. ``p``: two-sided,
-    of the paper's entry; ``null_p``: probability of so short a length without any effect.
+    Ends are infinite if too many repetitions have no root. ``p``: two-sided, of the paper's entry;
+    ``null_p``: probability of so short a length without any effect.
     """
     published = _published(paper)
     rows = []
@@ -188,11 +184,9 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
 def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
 
-    ``p`` is the share of repetitions that are equally or less likely, ``null_p`` the same for the
-    null model; dashes count with their probability. Errors of both are due to repetitions and pool
-    together, ``p_pool_error`` to the pool alone. The scatter of ``p`` by repetitions is that of
-    further repetitions of the same pools: as densities are estimated from them, it is more than
-    binomial, which is taken for ``null_p``. The table is empty without rocks of the paper.
+    ``p``: share of repetitions that are equally or less likely, dashes included; ``null_p``: the
+    same for the null model. The scatter of ``p`` by repetitions is that of further repetitions of
+    the same pools, more than binomial as densities are estimated; that of ``null_p`` is binomial.
     """
     published = {
         entry: length * PROPERTIES[entry[1]].size

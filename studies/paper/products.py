@@ -1,7 +1,4 @@
-"""Products of a study: its tables and figures, and what each is made of.
-
-Functions import what draws, which takes a second, as rules are made of this module in every run.
-"""
+"""Products of a study, and what each is made of; functions import what draws, which is slow."""
 
 from collections.abc import Callable, Iterable
 from functools import partial

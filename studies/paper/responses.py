@@ -17,10 +17,9 @@ from studies.frame.ensemble.covariates import Covariates
 
 
 class Response(NamedTuple):
-    """Target (level, realization) [m] as a function of one parameter of one rock, in SI.
+    """Target (level, realization) [m] over one parameter of one rock, in SI, without failures.
 
-    Realisations that failed at any level are left out. ``paired``: whether a realisation is the
-    same surface at all levels. ``covariates`` (level, realization, covariate) may be None.
+    ``paired``: a realisation is the same surface at all levels.
     """
 
     rock: str
@@ -60,10 +59,9 @@ class Levels(NamedTuple):
 
 
 class RockSample(NamedTuple):
-    """Targets (targets, cases, n) [m] of all cases of one rock.
+    """Targets (targets, cases, n) [m] of all cases of a rock, of realisations that have all.
 
-    Realisations that failed, or lack a target, in any of its cases are left out. ``names``
-    (targets): variable and cycle. ``levels``: varied parameters. ``paired`` as in `Response`.
+    ``names`` (targets): variable and cycle. ``levels``: varied parameters.
     """
 
     rock: str

@@ -114,8 +114,7 @@ def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
 def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]:
     """Return the mean square spread between conditions, before and after, by cross-validation.
 
-    The square of a mean over surfaces is too large by the variance of that mean, which is
-    subtracted. The result may be negative if it is smaller than the noise of the surfaces.
+    The variance of the means over surfaces is subtracted, so that it may be negative.
     """
     halves = np.arange(response.shape[1]) % 2
     both = []

@@ -178,11 +178,7 @@ def barton_bandis_table(
     rocks: Mapping[str, tuple[float, float, float]],
     strength_ratio: float,
 ) -> pd.DataFrame:
-    """Compare changes from the smallest patch to larger ones with those of Barton and Bandis.
-
-    ``rocks`` has JRC, sigma_c [Pa] and maximum stress [Pa], which the smallest patch is taken to
-    have, ``strength_ratio`` is its sigma_c/JCS.
-    """
+    """Compare changes from the smallest patch (JRC, sigma_c, stress) with the law's."""
     rows = []
     for rock, of_rock in runs.items():
         smallest, *larger = of_rock.patch.values.tolist()
@@ -206,10 +202,9 @@ def barton_bandis_table(
 def law_of_size(
     times: float, rock: tuple[float, float, float], strength_ratio: float, cycle: int
 ) -> dict[str, float]:
-    """Apply the law of Barton and Bandis to a joint of so many ``times`` the length of a known one.
+    """Apply the law of Barton and Bandis to a joint so many ``times`` as long as a known one.
 
-    Stiffnesses [Pa/m] and closures [m] have the names of the model's; the law's closures are those
-    of the joint without the rock, and count from seating.
+    Stiffnesses [Pa/m] and closures [m], since seating, have the names of the model's.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)

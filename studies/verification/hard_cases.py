@@ -49,10 +49,7 @@ class Outcome(NamedTuple):
 
 
 def merged_cases(study: dict) -> dict[str, dict]:
-    """Return cases by name, each merged over the defaults, in SI.
-
-    A case with several ways of breakage is one case for each, named after it.
-    """
+    """Return cases by name, merged over the defaults, in SI; one for each way of breakage."""
     _refuse(problems(HardCasesKeys, study))
     cases = {}
     for case in study["cases"]:

@@ -54,11 +54,7 @@ def paper_walls() -> tuple[np.ndarray, np.ndarray]:
 
 
 def polished_walls() -> tuple[np.ndarray, np.ndarray]:
-    """Make two walls of 32 x 32 independent heights of 10 nm rms [m].
-
-    Tallest first is then a random order over the grid, the slowest of those tried, because
-    neighbours are solved far apart in time.
-    """
+    """Make two walls of 32 x 32 independent heights of 10 nm rms [m]: the slowest tried."""
     random = np.random.default_rng(1)
     upper, lower = 1e-8 * random.normal(size=(2, 32, 32))
     return upper, lower
@@ -176,10 +172,7 @@ def spectral_radius(problem: Problem, force: np.ndarray) -> float:
 
 
 def critical_closure(upper: np.ndarray, lower: np.ndarray, steps: int = 24) -> float:
-    """Find the closure [m] above which a simultaneous pass does not contract, by bisection.
-
-    The base radius is half a cell as in the paper, and peaks are soft.
-    """
+    """Find the closure [m] above which a simultaneous pass does not contract (r = h/2)."""
     low, high = 0.0, float(np.ptp(upper + lower))
     for _ in range(steps):
         middle = 0.5 * (low + high)
