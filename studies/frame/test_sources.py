@@ -1,6 +1,7 @@
 """Digests follow what code does, through its imports."""
 
 import ast
+import re
 import shutil
 from pathlib import Path
 
@@ -172,18 +173,9 @@ def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(co
 
 def with_other_texts(file, call):
     """Edit the text that is the first argument of each call; the number of calls that were."""
-    text = file.read_text(encoding="utf-8")
-    lines, count = text.splitlines(keepends=True), 0
-    for node in reversed(list(ast.walk(ast.parse(text)))):
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == call and node.args:
-            first = node.args[0]
-            if isinstance(first, ast.Constant | ast.JoinedStr):
-                line = lines[first.lineno - 1].encode()
-                edited = line[: first.col_offset] + b'"Edited. " ' + line[first.col_offset :]
-                lines[first.lineno - 1] = edited.decode()
-                count += 1
-    file.write_text("".join(lines), encoding="utf-8")
-    ast.parse("".join(lines))
+    text, count = re.subn(rf'(\b{call}\(\s*f?")', r"\1Edited. ", file.read_text(encoding="utf-8"))
+    file.write_text(text, encoding="utf-8")
+    ast.parse(text)
     return count
 
 

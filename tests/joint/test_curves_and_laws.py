@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli.exports import geos_aperture_table, itasca_tables
+from jointclosure.cli.exports import itasca_tables
 from jointclosure.joint.curves import (
     area_of,
     closures_at,
@@ -241,13 +241,3 @@ def test_tables_have_hydraulic_apertures_only_where_asked_for(closed):
     assert cycles.hydraulic_aperture_x_at_max_mm.iloc[1] == at_max.hydraulic_aperture_x_mm
     assert "hydraulic_aperture_x_at_max_mm" not in cycle_table(without)
     assert len(engineering_figure(closed, "").axes) == len(engineering_figure(without, "").axes) + 1
-
-
-def test_geos_is_given_the_hydraulic_aperture_where_there_is_one(closed):
-    gap, aperture = geos_aperture_table(closed)
-    x, y = closed.hydraulic_aperture.values[here(closed, 2)].T
-    assert aperture[0] == pytest.approx(np.sqrt(x[-1] * y[-1]), rel=1e-9)
-    plain = closed.drop_vars(["hydraulic_aperture", "direction"])
-    mean = closed.mean_aperture.values[here(closed, 2)]
-    assert geos_aperture_table(plain)[1][0] == pytest.approx(float(mean[-1]), rel=1e-9)
-    assert set(np.delete(geos_aperture_table(plain)[0], -2)) <= set(gap)  # but for its end slope
