@@ -1,5 +1,7 @@
 """What a joint may not depend on: units, the names of the walls, the axes of the grid."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,12 @@ def test_elastic_closures_scale_with_lengths_and_stresses(small_joint, scene, le
     assert_scaled(other, one, lengths, stresses, rtol=ELASTIC_BOUND)
 
 
+@functools.lru_cache(maxsize=2)
+def scaled(scene, method, **scales):
+    walls = jc.wall_pair(8.0, (14, 11), SPACING, seed=5)
+    return closed(walls, (ELASTIC | BREAKING)[scene], method, load=1e6, **scales)
+
+
 @pytest.mark.parametrize(
     ("lengths", "stresses"),
     [(64.0, 1.0), (1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0), (1.0, 64.0**-2)],
@@ -80,10 +88,8 @@ def test_elastic_closures_scale_with_lengths_and_stresses(small_joint, scene, le
 @pytest.mark.parametrize("scene", [*ELASTIC, *BREAKING])
 def test_powers_of_64_scale_whole_histories_to_the_last_bit(scene, method, lengths, stresses):
     """Their square and cube roots are powers of two, so no rounding differs."""
-    walls = jc.wall_pair(8.0, (14, 11), SPACING, seed=5)
-    effects = (ELASTIC | BREAKING)[scene]
-    one = closed(walls, effects, method, load=1e6)
-    other = closed(walls, effects, method, lengths=lengths, stresses=stresses, load=1e6)
+    effects, one = (ELASTIC | BREAKING)[scene], scaled(scene, method)
+    other = scaled(scene, method, lengths=lengths, stresses=stresses)
     assert effects.breakage == (int(one.breakage_steps) > 0)
     assert_scaled(other, one, lengths, stresses)
 
