@@ -61,7 +61,7 @@ def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
 
 
 def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
-    def failing(upper, lower, conditions):
+    def failing(upper, lower, conditions, **options):
         closed = close_walls(upper, lower, conditions)
         closed["status"] = closed.status + 128
         return closed
