@@ -23,7 +23,6 @@ include: "workflow/rules/products.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/effects.smk"
 
 
 onstart:

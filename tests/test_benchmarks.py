@@ -30,18 +30,20 @@ def test_speed_of_the_solvers_is_measured_with_its_parts(tmp_path):
 
 
 @pytest.mark.slow
-def test_selected_effects_are_compared_at_conditions_of_any_seed(tmp_path):
-    options = ["--scenes", "2", "--surfaces", "3", "--tolerances", "0.3", "--seed", "7"]
-    subprocess.run(
-        [sys.executable, BENCHMARKS / "effects_auto.py", *options, "--output", tmp_path],
-        check=True,
-        capture_output=True,
-    )
-    summary = pd.read_csv(tmp_path / "effects_auto_summary.csv")
-    assert summary.joints.tolist() == [20, 180, 540]
+def test_selected_effects_are_judged_at_conditions_of_any_seed(tmp_path):
+    options = ["--scenes", "2", "--surfaces", "4", "--seed", "7", "--cells", "16", "20"]
+    for _ in range(2):  # the second run has nothing left to close
+        subprocess.run(
+            [sys.executable, BENCHMARKS / "effects_auto.py", *options, "--output", tmp_path],
+            check=True,
+            capture_output=True,
+        )
+    summary = pd.read_csv(tmp_path / "summary.csv")
+    assert summary.joints.tolist() == [20, 180] * 2
     assert (summary.scenes == 2).all()
-    assert (summary.best_saved_percent >= 0.0).all()
-    assert (tmp_path / "effects_regions.png").is_file()
+    selections = pd.read_csv(tmp_path / "selections.csv")
+    outside = selections.least > selections.tolerance
+    assert (outside | (selections.saved <= selections.best_saved)).all()
 
 
 def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys):

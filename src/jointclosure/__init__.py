@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
     from jointclosure.engine.assess import assess
-    from jointclosure.engine.choice import choose_effects
     from jointclosure.engine.ensembles import simulate_ensemble
     from jointclosure.engine.scanned_joint import close
+    from jointclosure.engine.selection import choose_effects
     from jointclosure.inputs import InputError
     from jointclosure.joint.conditions import Conditions
     from jointclosure.joint.simulation import equilibrium, simulate
@@ -36,7 +36,7 @@ _MODULES = {
     "Numerics": "parameters",
     "Rock": "parameters",
     "assess": "engine.assess",
-    "choose_effects": "engine.choice",
+    "choose_effects": "engine.selection",
     "close": "engine.scanned_joint",
     "equilibrium": "joint.simulation",
     "fit": "measured.fit",

@@ -119,7 +119,7 @@ def cached(configured: Configured, kind: str, folder: Path | None = None) -> dic
         experiment = experiment_named(kind)
         entries = entries_of(kind, experiment.design(configured).jobs, experiment.quantities)
     elif kind == "effects_of":
-        entries = list(Ensemble(configured.typed).pilots().values())
+        entries = list(Ensemble(configured.typed).pilots(folder or Path()).values())
     else:
         entries = Ensemble(configured.typed, kind).entries(folder)
     return {entry.name: entry for entry in entries}

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointclosure.engine.cache import digest
-from jointclosure.engine.choice import choose_for_case
 from jointclosure.engine.joints import close_case
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import walls_of
@@ -150,15 +149,3 @@ def test_a_case_has_the_effects_of_its_rock_whatever_the_studys():
         assert settings.case.effects == Effects(**expected)
         assert settings.conditions().effects == settings.case.effects
         assert settings.effects_chosen_to is None
-
-
-def test_a_case_chooses_among_the_effects_of_its_rock_to_the_tolerance_given(monkeypatch):
-    monkeypatch.setattr("jointclosure.engine.pilot.WORTH", -np.inf)  # no measured times
-    configuration = study_of(SMALL, {"effects": {"auto": 0.9}})
-    settings = settings_of(configuration, "slate-base", range(4))
-    lines = []
-    choice = choose_for_case(settings, lines.append, 10_000)
-    assert not choice.effects.breakage
-    assert not choice.effects.interaction
-    assert 0.0 < choice.error < 0.9
-    assert lines == list(choice.reasons)

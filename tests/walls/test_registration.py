@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 import jointclosure as jc
-from jointclosure.engine.choice import choose_effects
+from jointclosure.engine.selection import choose_effects
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of

@@ -22,7 +22,7 @@ def table_file(table):
 ENSEMBLES = {
     name: Ensemble(CONFIGURATION, name) for name in ensembles_of(CONFIGURATION)
 }
-PILOTS = [entry.name for entry in ENSEMBLES["cases"].pilots().values()]
+PILOTS = [entry.name for entry in ENSEMBLES["cases"].pilots(Path(RESULTS)).values()]
 WALLS = [f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls]
 CACHED = functools.cache(functools.partial(cached, CONFIGURED))
 

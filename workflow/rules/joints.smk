@@ -17,7 +17,7 @@ rule compile_kernels:
 
 rule close_block:
     input:
-        lambda w: WALLS if w.kind in ENSEMBLES else [],
+        lambda w: WALLS if w.kind in ("effects_of", *ENSEMBLES) else [],
         lambda w: closed_apart(*PILOTS) if w.kind in ENSEMBLES else [],
         kernels=lambda w: ancient(
             f"{RESULTS}/logs/{w.kind.replace('effects_of', 'cases')}_kernels.txt"

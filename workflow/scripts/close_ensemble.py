@@ -25,7 +25,7 @@ def main(
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
     } | provenance(stated)
-    if pilots := ensemble.pilots():
+    if pilots := ensemble.pilots(folder):
         chosen = {rock: chosen_in(pilot.file(folder)) for rock, pilot in pilots.items()}
         attributes["effects_chosen"] = json.dumps(chosen)
     if walls:

@@ -67,9 +67,6 @@ TARGETS |= {
     )
     for name, section in sections().items()
 }
-TARGETS["effects"] = TARGETS["effects"]._replace(
-    goals=("estimate_effects", "effects", "effects_auto")
-)
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
     goals=("estimate_global_sensitivity",)
 )

@@ -102,7 +102,7 @@ def assess(
     changes = changes if conditions else {"numerics": RESOLVED} | changes
     given = conditions_from(conditions, changes, "assess")
     check_request(given, within, budget)
-    pairs, spacing = _checked_pairs(walls, given.spacing)
+    pairs, spacing = checked_pairs(walls, given.spacing)
     given = given._replace(spacing=spacing, flow=False).checked()
     stated, variants = variants_of(given)
     ladder = [name for name in variants if not name.startswith("without ")]
@@ -149,7 +149,7 @@ def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
     return stated, variants
 
 
-def _checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
+def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
     """Return checked pairs of walls and their spacing [m]; scans are registered."""
     pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
     if len(pairs) == 1 and not all(isinstance(wall, np.ndarray) for wall in pairs[0]):

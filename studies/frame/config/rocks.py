@@ -240,8 +240,6 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
                 "out for scanned walls, which have no JRC, or null if another file sets it"
             )
         yield from _registration_problems(walls, f"{where}.walls")
-        if configuration.effects.auto is not None:
-            yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
         for section in configuration.study_sections:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 

@@ -1,18 +1,25 @@
 """Cached joints of a study: those of its cases, pilots and experiments, and their datasets."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
-from jointclosure.engine.choice import choose_for_rock, possible_scenes
-from jointclosure.engine.joints import close_case, rows_by_seed
-from jointclosure.engine.settings import BASE, ClosureSettings
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.joints import (
+    close_case,
+    read_joint,
+    reading_of_case,
+    rows_by_seed,
+    stacked,
+)
+from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
+from jointclosure.engine.settings import BASE, ClosureSettings, SurfaceSettings
+from jointclosure.engine.walls import Walls, seeds_of, walls_of
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
@@ -44,9 +51,57 @@ def close_block(
     if pilot is not None:
         by_pilot = read_netcdf(pilot)
         known = rows_by_seed(by_pilot) if by_pilot.attrs["case"] == settings.case.label else {}
-    pairs = cut_walls(read_netcdf(walls), settings.surfaces) if walls else None
+    pairs = _pairs(settings.surfaces, walls)
     closed = close_case(settings, pairs, known=known, report=report, again=again)
     return closed.assign_attrs(scene=scene_name(settings.case.effects))
+
+
+def _pairs(surfaces: SurfaceSettings, walls: Path | None) -> Iterable[Walls]:
+    """Return the walls of a block, out of the file of scanned walls if there is one."""
+    return cut_walls(read_netcdf(walls), surfaces) if walls else walls_of(surfaces)
+
+
+def choose_for_rock(
+    settings: Mapping[str, ClosureSettings],
+    *,
+    report: Callable[[str], None] = lambda line: None,
+    walls: Path | None = None,
+) -> xr.Dataset:
+    """Make one selection of effects for all cases of a rock, which are compared with each other.
+
+    It is made in the case where effects matter most: that of the largest maximum stress over the
+    compressive strength, and the base case among equals. ``settings`` are those of each case by its
+    label; ``walls`` is the file of scanned walls.
+
+    The joints that were closed with the selected effects are returned as from `close_case`, with
+    the attributes ``case`` and ``chosen``: JSON of the ``effects``, their ``error``, and the
+    selection of the case.
+    """
+
+    def order(label: str) -> tuple[float, bool]:
+        case = settings[label].case
+        ratio = case.max_normal_stress / case.intact.compressive_strength
+        return (-round(ratio, 12), case.parameter != BASE)
+
+    label = min(settings, key=order)
+    examined, tolerance = settings[label], settings[label].effects_chosen_to
+    joints = sum(one.surfaces.realizations for one in settings.values())
+    report(f"{label}, for {len(settings)} cases of {joints} joints together:")
+    pairs = list(islice(_pairs(examined.surfaces, walls), MOST_PAIRS))
+    pilot = Pilot(pairs, examined.conditions().checked(), joints)
+    choice = choose_among(pilot, tolerance or 0.0, report)
+    reading = reading_of_case(examined.with_effects(choice.effects))
+    rows = [
+        read_joint(pair, closed.dataset, closed.seconds, reading)
+        for pair, closed in zip(pairs, choice.closed, strict=False)
+    ]
+    numbers = examined.surfaces.first_realization + np.arange(len(rows))
+    seeds = [f"{seed:032x}" for seed in seeds_of(examined.surfaces)[: len(rows)]]
+    about = {"effects": choice.effects._asdict(), "error": choice.error}
+    details = {"reasons": choice.reasons, "changes": choice.changes.to_dict("records")}
+    chosen = about | {"cases": {label: about | details}}
+    closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
+    return closed.assign_attrs(case=label, chosen=json.dumps(chosen))
 
 
 class Ensemble:
@@ -70,7 +125,7 @@ class Ensemble:
         """Settings of a case and a block, with all effects that may be chosen."""
         return block_settings(self.configuration, self.cases, label, block)
 
-    def pilots(self) -> dict[str, Entry]:
+    def pilots(self, folder: Path) -> dict[str, Entry]:
         """Choices of effects by rock, which are those of the study for its pool too."""
         if not self.chosen:
             return {}
@@ -79,16 +134,24 @@ class Ensemble:
         for label, case in whole.cases.items():
             settings[case.rock][label] = whole.settings(label, block)
         return {
-            rock: Entry(f"effects_of/{rock}", choose_for_rock, (of_cases,))
+            rock: Entry(
+                f"effects_of/{rock}", choose_for_rock, (of_cases,), self._walls(rock, folder)
+            )
             for rock, of_cases in settings.items()
         }
 
+    def _walls(self, rock: str, folder: Path) -> dict[str, Path]:
+        """Option of entries of a rock: the file of its scanned walls, if it has them."""
+        scanned = self.configuration.rocks[rock].walls
+        return {"walls": folder / f"walls/{rock}.nc"} if scanned else {}
+
     def entries(self, folder: Path | None = None) -> list[Entry]:
         """Blocks of all cases; with the effects that the pilots in the folder chose, if any."""
-        pilots = {rock: entry.file(folder or Path()) for rock, entry in self.pilots().items()}
+        where = folder or Path()
+        pilots = {rock: entry.file(where) for rock, entry in self.pilots(where).items()}
         chosen = {rock: chosen_in(file) for rock, file in pilots.items() if folder}
         return [
-            self._entry(label, block, folder or Path(), chosen, pilots)
+            self._entry(label, block, where, chosen, pilots)
             for label in self.cases
             for block in self.blocks
         ]
@@ -97,9 +160,7 @@ class Ensemble:
         self, label: str, block: range, folder: Path, chosen: dict, pilots: dict[str, Path]
     ) -> Entry:
         case, settings = self.cases[label], self.settings(label, block)
-        options: dict = {"again": self.again(folder, label)}
-        if self.configuration.rocks[case.rock].walls:
-            options["walls"] = folder / f"walls/{case.rock}.nc"
+        options: dict = {"again": self.again(folder, label)} | self._walls(case.rock, folder)
         if case.rock in chosen:
             settings = settings.with_effects(Effects(**chosen[case.rock]["effects"]))
             if self.name == "cases":
@@ -128,7 +189,7 @@ class Ensemble:
 
     def close(self, folder: Path, workers: int, log: Logbook) -> list[Entry]:
         """Close what is missing in a folder, first by the pilots; return the blocks of cases."""
-        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots().values()
+        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots(folder).values()
         make_missing(pilots, folder, workers, log.show, "effects chosen", prepare)
         entries = self.entries(folder)
         make_missing(entries, folder, workers, log.show, f"{self.name}: joints closed", prepare)

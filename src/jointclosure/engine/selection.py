@@ -1,0 +1,364 @@
+"""Selection of the effects that a scene needs, which loses little time if all matter.
+
+1. A pair of walls is closed with all effects: a realisation, which need not be closed again if all
+   act. It shows what need not be tested (`Pilot.screened`).
+2. Its final walls are closed elastically with and without interaction. As nothing breaks, this
+   shows what interaction does without the chance of breakage, by which single joints differ. It is
+   the prior mean of the change, with the scatter of `PRIORS`. Other effects have no prior.
+3. Pairs that are closed with and without an effect update it (normal prior and normal data, whose
+   variance is estimated). A pair is closed if it costs less than a part of what it may save
+   (`PART`), and if no more than `LOSS` is lost should the effect act.
+
+Effects are left out if, with a probability of `ENOUGH`, this changes the mean of no `JUDGED`
+closure by more than the tolerance. The other quantities are reported.
+"""
+
+import itertools
+import time
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.engine.assess import DROPS, checked_pairs
+from jointclosure.engine.assessment import ASSESSED, CLOSURE
+from jointclosure.engine.joints import Reading, read_joint
+from jointclosure.engine.walls import Walls
+from jointclosure.inputs import InputError, check_number
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.given_walls import warn_of_doubts
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
+from jointclosure.parameters import AUTO_TOLERANCE, Effects
+from jointclosure.statistics.standard_errors import percent
+
+JUDGED = ("max_closure", CLOSURE)
+"""Closures to which the tolerance applies: gross from first touch, and net since seating."""
+PRIORS = {
+    "max_closure": (0.0, 0.094, 0.08),
+    CLOSURE: (0.021, 0.35, 0.0),
+    "stiffness_net": (0.028, 0.46, 0.0),
+    "mean_aperture_at_max": (0.0, 0.21, 0.0),
+}
+"""Standard deviation of the true change about that on frozen walls [1]: root of the squares of a
+number, of a share of the largest change of a closure, and of a number over the root of the number
+of broken cells, as few contacts break by chance. Likeliest values at random conditions other than
+those of `benchmarks/effects_auto.py`."""
+SCATTER, WEIGHT = 0.1, 2.0
+"""Standard deviation of the change in a joint [1] that is expected before joints show it, and the
+number of joints that this counts for."""
+ENOUGH = 0.6
+"""Probability of changes within the tolerance from which effects are left out."""
+CONFIDENCE = 0.95
+"""Probability that a change is at most its limit, for each quantity and cycle."""
+PART = 0.1
+"""Part that a pair may cost of the time that may be saved, which is weighted by the probability of
+the less likely decision."""
+LOSS = 0.02
+"""Largest share of the time of all joints that tests may lose if all effects act."""
+SAVED = {"breakage": 0.9, "interaction": 0.5, "soft_peaks": 0.2}
+"""Share of time that is expected to be saved, before a joint was closed without the effect."""
+WORTH = 0.1
+"""Least share of time that leaving out effects must save."""
+BREAKAGE_PAIRS = 10
+"""Fewest pairs without breakage: where few asperities carry load, few joints break, but much."""
+CRUSHED = 0.25
+"""Share of bulk indentation in the closure [1] from which soft peaks are tested. Below, they
+changed closures by 24 to 340 % at 38 random conditions, above by 3 and 12 % at 2 others."""
+MOST_PAIRS = 20
+"""Number of pairs of walls that are closed at most."""
+_CORNER, _POINTS, _ROUNDING = 16, 4, 1e-13
+_ROWS = [list(ASSESSED).index(name) for name in JUDGED]
+
+
+def without(scene: Effects, names: tuple[str, ...]) -> Effects | None:
+    """Return a scene without some effects; None if this saves no time (gouge, substrate)."""
+    idle = "soft_peaks" in names and not (scene.breakage and scene.interaction)
+    if names[0] not in SAVED or not getattr(scene, names[0]) or idle:
+        return None
+    return scene._replace(**dict.fromkeys(names, False))
+
+
+def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
+    """Return the scenes that may be ``chosen`` from these effects, with all of them first."""
+    scenes = [effects]
+    for scene in scenes if chosen else ():
+        fewer = [without(scene, names) for names in DROPS]
+        scenes += [one for one in fewer if one is not None and one not in scenes]
+    return scenes
+
+
+class Closed(NamedTuple):
+    """Result of `jointclosure.simulate`, its processor time [s], and `ASSESSED` (quantity, cycle).
+
+    The net stiffness is its inverse, as its mean over joints is harmonic. A failed joint has NaN.
+    """
+
+    dataset: xr.Dataset
+    seconds: float
+    values: np.ndarray
+
+
+class Change(NamedTuple):
+    """Mean change of `ASSESSED` (quantity, cycle) [1], and its standard deviation."""
+
+    mean: np.ndarray
+    deviation: np.ndarray
+
+    def updated(self, changes: np.ndarray) -> "Change":
+        """Return the change after pairs of joints (pair, quantity, cycle), where not NaN."""
+        count, mean = np.isfinite(changes).sum(axis=0), np.nan_to_num(_mean(changes))
+        squares = WEIGHT * SCATTER**2 + np.nansum((changes - mean) ** 2, axis=0)
+        new, old = count * (WEIGHT + count - 1) / squares, self.deviation**-2.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            posterior = (new * mean + old * np.nan_to_num(self.mean)) / (new + old)
+            return Change(posterior, (new + old) ** -0.5)
+
+    def within(self, tolerance: float) -> float:
+        """Return the least probability of a judged closure to change by at most a tolerance."""
+        of = scipy.stats.norm(self.mean[_ROWS], self.deviation[_ROWS])
+        return float(np.nanmin(of.cdf(tolerance) - of.cdf(-tolerance)))
+
+    @property
+    def most(self) -> np.ndarray:
+        """Limits (quantity, cycle) of the sizes of the changes."""
+        return np.abs(self.mean) + scipy.stats.norm.ppf(CONFIDENCE) * self.deviation
+
+
+class Pilot:
+    """Pairs of walls that are closed with some effects, at most once.
+
+    ``conditions`` have all effects that may act; ``joints`` will be closed with the selected ones.
+    """
+
+    def __init__(self, walls: Iterable[Walls], conditions: Conditions, joints: int):
+        self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
+        self.closed: dict[Effects, list[Closed]] = {}
+        self.frozen_seconds = 0.0
+        self._walls, self._pairs = iter(walls), list[Walls]()
+        self._loaded: set[Effects] = set()
+
+    def values(self, effects: Effects, count: int) -> np.ndarray:
+        """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
+        closed = self.closed.setdefault(effects, [])
+        while len(closed) < count and (more := self.close(len(closed), effects)):
+            closed.append(more)
+        return np.array([pair.values for pair in closed[:count]])
+
+    def close(self, number: int, effects: Effects) -> Closed | None:
+        """Close the pair of a number with some effects; None if there is no such pair."""
+        self._pairs += itertools.islice(self._walls, max(0, number + 1 - len(self._pairs)))
+        return self._close(self._pairs[number], effects) if number < len(self._pairs) else None
+
+    def _close(self, walls: Walls, effects: Effects, **changes: Any) -> Closed:
+        stated = self.conditions._replace(effects=effects, **changes)
+        if effects not in self._loaded:  # the time to load kernels is not that of the first joint
+            upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
+            close_walls(upper, lower, stated)
+            self._loaded.add(effects)
+        start = time.process_time()
+        dataset = close_walls(*walls, stated)
+        seconds = time.process_time() - start
+        if int(dataset.status) >= FAILURE:
+            return Closed(dataset, seconds, np.full((len(ASSESSED), stated.cycle_count), np.nan))
+        row = read_joint(walls, dataset, seconds, Reading(stated, tuple(ASSESSED)))
+        row["stiffness_net"] = 1.0 / row["stiffness_net"]
+        return Closed(dataset, seconds, np.array([row[name] for name in ASSESSED]))
+
+    def predicted(self, fewer: Effects) -> Change:
+        """Return the change without interaction, on the final walls of the first joint."""
+        first = self.closed[self.effects][0]
+        final = first.dataset.upper_final.values, first.dataset.lower_final.values
+        scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
+        few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
+        with_it, without_it = (self._close(final, scene, **few) for scene in scenes)
+        self.frozen_seconds += with_it.seconds + without_it.seconds
+        mean = (without_it.values - with_it.values) / first.values
+        parts = np.array([PRIORS[name] for name in ASSESSED])
+        parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, self.broken()))]
+        deviation = np.linalg.norm(parts, axis=1)[:, None]
+        return Change(mean, np.where(np.isfinite(mean), deviation, np.inf))
+
+    def broken(self) -> int:
+        """Count the cells of both walls that broke in the first joint with all effects."""
+        closed = self.closed[self.effects][0].dataset
+        final = np.array([closed.upper_final.values, closed.lower_final.values])
+        return int(np.sum(np.array(self._pairs[0]) - final > _ROUNDING))
+
+    def changes(self, effects: Effects, count: int) -> np.ndarray:
+        """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
+        fewer = self.values(effects, count)
+        full = self.values(self.effects, len(fewer))
+        return (fewer - full) / _mean(full)
+
+    def seconds(self, effects: Effects) -> float:
+        """Return the mean time [s] of a joint with some effects."""
+        return float(np.mean([pair.seconds for pair in self.closed[effects]]))
+
+    def lost(self, selected: Effects) -> float:
+        """Return the time [s] of all closures but those of joints with the selected effects."""
+        others = (pairs for effects, pairs in self.closed.items() if effects != selected)
+        return self.frozen_seconds + sum(pair.seconds for pairs in others for pair in pairs)
+
+    def screened(self, names: tuple[str, ...], tolerance: float) -> str:
+        """Return why effects are kept without a test, from the first joint; "" if they are not.
+
+        A joint that only deforms elastically has the same closure in every cycle. Whatever it is,
+        one of the cycles is then off by at least (largest - least) / (largest + least).
+        """
+        gross = self.values(self.effects, 1)[0, 0]
+        if not np.isfinite(gross).any():
+            return "cannot be computed"
+        least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
+        if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
+            return f"changes by {percent(least)} or more, as it would be the same in all cycles"
+        bulk = self.closed[self.effects][0].dataset.max_bulk_indentation.values
+        if "soft_peaks" in names and np.nanmax(bulk / gross) < CRUSHED:
+            return "is not tested, as this saves little time"
+        return ""
+
+    def test(
+        self, names: tuple[str, ...], before: Effects, tolerance: float
+    ) -> tuple[bool, Change, str]:
+        """Test whether effects of a scene can be left out, by changes from all effects.
+
+        Returns whether they are, the change, and the reason.
+        """
+        fewer, full = before._replace(**dict.fromkeys(names, False)), self.effects
+        first, bound = self.values(full, 1)[0], LOSS * self.joints * self.seconds(full)
+        frozen = "interaction" in names and full.breakage and before == full
+        unknown = Change(np.zeros(first.shape), np.full(first.shape, np.inf))
+        prior = change = self.predicted(fewer) if frozen else unknown
+        required = BREAKAGE_PAIRS if "breakage" in names else 0
+        pairs, saved = 0, SAVED[names[0]]
+        while True:
+            inside = change.within(tolerance) if frozen or pairs else 0.5
+            gain = saved * self.joints * min(inside, 1.0 - inside)  # in joints with all effects
+            cost = 1.0 - saved + (len(self.closed[full]) <= pairs)
+            lacking = pairs < required and inside >= ENOUGH
+            lost = self.lost(full) + (1.0 - saved) * self.seconds(full)
+            if lost > bound or not (lacking or cost <= PART * gain):
+                break
+            changes = self.changes(fewer, pairs + 1)
+            if len(changes) == pairs:
+                break
+            pairs += 1
+            if np.isnan(changes[-1][_ROWS])[np.isfinite(first[_ROWS])].any():
+                return False, change, "cannot be computed"
+            saved = 1.0 - self.seconds(fewer) / self.seconds(before)
+            change = prior.updated(changes)
+        if not (frozen or pairs):
+            return False, change, "is not tested, as this costs more than it may save"
+        basis = ["frozen walls"] * frozen
+        basis += [f"pairs: {pairs}", f"{percent(saved)} less time"] * (pairs > 0)
+        mean, most = (percent(_largest(values)) for values in (change.mean, change.most))
+        reason = f"changes by {mean}, at most {most} ({', '.join(basis)})"
+        return inside >= ENOUGH and pairs >= required and saved >= WORTH, change, reason
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    """Return the mean along the first axis, without NaN."""
+    with np.errstate(invalid="ignore"):
+        return np.nansum(values, axis=0) / np.isfinite(values).sum(axis=0)
+
+
+def _largest(values: np.ndarray) -> float:
+    """Return the largest size of judged values of (quantity, cycle)."""
+    return float(np.nanmax(np.abs(values[_ROWS])))
+
+
+class Selection(NamedTuple):
+    """Effects selected for a scene, and what is known of the changes by leaving others out.
+
+    ``error`` is the limit of the relative change of the mean of a `JUDGED` closure, the largest of
+    all cycles; 0 if all effects act. ``changes`` has a row per quantity of `ASSESSED` and cycle:
+    the ``change`` (of the net stiffness: of its inverse) and its limit ``at_most`` [1]. ``reasons``
+    has a sentence for every group of effects that was tried. ``closed`` contains the first pairs of
+    walls, closed with the selected effects. ``lost_seconds`` is the time of all other closures.
+    """
+
+    effects: Effects
+    error: float
+    changes: pd.DataFrame
+    reasons: tuple[str, ...]
+    closed: tuple[Closed, ...]
+    lost_seconds: float
+
+
+@takes_conditions
+def choose_effects(
+    walls: Any,
+    *,
+    conditions: Conditions | None = None,
+    tolerance: float = AUTO_TOLERANCE,
+    joints: int = 20,
+    report: Callable[[str], None] = lambda line: None,
+    **changes: Any,
+) -> Selection:
+    """Select the effects that matter in a scene.
+
+    Parameters
+    ----------
+    walls : (upper, lower), or iterable of such pairs
+        As for `jointclosure.assess`; only as many as necessary are closed.
+    conditions, **changes
+        As for `jointclosure.simulate`. ``effects`` may act; they are the reference.
+    tolerance : float
+        Relative change of the mean closure of a cycle, gross or net since seating, in (0, 1), below
+        which an effect does not matter.
+    joints : int
+        Number of joints that will be closed with the selected effects, at least 1. The more they
+        are, the more time the selection may take.
+    report : callable
+        Receives a line for each decision.
+
+    Raises
+    ------
+    InputError
+        If the tolerance or the number of joints is out of range, there are no walls, or
+        `jointclosure.simulate` refuses an argument.
+    """
+    stated = conditions_from(conditions, changes, "choose_effects")
+    check_number("tolerance", tolerance)
+    if not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance = {tolerance!r}: must lie between 0 and 1")
+    check_number("joints", joints, whole=True)
+    if joints < 1:
+        raise InputError(f"joints = {joints}: must be at least 1")
+    pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), stated.spacing)
+    stated = stated._replace(spacing=spacing).checked()
+    if not stated.unusual_values:
+        for upper, lower in pairs:
+            warn_of_doubts(upper, lower, spacing)
+    return choose_among(Pilot(pairs, stated, joints), tolerance, report)
+
+
+def choose_among(
+    pilot: Pilot, tolerance: float, report: Callable[[str], None] = lambda line: None
+) -> Selection:
+    """Select, as `choose_effects`, among the effects of a pilot."""
+    chosen, reasons = pilot.effects, []
+    shape = pilot.values(chosen, 1)[0].shape
+    change = Change(np.zeros(shape), np.zeros(shape))
+    for names in DROPS:
+        fewer = without(chosen, names)
+        if fewer is None:
+            continue
+        left_out, reason = False, pilot.screened(names, tolerance)
+        if not reason:
+            left_out, tested, reason = pilot.test(names, chosen, tolerance)
+            chosen, change = (fewer, tested) if left_out else (chosen, change)
+        verdict = "left out" if left_out else "kept"
+        reasons.append(f"without {' and '.join(names)} the mean closure {reason}: {verdict}")
+        report(reasons[-1])
+    if chosen == pilot.effects:
+        report("every effect matters: all act")
+    index = pd.MultiIndex.from_product([ASSESSED, range(1, shape[1] + 1)])
+    table = index.to_frame(index=False, name=["quantity", "cycle"])
+    table = table.assign(change=change.mean.ravel(), at_most=change.most.ravel())
+    pilot.values(chosen, 1)  # one realisation at least, whose time is known
+    closed, lost = tuple(pilot.closed[chosen]), pilot.lost(chosen)
+    return Selection(chosen, _largest(change.most), table, (*reasons,), closed, lost)

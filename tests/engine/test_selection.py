@@ -1,0 +1,201 @@
+"""Selected effects: what matters stays, what does not goes, and the error is known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.engine.assessment import ASSESSED
+from jointclosure.engine.selection import (
+    BREAKAGE_PAIRS,
+    CRUSHED,
+    ENOUGH,
+    LOSS,
+    SCATTER,
+    Change,
+    Closed,
+    Pilot,
+    choose_among,
+    choose_effects,
+    possible_scenes,
+)
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
+
+SPACING = 0.25e-3
+DOLERITE = jc.Rock(78e9, 0.2, 165e6)
+ALL, ELASTIC = jc.Effects(), jc.Effects(breakage=False, gouge=False)
+FEWER = jc.Effects(interaction=False)
+SETTING = {"spacing": SPACING, "rock": DOLERITE, "seating_stress": 0.0}
+SHAPE = (len(ASSESSED), 2)
+
+
+def joints(cells, count=4):
+    return [
+        jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None) for seed in range(count)
+    ]
+
+
+def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_known():
+    pairs, setting = joints(24), SETTING | {"cycles": 1, "max_normal_stress": 3e6}
+    means = [
+        np.mean([float(jc.simulate(*pair, effects=e, **setting).max_closure[0]) for pair in pairs])
+        for e in (ELASTIC, ELASTIC._replace(interaction=False))
+    ]
+    actual = 1.0 - means[1] / means[0]
+    assert 0.01 < actual < 0.2
+    for tolerance, interaction in ((0.5 * actual, True), (10.0 * actual, False)):
+        choice = choose_effects(
+            pairs, effects=ELASTIC, tolerance=tolerance, joints=10_000, **setting
+        )
+        assert choice.effects.interaction is interaction
+    gross = choice.changes[choice.changes.quantity == "max_closure"].iloc[0]
+    assert gross.change < 0.0
+    assert actual < gross.at_most <= choice.error
+    assert set(choice.changes.quantity) == set(ASSESSED)
+
+
+@pytest.mark.parametrize(("tolerance", "effects"), [(1e-6, ALL), (0.9, FEWER)])
+def test_joints_closed_with_the_selected_effects_are_realisations_of_the_case(tolerance, effects):
+    pairs, setting = joints(24), SETTING | {"max_normal_stress": 10e6}
+    choice = choose_effects(pairs, tolerance=tolerance, **setting)
+    assert choice.effects == effects
+    for pair, closed in zip(pairs, choice.closed, strict=False):
+        again = jc.simulate(*pair, effects=effects, **setting)
+        assert closed.dataset.max_closure.equals(again.max_closure)
+
+
+def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change():
+    strong = Conditions(SPACING, DOLERITE._replace(compressive_strength=1e9), 1e4, 2, 0.0)
+    pilot = Pilot(joints(24, 1), strong.checked(), 20)
+    changes = pilot.changes(FEWER, 1)[0]
+    assert float(pilot.closed[ALL][0].dataset.breakage_steps) == 0.0
+    predicted = pilot.predicted(FEWER)
+    assert np.abs(changes[0]).max() > 1e-4
+    np.testing.assert_allclose(predicted.mean, changes, rtol=2e-3, atol=1e-12)
+    assert pilot.lost(ALL) > pilot.closed[FEWER][0].seconds  # frozen walls take time too
+
+
+def test_a_run_with_all_effects_shows_a_lower_bound_of_the_error_of_any_elastic_joint():
+    pair = joints(32, 1)[0]
+    pilot = Pilot([pair], Conditions(SPACING, DOLERITE, 3e6, 2, 0.0).checked(), 20)
+    gross = pilot.values(ALL, 1)[0, list(ASSESSED).index("max_closure")]
+    least = min(  # whatever an elastic joint closes by, it does so in both cycles
+        np.abs(elastic / gross - 1.0).max() for elastic in np.linspace(*gross, 1000)
+    )
+    assert pilot.screened(("breakage", "gouge"), 0.99 * least)
+    assert not pilot.screened(("breakage", "gouge"), 1.01 * least)
+    assert set(pilot.closed) == {ALL}
+
+
+class MadeUp(Pilot):
+    """Joints whose quantities change by given values without an effect.
+
+    Closures of the second cycle are half of those of the first: elastic joints need no test.
+    """
+
+    cycles = np.array([1.0, 0.5])
+
+    def __init__(self, changes, joints=180, prior=None, bulk=0.0, seconds=0.5):
+        super().__init__([], Conditions(SPACING, DOLERITE, 3e6, 2).checked(), joints)
+        self.given, self.prior, self.bulk, self.time = changes, prior, bulk, seconds
+
+    def close(self, number, effects):
+        if number >= len(self.given):
+            return None
+        change = 0.0 if effects == ALL else self.given[number]
+        values = np.full(SHAPE, 1.0 + change) * self.cycles
+        dataset = xr.Dataset({"max_bulk_indentation": ("cycle", self.bulk * self.cycles)})
+        seconds = 1.0 if effects == ALL else self.time
+        return Closed(dataset, seconds, values)
+
+    def predicted(self, fewer):
+        mean, deviation = self.prior or (0.0, np.inf)
+        return Change(np.full(SHAPE, mean), np.full(SHAPE, deviation))
+
+
+@pytest.mark.parametrize(
+    ("mean", "deviation", "left_out"), [(0.0, 0.02, True), (0.1, 0.02, False), (0.05, 0.02, False)]
+)
+def test_a_lone_case_is_decided_by_frozen_walls(mean, deviation, left_out):
+    pilot = MadeUp([0.0] * 20, 20, (mean, deviation))
+    assert (choose_among(pilot, 0.05).effects == FEWER) is left_out
+    assert len(pilot.closed[ALL]) == 1
+    assert len(pilot.closed.get(FEWER, ())) == left_out
+
+
+def test_pairs_decide_where_the_prior_does_not_and_many_joints_pay_for_them():
+    for change, left_out in ((0.03, True), (0.07, False)):
+        pilot = MadeUp([change] * 20, 5000, (0.05, 0.05))
+        assert (choose_among(pilot, 0.05).effects == FEWER) is left_out
+        assert 1 < len(pilot.closed[FEWER]) < 20
+
+
+@pytest.mark.parametrize("count", [1, 20, 180, 540])
+def test_the_time_that_tests_lose_is_bounded_by_the_number_of_joints(count):
+    pilot = MadeUp([0.0, 0.11] * 10, count, (0.05, 0.05), bulk=1.0, seconds=0.45)
+    choice = choose_among(pilot, 0.05)
+    assert choice.effects == ALL
+    assert choice.error == 0.0
+    assert choice.lost_seconds <= LOSS * count
+
+
+def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
+    random, covered, held, out = np.random.default_rng(1), 0, 0, 0
+    for _ in range(1000):
+        truth, scatter = random.normal(0.04, 0.03), SCATTER * random.uniform(0.1, 1.0)
+        pilot = MadeUp(random.normal(truth, scatter, 20), 1000, (0.04, 0.03))
+        left_out, change, _ = pilot.test(("interaction",), ALL, 0.05)
+        covered += abs(truth) <= change.most.max()
+        out, held = out + left_out, held + (left_out and abs(truth) <= 0.05)
+    assert covered >= 930
+    assert out > 200
+    assert held >= (ENOUGH + 0.05) * out  # on average over decisions with more than ENOUGH
+
+
+def test_breakage_is_left_out_after_many_pairs_only():
+    for pairs, left_out in ((BREAKAGE_PAIRS - 1, False), (BREAKAGE_PAIRS, True)):
+        pilot = MadeUp([0.0] * pairs, 10_000, seconds=0.1)
+        assert pilot.test(("breakage", "gouge"), ALL, 0.3)[0] is left_out
+
+
+def test_what_saves_little_time_is_kept():
+    for seconds, left_out in ((0.95, False), (0.5, True)):
+        pilot = MadeUp([0.0] * 20, 10_000, seconds=seconds)
+        assert pilot.test(("soft_peaks",), ALL, 0.2)[0] is left_out
+
+
+def test_soft_peaks_are_tested_only_where_walls_are_crushed():
+    for bulk, tested in ((0.9 * CRUSHED, False), (1.1 * CRUSHED, True)):
+        choice = choose_among(MadeUp([0.0] * 20, 10_000, (0.5, 0.01), bulk), 0.2)
+        (reason,) = (reason for reason in choice.reasons if "soft_peaks" in reason)
+        assert ("is not tested" not in reason) is tested
+        assert choice.effects.soft_peaks is not tested
+
+
+def test_all_effects_act_where_a_joint_fails():
+    for given in ([np.nan] * 20, [np.nan, 0.0] * 10):
+        assert choose_among(MadeUp(given, 10_000, (0.03, 0.05)), 0.05).effects == ALL
+
+
+def test_gouge_and_substrate_are_kept_and_effects_that_are_off_are_not_brought_in():
+    scenes = possible_scenes(ALL)
+    assert scenes[0] == ALL
+    assert all(scene.substrate and scene.gouge == scene.breakage for scene in scenes)
+    assert possible_scenes(ELASTIC) == [ELASTIC, ELASTIC._replace(interaction=False)]
+    assert possible_scenes(ALL, chosen=False) == [ALL]
+
+
+def test_bad_input_is_refused():
+    given = SETTING | {"max_normal_stress": 1e6}
+    for change, message in (
+        ({"tolerance": 1.5}, r"tolerance = 1\.5"),
+        ({"tolerance": "auto"}, "tolerance = 'auto': must be a number"),
+        ({"joints": 0}, "joints = 0: must be at least 1"),
+        ({"effects": "auto"}, "effects = 'auto': must be an Effects"),
+        ({"spacing": None}, "spacing = None: must be given"),
+    ):
+        with pytest.raises(InputError, match=message):
+            choose_effects(joints(8), **given | change)
+    with pytest.raises(InputError, match="0 pairs"):
+        choose_effects([], **given)
