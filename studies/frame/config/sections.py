@@ -122,8 +122,8 @@ class StudyEffects(Section):
     gouge: bool = entry("Broken material fills the valleys around.")
     soft_peaks: bool = entry("Peaks have a lower modulus than the rock.")
     auto: float | None = entry(
-        "Relative change of a mean maximum closure below which an effect that is true is left out, "
-        "decided for each rock by a pilot; null: none is. `effects: auto` is short for all effects "
+        "Relative change of a mean closure below which an effect that is true is left out, "
+        "decided for each rock; null: none is. `effects: auto` is short for all effects "
         "and 0.02.",
         gt=0,
         lt=1,
