@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.assessment import CLOSURE, LARGEST_UNBREAKABLE
-from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from jointclosure.plotting.walls import draw_price
+from studies.frame.panels import ticks_at
 
 _COLUMNS = 4
 """Largest number of panels in a row."""

@@ -1,6 +1,7 @@
 """Accuracy of a study by two levels: results, their intervals, and what `make study` does next."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -180,8 +181,8 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
     assert other.surfaces == one.surfaces
     assert other.numerics == FINEST != one.numerics
-    assert cases.pilots().keys() == {"slate"}
-    assert finest.pilots() == {}
+    assert cases.pilots(Path()).keys() == {"slate"}
+    assert finest.pilots(Path()) == {}
     plain = checked_study({"study": study | {"accuracy": None}})
     assert closed_keys(whole.keys)["study"].keys() == plain.keys["study"].keys() - {"accuracy"}
     assert len(Ensemble(plain.typed).blocks) == 1
