@@ -9,8 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from jointclosure.engine.assess import READ, variants_of
-from jointclosure.engine.assessment import assessed, hardness_of
+from jointclosure.engine.assess import variants_of
+from jointclosure.engine.assessment import ASSESSED, assessed, hardness_of
 from jointclosure.engine.points import Point
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.engine.walls import COPIES
@@ -115,7 +115,7 @@ def _draw(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Any:
 
 EXPERIMENT = Experiment(
     title="accuracy and its cost, hardness, and effects that are needed",
-    quantities=READ,
+    quantities=(*ASSESSED, "unbreakable_share", "oracle_ratio"),
     design=assessment_design,
     tabulate=assessment_tables,
     draw=_draw,

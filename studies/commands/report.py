@@ -63,8 +63,6 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
             raise InputError(f"{path}: must exist with a seal; is the study finished?")
     stated = read_text(folder / "tables/configuration.json")
     files = [path for path in sealed if path.parent == folder / "tables"]
-    accuracy = folder.parent / "accuracy"  # of `make accuracy`, if it was run beside this study
-    files += [path for path in check_folder(accuracy) if path.name == "accuracy_cost.csv"]
     return Material(
         study=study.assign_attrs(configuration=stated),
         tables={path.stem: read_csv(path) for path in files if path.suffix == ".csv"},

@@ -70,18 +70,13 @@ def test_a_changed_leaf_is_read_or_refused(path, tmp_path):
             pytest.fail(f"{'.'.join(map(str, leaf))} = {value!r}: {type(error).__name__}: {error}")
 
 
-STEPS = ("accuracy", "knobs", "steps")
-
-
 @pytest.mark.parametrize(
     ("study", "leaf", "value"),
     [
         ("size", ("size", "spacing_mm", 0), 5e-324),
         ("size", ("size", "patch_mm", 0), 1e300),
-        ("accuracy", (*STEPS, "set"), {"numerics": 1}),
-        ("accuracy", (*STEPS, "scale"), ["numerics.solver"]),
-        ("accuracy", (*STEPS, "set"), {"grid": datetime.date(2020, 1, 1)}),
-        ("accuracy", (*STEPS, "set"), {"study": {"rocks": 1}}),
+        ("assessment", ("assessment", "stress_MPa", 0), 0.1),
+        ("assessment", ("assessment", "within"), 1.5),
     ],
 )
 def test_nested_settings_that_cannot_be_are_refused(study, leaf, value, tmp_path):

@@ -18,10 +18,8 @@ def of_inputs(**inputs):
 
 
 REFUSED = [
-    ("accuracy", {"accuracy": {"knobs": {"steps": {"scenes": ["fulll"]}}}}, "scenes = 'fulll'"),
-    ("accuracy", {"accuracy": {"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}}, "no such key"),
-    ("accuracy", {"accuracy": {"knobs": {"resolved": {"values": [0.5]}}}}, "tolerance = 0.5: must"),
-    ("accuracy", {"accuracy": {"knobs": {"surface_rule": {"values": [1.0]}}}}, "key or scale"),
+    ("assessment", {"assessment": {"joints": 1}}, "assessment.joints = 1: must be at least 2"),
+    ("assessment", {"assessment": {"stress_MPa": [0.5]}}, "stress_MPa = 0.5: must be more than"),
     ("global_sensitivity", {"global_sensitivity": {"rows": 48}}, "rows = 48: must be a power of 2"),
     ("global_sensitivity", of_inputs(jrc={"values": [6]}), "inputs.jrc: must have either"),
     ("global_sensitivity", of_inputs(jrc={"between": [9, 6]}), "[9.0, 6.0]: must ascend"),

@@ -1,7 +1,7 @@
 # The study as one page to read: `snakemake report`.
 from studies.paper.report.page import template_digest
 
-ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
+ASSESSED = [f"{RESULTS}/tables/{table}.csv" for table in ("assessment", "hardness")]
 CONCLUSIONS = f"{RESULTS}/tables/conclusions.csv"
 
 
@@ -20,8 +20,8 @@ rule write_report:
         captions=[caption(figure) for figure in FIGURES],
         paper=PAPER,
         default=os.path.relpath(DEFAULT),
-        # what `make accuracy` measured, where it was run
-        accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
+        # what `make assess` measured, where it was run
+        assessed=[ancient(table) for table in ASSESSED if Path(table).exists()],
         # what `make conclusions` put together
         conclusions=ancient(CONCLUSIONS) if Path(CONCLUSIONS).exists() else [],
     output:

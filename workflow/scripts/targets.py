@@ -40,14 +40,16 @@ _ADVICE = {
 class Target(NamedTuple):
     """Goals of Snakemake, one after the other, and the default configuration.
 
-    ``section``: required section of the configuration; ``check`` refuses a configuration that
-    cannot be run; ``page``: name of the page in the study's folder that the user opens.
+    ``section``: required section of the configuration, ``usual`` what it is where a file has none;
+    ``check`` refuses a configuration that cannot be run; ``page``: name of the page in the study's
+    folder that the user opens.
     """
 
     goals: tuple[str, ...] = ("all",)
     configuration: str = ""
     study: str = ""
     section: str = ""
+    usual: str = ""
     check: Callable[[Configured], object] = lambda configured: None
     page: str = ""
 
@@ -67,6 +69,7 @@ TARGETS |= {
     )
     for name, section in sections().items()
 }
+TARGETS["assess"] = TARGETS.pop("assessment")._replace(usual="{joints: 8, within: 0.05}")
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
     goals=("estimate_global_sensitivity",)
 )
@@ -80,6 +83,8 @@ def run_target(name: str, request: EndRequest) -> int:
     command = snakemake(os.environ.get("PROFILE") or _PROFILE, os.environ.get("CORES", ""))
     given = ["--configfile", f"./{override}" if override.startswith("-") else override]
     given = given if override else []
+    if target.usual and not merged_keys(override).get(target.section):
+        given += ["--config", f"{target.section}={target.usual}"]
     enter_folder()
     log = folder / f"logs/make_{name.replace('-', '_')}.log"
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -107,12 +112,20 @@ def run_target(name: str, request: EndRequest) -> int:
     return 0
 
 
+def merged_keys(override: str) -> dict:
+    """Return the keys of a study, not yet checked."""
+    return merged_study(*([Path(override)] if override else []))
+
+
 def checked_name(name: str, override: str) -> str:
     """Return the name of the study of a configuration file, checked for a target."""
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target = TARGETS[name]
-    study = configured(merged_study(*([Path(override)] if override else [])))
+    keys = merged_keys(override)
+    if target.usual and not keys.get(target.section):
+        keys[target.section] = yaml.safe_load(target.usual)
+    study = configured(keys)
     if target.section and not study.keys.get(target.section):
         raise InputError(
             f"{override}: has no section {target.section}, which make {name} needs "

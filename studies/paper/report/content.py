@@ -41,7 +41,7 @@ INDEPENDENT = (
 UNMODELLED = "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
 _CLOSURE = "Net closure since seating, cycle {} (mm)"
 STAYS = "Share that remains at seating (%)"
-_LEFT_OUT = ("accuracy", "ablation")
+_LEFT_OUT = ("assessment", "ablation")
 """Sections of the configuration for other targets."""
 
 
@@ -143,7 +143,8 @@ def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> I
         ("table_3_joint_tests", tables.joint_sheet),
         ("elasticities", tables.ranking_sheet, titles),
         ("elasticities", tables.elasticity_sheet, titles),
-        ("accuracy_cost", tables.accuracy_sheet),
+        ("assessment", tables.assessment_sheet),
+        ("hardness", tables.hardness_sheet),
     ]
     for name, make, *about in made:
         if len(known.get(name, ())):

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine.assessment import CLOSURE
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
@@ -329,14 +330,25 @@ def check_sheet(checks: pd.DataFrame) -> Sheet:
     return sheet("checks", "Checks of the results", checks.assign(verdict=verdict), columns)
 
 
-def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
-    """Error and time of each setting of `make accuracy`."""
-    columns = {"scene": "Variant of the model", "rock": "Rock", "knob": "Setting"}
-    columns |= {"value": "Value", "cycle": "Cycle"}
-    columns |= {"mean_error_percent": "Error of the mean closure (%)"}
-    columns |= {"mean_low": "From", "mean_high": "To"}
-    columns |= {"relative_time": "Time over the variant's base"}
-    return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
+def assessment_sheet(table: pd.DataFrame) -> Sheet:
+    """Differences of variants from the finest setting, and of scenes without effects from all."""
+    shown = table[(table.variant != table.reference) & (table.quantity == CLOSURE)]
+    columns = {"rock": "Rock", "stress_MPa": "Stress (MPa)", "variant": "Variant"}
+    columns |= {"seconds": "Time of a joint (s)", "cycle": "Cycle"}
+    columns |= {"value_percent": "Change of the mean net closure (%)", "low_percent": "From"}
+    columns |= {"high_percent": "To", "verdict": "Effect"}
+    caption = (
+        "Error of each setting of the numerics, and change without each effect, 95 % intervals"
+    )
+    return sheet("assessment", caption, shown, columns)
+
+
+def hardness_sheet(table: pd.DataFrame) -> Sheet:
+    """Hardness of the joints of an assessment, the worst first."""
+    columns = {"rock": "Rock", "stress_MPa": "Stress (MPa)", "joint": "Joint"}
+    columns |= {"verdict": "Verdict", "spread_percent": "Spread of copies (%)"}
+    columns |= {"unbreakable": "Force on contacts that cannot break", "reason": "Reason"}
+    return sheet("hardness", "Hardness of joints, the worst first", table, columns)
 
 
 _IN_WORDS = {
