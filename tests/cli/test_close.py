@@ -96,9 +96,12 @@ def test_a_closed_joint_is_a_line_and_below_it_its_range(joint):
     ranges = pd.DataFrame([ends] * len(index), index)
     one = {"source": [""], "value": [""], "cycle": [1]}
     results = pd.DataFrame(one | {name: [0.18] for name in QUANTITIES})
+    finer = results.assign(source="breakage", value="tolerance 0.02", max_closure_seated_net_mm=0.2)
+    results = pd.concat([results, finer])
     printed = str(joint._replace(budget=Budget(results, ranges, ())))
     assert "0.18 (0.13 to 0.24)" in printed.splitlines()[0]
-    assert "the range is due to grid spacing 75 %, breakage rule 25 %" in printed
+    assert "the range is due to grid spacing 75 %, numerical error 25 %" in printed
+    assert "numerical error about 11 % on cycle 1 (by tolerance 0.02)" in printed
     assert printed.endswith(MEASURED)
 
 

@@ -20,6 +20,7 @@ from jointclosure.engine.assessment import ASSESSED, REFINEMENT, Assessment, ass
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.walls import COPIES, Walls
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
@@ -44,9 +45,7 @@ READ = (*ASSESSED, "unbreakable_share", "status", "timing_simulation", "oracle_r
 
 def resolved(tolerance: float) -> Numerics:
     """Return resolved numerics whose first steps shrink with the tolerance."""
-    part = tolerance / RESOLVED.tolerance
-    steps = {name: part * getattr(RESOLVED, name) for name in Numerics._fields if "_step" in name}
-    return RESOLVED._replace(tolerance=tolerance, **steps)
+    return coarser(RESOLVED, tolerance / RESOLVED.tolerance)
 
 
 LADDER = {"the paper's steps": Numerics()} | {

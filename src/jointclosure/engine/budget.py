@@ -41,7 +41,7 @@ TOGETHER = "together"
 """Share of a range that no source has alone."""
 TITLES = {
     "spacing": "grid spacing",
-    "breakage": "breakage rule",
+    "breakage": "numerical error",
     "alignment": "alignment",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
@@ -126,6 +126,7 @@ class Budget(NamedTuple):
             f"{self.shares_text(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
+        lines += self._numerical_error(closure)
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
         for quantity, rows in self.ranges.groupby("quantity", sort=False):
             absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
@@ -145,6 +146,17 @@ class Budget(NamedTuple):
                 "ranges= in Python, adds what is known of them)"
             )
         return [*lines, MEASURED]
+
+    def _numerical_error(self, quantity: str) -> list[str]:
+        """Describe the change of a result by other steps, which is about its numerical error."""
+        varied = self.results[self.results.source == "breakage"].set_index("cycle")
+        best = self.results[self.results.source == ""].set_index("cycle")[quantity]
+        changes = (100.0 * (varied[quantity] / best - 1.0).abs()).dropna()
+        if not len(changes):
+            return []
+        of_cycles = ", ".join(f"{change:.2g} % on cycle {n}" for n, change in changes.items())
+        by = varied.value.iloc[0]
+        return [f"{QUANTITIES[quantity]}: numerical error about {of_cycles} (by {by})"]
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
         """Describe joints with random values: an outlying best value, and what acts together."""

@@ -78,6 +78,16 @@ class Variant(NamedTuple):
         return self._replace(conditions=conditions._replace(rock=rock))
 
 
+def coarser(numerics: Numerics, factor: float) -> Numerics:
+    """Return resolved numerics with a tolerance, and first steps, that are ``factor`` times larger.
+
+    By the factor 2 results change as much as they are still off, if errors shrink in proportion.
+    """
+    steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
+    scaled = {name: factor * getattr(numerics, name) for name in (*steps, "tolerance")}
+    return numerics._replace(**scaled)
+
+
 def shifted_walls(upper: np.ndarray, lower: np.ndarray, shift: tuple[int, int]) -> Walls:
     """Return walls (y, x) with the upper one shifted by cells, where they still overlap."""
     for axis, cells in enumerate(shift):
@@ -102,7 +112,8 @@ def sources_of(
         sources["spacing"] = Source((1, step))
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
         resolved = numerics.breakage == "resolved"
-        other = Numerics() if resolved else numerics._replace(breakage="resolved")
+        factor = 2.0 if numerics.tolerance <= 0.05 else 0.5  # the tolerance is at most 0.1
+        other = coarser(numerics, factor) if resolved else numerics._replace(breakage="resolved")
         sources["breakage"] = Source((numerics, other))
     if min(shape) >= 8:
         sources["alignment"] = Source(_SHIFTS)
@@ -155,7 +166,8 @@ def _text(name: str, value: Any) -> str:
     if name == "alignment":
         return f"{value} cells (y, x)"
     if name == "breakage":
-        return value.breakage
+        resolved = value.breakage == "resolved"
+        return f"tolerance {value.tolerance:.3g}" if resolved else "fixed steps"
     if name in OF_ROCK:
         return f"{value / OF_ROCK[name].size:.4g}{OF_ROCK[name].in_brackets}"
     return value if isinstance(value, str) else f"{value:.3g}"
