@@ -73,7 +73,7 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 def hardness_figure(table: pd.DataFrame, within: float) -> Figure:
     """Draw unbreakable share over spread of copies of each joint, with the limits of easy ones."""
     figure, axes = subplots(figsize=(6.0, 3.8))
-    shown = table.assign(percent=100.0 * table.unbreakable)
+    shown = table.assign(percent=100.0 * table.unbreakable, rock=table.rock.str.capitalize())
     marks = {"data": shown, "x": "spread_percent", "y": "percent", "ax": axes}
     sns.scatterplot(**marks, hue="rock", style="verdict", markers=_VERDICTS, s=40)
     axes.axvline(50.0 * within, color="0.5", ls="--", zorder=0)

@@ -153,12 +153,16 @@ def _apart(
 
 
 def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str, Any]:
-    """Return `Assessment.hardness`: the spread is that of the first joint's copies."""
+    """Return `Assessment.hardness`: the spread is that of the first joint's copies.
+
+    Scenes without an effect do not count.
+    """
     own = closures[(closures.variant == stated) & (closures.joint == closures.joint.min())]
     values = own.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
     spread = (values.std(axis=1) / values.mean(axis=1)).to_dict()
     share, judged = float(own.unbreakable_share.max()), float(closures.oracle_ratio.max())
     judged_by = closures[~closures.variant.astype(str).str.startswith(_EFFECT)]
+    share, judged = float(own.unbreakable_share.max()), float(judged_by.oracle_ratio.max())
     failed = judged_by[~(judged_by.status < FAILURE)]
     scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
     if len(failed):
