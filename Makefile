@@ -38,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases assess effects mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
+.PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -87,9 +87,6 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 
 assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
 	$(RUN) assess
-
-effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
-	$(RUN) effects
 
 mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (two minutes on two cores)
 	$(RUN) mismatch

@@ -22,7 +22,6 @@ from jointclosure.storage.text import read_csv
 ROOT = Path(__file__).parents[2]
 STUDIES = {
     "accuracy": "assessment",
-    "effects": "effects",
     "hard_cases": "verification",
     "measured": "measured_joints",
     "paper": "paper",
@@ -30,7 +29,7 @@ STUDIES = {
 """Pages that are about one study; the others are parts of docs/beyond.md."""
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
-    "conclusions", "continuum", "effects", "flow",
+    "conclusions", "continuum", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "measured_fit",
     "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
     "solver_speed",

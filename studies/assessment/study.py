@@ -1,7 +1,4 @@
-"""Assessment of a study's rocks: the variants of `jointclosure.assess` at each condition.
-
-Scanned walls are left out: `jointclosure assess` takes the scans themselves.
-"""
+"""Assessment of a study's rocks: the variants of `jointclosure.assess` at each condition."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -17,7 +14,6 @@ from jointclosure.engine.walls import COPIES
 from studies.assessment import figures
 from studies.assessment.section import Assessment
 from studies.frame.config.configuration import Configured
-from studies.frame.config.files import ConfigurationError
 from studies.frame.config.model import Configuration
 from studies.frame.ensemble.cases import base_case
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
@@ -43,11 +39,6 @@ def assessment_design(configured: Configured) -> Design:
             jobs[f"{case.rock}.{number}.{name.replace(' ', '_').replace(chr(39), '')}"] = list(
                 _points(varied.with_effects(conditions.effects), name, name == stated)
             )
-    if not jobs:
-        raise ConfigurationError(
-            "assessment: all rocks have scanned walls, which `jointclosure assess` takes; must "
-            "have a rock with walls of a JRC"
-        )
     names = ("assessment_price", "assessment_effects", "assessment_hardness")
     parameters = {"ladders": ladders, "within": section.within}
     return Design(jobs, ("assessment", "hardness", "assessment.md"), names, parameters)
@@ -61,8 +52,7 @@ def _conditions(configuration: Configuration, section: Assessment) -> Iterator[C
         for jrc, stress in itertools.product(
             roughnesses, section.stress or (base.max_normal_stress,)
         ):
-            if not rock.walls:
-                yield base._replace(jrc=jrc, max_normal_stress=stress)
+            yield base._replace(jrc=jrc, max_normal_stress=stress)
 
 
 def _points(settings: ClosureSettings, variant: str, stated: bool) -> Iterator[Point]:

@@ -1,14 +1,11 @@
 """Assessments of a study's rocks: which joints are closed, and the tables of them."""
 
 import numpy as np
-import pytest
 
 import jointclosure as jc
 from jointclosure.engine.assess import LADDER
 from jointclosure.engine.walls import COPIES, walls_of
-from studies.assessment.study import EXPERIMENT
-from studies.frame.config.files import ConfigurationError
-from tests.studied import checked_study
+from studies.assessment.study import EXPERIMENT  # noqa: F401, of the fixtures
 
 TINY = {
     "study": {"name": "tiny_assessment", "rocks": ["slate"]},
@@ -36,10 +33,3 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
 def test_the_worst_joint_is_first(tables):
     order = tables["hardness"].verdict.map(["not stable", "hard", "easy"].index)
     assert order.is_monotonic_increasing
-
-
-def test_scanned_rocks_alone_are_refused_with_the_command_that_takes_them():
-    study = checked_study(TINY)
-    scanned = {name: rock._replace(walls="scans") for name, rock in study.typed.rocks.items()}
-    with pytest.raises(ConfigurationError, match="`jointclosure assess` takes"):
-        EXPERIMENT.design(study._replace(typed=study.typed._replace(rocks=scanned)))

@@ -22,16 +22,23 @@ from studies.frame.experiments import experiment_named
 from tests.studied import checked_study
 
 TINY = {
-    "study": {"name": "points", "rocks": ["slate", "dolerite"], "realizations": 2},
+    "study": {"name": "points", "rocks": ["slate", "dolerite"]},
     "grid": {"cells_x": 10, "cells_y": 10},
-    "ablation": {"jrc": [4, 10], "stress_MPa": [0.5, 2]},
+    "assessment": {"joints": 2, "within": 0.05, "jrc": [4, 10], "stress_MPa": [0.7, 2]},
 }
 
 
 @pytest.fixture(scope="module")
 def points():
-    jobs = experiment_named("effects").design(checked_study(TINY)).jobs
-    return [*jobs["slate.hertz_only"], *jobs["dolerite.substrate-breakage"]]
+    jobs = experiment_named("assessment").design(checked_study(TINY)).jobs
+    variants = {"slate": "without_breakage_and_gouge", "dolerite": "without_interaction"}
+    return [
+        point
+        for name in jobs
+        for rock, variant in variants.items()
+        for point in jobs[name]
+        if name.startswith(rock) and name.endswith(variant)
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +49,8 @@ def joints(points):
 def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, joints):
     assert len(joints) == len(points) * 2 * 2
     assert joints.columns.tolist() == [
-        "rock", "scene", "jrc", "stress", "realization", "cycle", "status", "seconds",
-        "max_closure", "hysteresis",
+        "rock", "jrc", "stress", "variant", "copy_of_walls", "realization", "cycle", "status",
+        "seconds", "max_closure", "hysteresis",
     ]  # fmt: skip
     assert joints.groupby("rock", sort=False).size().to_dict() == {"slate": 16, "dolerite": 16}
     assert (joints.seconds > 0.0).all()
@@ -51,7 +58,7 @@ def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, j
 
 def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
     point = points[5]
-    upper, lower = list(engine.MAKERS[point.walls](point.settings))[1]
+    upper, lower = list(engine.MAKERS[point.walls](point.settings, **point.options))[1]
     closed = close_walls(upper, lower, point.settings.conditions())
     here = (joints.realization == 1) & (joints.rock == "dolerite")
     here &= (joints.jrc == point.coordinates["jrc"]) & (

@@ -41,7 +41,7 @@ INDEPENDENT = (
 UNMODELLED = "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
 _CLOSURE = "Net closure since seating, cycle {} (mm)"
 STAYS = "Share that remains at seating (%)"
-_LEFT_OUT = ("assessment", "ablation")
+_LEFT_OUT = ("assessment",)
 """Sections of the configuration for other targets."""
 
 

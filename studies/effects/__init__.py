@@ -1,1 +1,0 @@
-"""Ablation: contribution of each effect to closure, and its cost."""
