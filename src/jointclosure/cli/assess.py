@@ -9,14 +9,13 @@ example:
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 from jointclosure.cli import options, results
 from jointclosure.engine.assess import assess, check_request
-from jointclosure.engine.assessment import Assessment
 from jointclosure.engine.progress import bar
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
 from jointclosure.joint.conditions import Conditions
-from jointclosure.storage.folders import replace_files
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -49,21 +48,16 @@ def run(arguments: argparse.Namespace) -> int:
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)
     settings = {"upper": walls[0], "lower": walls[1], **files, **grid, **stated, **asked}
-    about = results.attributes(settings) | {"title": title}
-    names = replace_files(
-        arguments.output, "assess", lambda folder: _write(assessment, about, title, folder)
-    )
-    print(f"wrote {arguments.output}: {', '.join(names)}")
-    return int(assessment.hardness["verdict"] == "not stable")
-
-
-def _write(assessment: Assessment, about: dict[str, str], title: str, folder: Path) -> None:
-    """Write tables, figure and record of an assessment."""
-    record = {"sentences": assessment.sentences, "hardness": assessment.hardness, **about}
-    results.write(assessment.closures, folder / "closures.csv")
-    results.write(assessment.differences, folder / "differences.csv")
-    results.write(json.dumps(record, indent=1, default=str) + "\n", folder / "assessment.json")
+    record = {"sentences": assessment.sentences, "hardness": assessment.hardness, "title": title}
+    record |= results.attributes(settings)
+    written: dict[str, Any] = {
+        "closures.csv": assessment.closures,
+        "differences.csv": assessment.differences,
+        "assessment.json": json.dumps(record, indent=1, default=str) + "\n",
+    }
     if assessment.price.shape[0] > 1:
         from jointclosure.plotting.walls import price_figure
 
-        results.write(price_figure(assessment, title), folder / "price.png")
+        written["price.png"] = price_figure(assessment, title)
+    print(results.write_folder(arguments.output, "assess", written))
+    return int(assessment.hardness["verdict"] == "not stable")

@@ -13,6 +13,7 @@ docs/two_scans.md is a tutorial.
 
 import argparse
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.rocks import rock_record
 from jointclosure.parameters.units import to_si
-from jointclosure.storage.folders import replace_files
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.scans import file_digest
 
@@ -65,15 +65,13 @@ def run(arguments: argparse.Namespace) -> int:
     print(results.summary(joint.history, joint.budget))
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
-    about = results.attributes(scans | stated)
-    names = replace_files(
-        arguments.output, "close", lambda folder: _write(joint, scans, about, title, folder)
-    )
+    files = _files(joint, scans, results.attributes(scans | stated), title)
+    exports = partial(write_exports, joint.history, title)
+    wrote = results.write_folder(arguments.output, "close", files, exports)
     warned = len(cautions(joint.pair.report))
     above = f"; warnings above: {warned}" if warned else ""
     spent = duration(time.perf_counter() - start)
-    print(f"{results.status_text(joint.history)}; {spent} in all{above}")
-    print(f"wrote {arguments.output}: {', '.join(names)}")
+    print(f"{results.status_text(joint.history)}; {spent} in all{above}", wrote, sep="\n")
     return int(results.failed(joint.history))
 
 
@@ -94,17 +92,17 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
     return ranges
 
 
-def _write(
-    joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str, folder: Path
-) -> None:
-    """Write all files of a joint: its history, registration, exports and figures."""
+def _files(
+    joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str
+) -> dict[str, Any]:
+    """Return history, registration and figures of a joint by the names of their files."""
     from jointclosure.plotting.joint import closure_curve
     from jointclosure.plotting.snapshots import snapshot_figure
     from jointclosure.plotting.walls import pair_figure, range_figure
 
     history, budget = joint.history, joint.budget
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
-    files = {
+    files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
         "joint.json": _record(joint, title) | {"sha256": digests, "provenance": about},
         "walls.png": pair_figure(joint.pair, title),
@@ -114,9 +112,7 @@ def _write(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    for name, content in files.items():
-        results.write(content, folder / name)
-    write_exports(history, title, folder)
+    return files
 
 
 def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:

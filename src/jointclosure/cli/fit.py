@@ -21,7 +21,6 @@ from jointclosure.cli import options, results
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
 from jointclosure.measured.fit import Fit, fit
-from jointclosure.storage.folders import replace_files
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -61,14 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     result = fit(**stated, progress=True)
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
-        about = results.attributes(stated)
-
-        def fill(folder: Path) -> None:
-            results.write(_record(result) | {"provenance": about}, folder / "fit.json")
-            results.write(fit_figure(result, arguments.curve.name), folder / "fit.png")
-
-        names = replace_files(arguments.output, "fit", fill)
-        print(f"wrote {arguments.output}: {', '.join(names)}")
+        record = _record(result) | {"provenance": results.attributes(stated)}
+        files = {"fit.json": record, "fit.png": fit_figure(result, arguments.curve.name)}
+        print(results.write_folder(arguments.output, "fit", files))
     return 0
 
 

@@ -2,7 +2,7 @@
 
 import argparse
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from jointclosure.joint.curves import curve_table, cycle_table, has_flow
 from jointclosure.joint.history import with_snapshots
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_animation, save_figure, write_vtu
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.storage.text import write_csv, write_text
@@ -135,3 +136,20 @@ def write(content: Any, path: Path, figures: int | None = None) -> None:
     else:
         text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
         write_text(text, path)
+
+
+def write_folder(
+    folder: Path,
+    command: str,
+    files: Mapping[str, Any],
+    further: Callable[[Path], None] = lambda folder: None,
+) -> str:
+    """Replace the files of a command's earlier run, and return the line that names them."""
+
+    def fill(place: Path) -> None:
+        for name, content in files.items():
+            write(content, place / name)
+        further(place)
+
+    names = replace_files(folder, command, fill)
+    return f"wrote {folder}: {', '.join(names) or 'no file'}"

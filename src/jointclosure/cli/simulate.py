@@ -25,7 +25,6 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, describe_load
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
-from jointclosure.storage.folders import replace_files
 from jointclosure.walls.synthesis import wall_pair
 
 _WALLS = ("hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
@@ -89,6 +88,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        names = replace_files(arguments.tables, "simulate", partial(write_exports, closed, title))
-        print(f"wrote {arguments.tables}: {', '.join(names) or 'no file'}")
+        exports = partial(write_exports, closed, title)
+        print(results.write_folder(arguments.tables, "simulate", {}, exports))
     return int(results.failed(closed))

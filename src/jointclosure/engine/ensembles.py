@@ -105,7 +105,9 @@ def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) 
         for done, (place, row) in enumerate(shared(_closed, tasks, workers), start=1):
             rows[place] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
-    lost = [i for i, row in enumerate(rows) if _lost(row)]
+    lost = [
+        i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), ProcessLostError)
+    ]
     if lost:
         _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
         # fewer at a time, because the usual reason is lack of memory; never in this process
@@ -119,10 +121,6 @@ def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) 
             f"{rows[failed[0]].error}"
         )
     return rows
-
-
-def _lost(row: Any) -> bool:
-    return isinstance(row, Failed) and isinstance(row.error, ProcessLostError)
 
 
 def _warn(message: str) -> None:

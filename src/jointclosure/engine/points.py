@@ -5,6 +5,7 @@ Failed joints stay in the table with their status and without readings.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import MAKERS, Walls
+from jointclosure.engine.walls import MAKERS
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
@@ -42,13 +43,11 @@ class JobsOnDemand(Mapping[str, Sequence[Point]]):
     def __init__(
         self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
     ) -> None:
-        self._arguments, self._points_of = arguments, points_of
-        self._made: dict[str, Sequence[Point]] = {}
+        self._arguments = arguments
+        self._made = cache(lambda name: points_of(*arguments[name]))
 
     def __getitem__(self, name: str) -> Sequence[Point]:
-        if name not in self._made:
-            self._made[name] = self._points_of(*self._arguments[name])
-        return self._made[name]
+        return self._made(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._arguments)
@@ -81,17 +80,22 @@ def close_points(
     """
     parts = []
     for point in points:
-        part = pd.concat(
-            [
-                closed_joint(point, realization, walls, quantities)
-                for realization, walls in _numbered(point)
-            ]
-        )
-        parts.append(part)
-        at = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
-        report(
-            f"{at}: {part.seconds.mean():.2f} s a joint, statuses {np.unique(part.status).tolist()}"
-        )
+        settings, rows = point.settings, []
+        reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
+        pairs = MAKERS[point.walls](settings, **point.options)
+        for realization, walls in enumerate(pairs, settings.surfaces.first_realization):
+            row = close_joint(walls, reading)
+            at = point.coordinates | {
+                "realization": realization,
+                "cycle": np.arange(1, settings.cycles + 1),
+                "status": int(row["status"]),
+                "seconds": row["timing_simulation"],
+            }
+            rows.append(pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities}))
+        parts.append(part := pd.concat(rows))
+        at_point = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
+        statuses = np.unique(part.status).tolist()
+        report(f"{at_point}: {part.seconds.mean():.2f} s a joint, statuses {statuses}")
     return pd.concat(parts, ignore_index=True)
 
 
@@ -100,27 +104,6 @@ def closed_table(
 ) -> xr.Dataset:
     """Return `close_points` as a dataset (`as_dataset`)."""
     return as_dataset(close_points(points, quantities, report))
-
-
-def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
-    """Return the walls of a point with the numbers of their realisations."""
-    first = point.settings.surfaces.first_realization
-    return enumerate(MAKERS[point.walls](point.settings, **point.options), first)
-
-
-def closed_joint(
-    point: Point, realization: int, walls: Walls, quantities: Sequence[str]
-) -> pd.DataFrame:
-    """Close one joint of a point and return its rows of the table, one per cycle."""
-    about = ("status", "timing_simulation")
-    row = close_joint(walls, Reading(point.settings.conditions(), (*about, *quantities)))
-    at = point.coordinates | {
-        "realization": realization,
-        "cycle": np.arange(1, point.settings.cycles + 1),
-        "status": int(row["status"]),
-        "seconds": row["timing_simulation"],
-    }
-    return pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities})
 
 
 def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
@@ -176,8 +159,7 @@ def _mean(times: list[float]) -> Estimate:
 
 def _seconds_of_one(point: Point) -> float:
     """Measure the processor time of the first joint of a point [s]."""
-    number, walls = next(iter(_numbered(one_joint(point))))
-    return float(closed_joint(point, number, walls, ()).seconds.iloc[0])
+    return float(close_points([one_joint(point)], ()).seconds.iloc[0])
 
 
 def one_joint(point: Point) -> Point:

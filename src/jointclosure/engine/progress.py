@@ -12,31 +12,23 @@ _BETWEEN_LINES, _PART = 30.0, 0.1
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     """Show a bar on a terminal; yield what takes the finished part and the present step."""
     # jobs do without it, and hundreds of them are started
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich import console, progress
 
-    console = Console(stderr=True)
+    screen = console.Console(stderr=True)
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.TextColumn("{task.percentage:>3.0f} %"),
+        progress.TimeElapsedColumn(),
+        progress.TextColumn("left"),
+        progress.TimeRemainingColumn(),
     )
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as progress:
-        task = progress.add_task(title, total=1.0)
+    off = not screen.is_terminal
+    with progress.Progress(*columns, console=screen, transient=True, disable=off) as shown:
+        task = shown.add_task(title, total=1.0)
 
         def show(done: float, what: str) -> None:
-            progress.update(task, completed=done, description=f"{title}: {what}")
+            shown.update(task, completed=done, description=f"{title}: {what}")
 
         yield show
 

@@ -164,27 +164,28 @@ def close(
     )  # fmt: skip
     of_pair = checked._replace(spacing=pair.spacing)
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+
+    def remark(lines: Sequence[str], doubts: Sequence[str]) -> None:
+        """Print lines, or warn of the doubts among them."""
+        if progress:
+            print("".join(f"- {line}\n" for line in lines), end="", flush=True)
+        for doubt in () if progress else doubts:
+            warnings.warn(doubt, stacklevel=3)
+
+    remark(pair.report, () if stated.unusual_values else pair.warnings)
     if progress:
-        print("\n".join(f"- {line}" for line in pair.report))
         print(_described(pair, of_pair, name))
-    for doubt in () if progress or stated.unusual_values else pair.warnings:
-        warnings.warn(doubt, stacklevel=2)
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-    cost = expected_cost(pair.upper, pair.lower, of_pair, single, ranges)
-    if cost is not None and progress:
-        print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
-    elif cost is not None:
-        warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
+    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges):
+        forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
+        remark(forecast, forecast)
     kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as told:
         history = close_walls(pair.upper, pair.lower, of_pair, told, kept)
     if pair.holes.any():
         history, about = _force_in_holes(pair, history, snapshots)
         pair = pair._replace(report=[*pair.report, *about])
-        if progress:
-            print("".join(f"- {line}\n" for line in about), end="")
-        for doubt in () if progress or stated.unusual_values else cautions(about):
-            warnings.warn(doubt, stacklevel=2)
+        remark(about, () if stated.unusual_values else cautions(about))
     joint = ClosedJoint(pair, history, of_pair, name)
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint

@@ -195,16 +195,14 @@ def smoothing_of(
     scan: Scan | Cloud,
     wall: np.ndarray,
     spacing: float,
-    bounds: tuple[np.ndarray, ...] | np.ndarray | None = None,
+    low: np.ndarray | None = None,
     high: np.ndarray | None = None,
 ) -> tuple[Caution, ...]:
-    """Warn of the slope that a wall (y, x) [m] lost by interpolation of points up to ``high``."""
+    """Warn of the slope that a wall (y, x) [m] between two places (x, y) lost by interpolation."""
     points = points_of(scan)
-    if bounds is not None:
-        low = bounds[0]
-    elif isinstance(scan, Scan):
+    if low is None and isinstance(scan, Scan):
         low = np.array(scan.origin or (0.0, 0.0))[::-1]
-    else:
+    elif low is None:
         low = points[:, :2].min(axis=0)
     if high is None:
         high = low + spacing * (np.array(wall.shape)[::-1] - 1)

@@ -169,12 +169,10 @@ def registered(
         walls are interchanged, another orientation than the stated one is clear, or spacing or
         size are not those of a wall.
     """
-    for name, value, allowed in (
-        ("orientation", orientation, ORIENTATIONS),
-        ("shift", shift, SHIFTS),
-    ):
-        if value is not None:
-            check_one_of(name, value, tuple(allowed))
+    if orientation is not None:
+        check_one_of("orientation", orientation, tuple(ORIENTATIONS))
+    if shift is not None:
+        check_one_of("shift", shift, SHIFTS)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
     distance = max(map(measured.point_distance, scans))
@@ -220,8 +218,7 @@ def registered(
     for side, cloud, holes in zip(_SIDES, clouds, overlap.holes, strict=True):
         if side != flat:
             known = np.where(holes, np.nan, getattr(overlap, side))
-            low, high = overlap.box
-            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, (low, high), high)
+            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
             report += _named(side, lost)
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     walls = {"upper": pair.upper, "lower": pair.lower}
@@ -289,10 +286,9 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
             )
             if isinstance(scan, Scan):
                 nodes = measured.sampled(scan, spacing, anchor)
-                first = np.array([nodes.origin])[:, ::-1]
-                report += _named(
-                    side, plausibility.smoothing_of(scan, nodes.heights, spacing, first)
-                )
+                first = np.array(nodes.origin)[::-1]
+                lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
+                report += _named(side, lost)
                 scan = nodes
         result.append(scan)
     return result

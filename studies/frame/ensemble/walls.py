@@ -76,7 +76,9 @@ def prepared_walls(
         }
         remarks = scans[side].remarks
         if not together:  # else in the registration's report
-            remarks += smoothing_of(scans[side], wall, spacing, _common_bounds(scans))
+            bounds = _common_bounds(scans)
+            low = None if bounds is None else bounds[0]
+            remarks += smoothing_of(scans[side], wall, spacing, low)
         if remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(remarks)
         walls[side] = (("y", "x"), wall, about)
