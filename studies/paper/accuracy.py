@@ -97,19 +97,21 @@ def reached_table(
 
 
 def _means(study: xr.Dataset, finest: xr.Dataset, name: str) -> Iterator[tuple]:
-    """Generate means of all cases and cycles; those of stiffnesses are harmonic."""
+    """Generate means of all cases and cycles, without joints that lack the quantity.
+
+    Those of stiffnesses are harmonic.
+    """
     quantity, pairs = QUANTITIES[name], finest.sizes["realization"]
     unit, scale = shown_unit(quantity.unit)
-    good, both = succeeded(study).values, succeeded(finest).values
-    both = both & good[:, :pairs]
+    good, fine_good = succeeded(study).values, succeeded(finest).values
     for i in range(study.sizes["case"]):
         about = {key: study[key].values[i] for key in ("rock", "parameter", "level")}
-        alone = good[i].copy()
-        alone[:pairs] &= ~both[i]
         for cycle in study.cycle.values.tolist():
             cheap, fine = (part[name].sel(cycle=cycle).values[i] for part in (study, finest))
-            cheap = np.concatenate([cheap[:pairs][both[i]], cheap[alone]])  # pairs first
-            fine = fine[both[i]]
+            alone = good[i] & np.isfinite(cheap)
+            both = alone[:pairs] & fine_good[i] & np.isfinite(fine)
+            alone[:pairs] &= ~both
+            cheap, fine = np.concatenate([cheap[:pairs][both], cheap[alone]]), fine[both]
             at = about | {"cycle": cycle, "quantity": name, "unit": unit}
             estimate = _mean(1.0 / cheap, 1.0 / fine) if quantity.harmonic else _mean(cheap, fine)
             low, high = sorted(_shown(end, scale, quantity.harmonic) for end in estimate[0][1:])
@@ -131,8 +133,9 @@ def _mean(cheap: np.ndarray, fine: np.ndarray) -> Estimate:
         return _UNKNOWN
     differences = fine - cheap[: fine.size]
     mean = two_level_mean(cheap, differences)
-    spread = [float(np.std(values, ddof=1)) / mean.value for values in (cheap, differences, fine)]
-    half = 0.5 * (mean.high - mean.low) / mean.value
+    size = abs(mean.value)
+    spread = [float(np.std(values, ddof=1)) / size for values in (cheap, differences, fine)]
+    half = 0.5 * (mean.high - mean.low) / size
     return Estimate(mean, float(cheap.mean()), half, (spread[0], spread[1]), spread[2])
 
 

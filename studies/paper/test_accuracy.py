@@ -88,8 +88,10 @@ def test_failed_joints_of_either_level_are_left_out_and_few_differences_never_su
     failed = np.zeros((3, 9), dtype=np.int16)
     failed[0, 4] = 16
     finest = finest.assign(status=(("case", "realization"), failed))
+    finest.max_closure[2, 6, 0] = np.nan
     table = reached_table(study, finest, Accuracy(within=0.99), 0.05)
     assert table[["surfaces", "differences"]].iloc[0].tolist() == [18, 7]
+    assert table.differences.tolist() == [7, 7, 9, 9, 8, 9]
     assert table.met.tolist() == [False] * 2 + [True] * 4
     none = finest.assign(status=finest.status + 16)
     table = reached_table(study, none, Accuracy(within=0.99), 0.05)
