@@ -146,13 +146,3 @@ def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpola
         assert kept == pytest.approx(rms_slope(getattr(pair, side), SPACING), rel=0.01)
         assert measured == pytest.approx(rms_slope(detrended(whole), SPACING), rel=0.02)
         assert kept < 0.95 * measured
-
-
-@pytest.mark.parametrize(("step", "warned"), [(SPACING / 2.0, 0), (SPACING / 2.3, 2)])
-def test_sampling_between_the_points_of_fine_scans_is_warned_of(step, warned):
-    upper, lower = jc.wall_pair(9.0, (90, 90), step, seed=2, roll_off=None, correlation=0.9)
-    scans = scan(-upper, step), scan(lower[:63], step)
-    pair = registered(*scans, SPACING, orientation="common_frame", cut_spikes=False)
-    assert sum("heights were interpolated" in line for line in pair.warnings) == warned
-    assert pair.overlap == pytest.approx(1.0, abs=0.04)
-    assert re.search(r"7\d % of the upper scan and (9\d|100) % of the lower", " ".join(pair.report))
