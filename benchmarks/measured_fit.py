@@ -40,7 +40,10 @@ CELLS = (64, 128)
 KNOWN = (1e-3, 2e-3, 4e-3, np.inf)
 FIRST_SEED, REPEATS = 1000, 10
 ROCK = named_rock("granite")._replace(youngs_modulus=1e9 * measured("youngs_modulus").value)
-GRANITE = jc.Conditions(SPACING, named_rock("granite"), 10e6, numerics=RESOLVED).checked()
+PAPER = jc.Choices(strength_bound="none")  # by which the stored results were made
+GRANITE = jc.Conditions(
+    SPACING, named_rock("granite"), 10e6, choices=PAPER, numerics=RESOLVED
+).checked()
 
 
 def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
@@ -76,7 +79,7 @@ def example_joint() -> pd.DataFrame:
     for roll_off in (None, ROLL_OFF):
         result = jc.fit(
             curve_of(joint.history), rock="granite", jrc=10.0, shape=joint.pair.upper.shape,
-            seating_stress=GRANITE.seating_stress, roll_off=roll_off,
+            seating_stress=GRANITE.seating_stress, roll_off=roll_off, choices=PAPER,
         )  # fmt: skip
         rows.append(
             {"roll_off_mm": np.inf if roll_off is None else 1e3 * roll_off} | fitted(result)
@@ -92,7 +95,7 @@ def known_wavelengths() -> pd.DataFrame:
             result = jc.fit(
                 simulated_curve(wavelength, seed), rock="granite", jrc=JRC, spacing=SPACING,
                 shape=(CELLS[0], CELLS[0]), surfaces=SURFACES, closure_error=0.5e-2,
-                seating_stress=GRANITE.seating_stress, simulated=joints,
+                seating_stress=GRANITE.seating_stress, simulated=joints, choices=PAPER,
             )  # fmt: skip
             joints = result.simulated
             low, high = result.mismatch_wavelength[1:]
@@ -135,6 +138,7 @@ def main() -> None:
                 "rock": ROCK, "jrc": JRC, "shape": (cells, cells), "spacing": SPACING,
                 "seating_stress": 1e6 * measured("seating_stress").value, "surfaces": SURFACES,
                 "closure_error": ERROR, "roll_off": None, "numerics": RESOLVED,
+                "choices": PAPER,
             }  # fmt: skip
             both = jc.fit(curve, **options, simulated=joints)
             joints = both.simulated

@@ -54,8 +54,9 @@ for line in sys.stdin:
         upper, lower = walls["upper"], walls["lower"]
     rock = jc.Rock(*request["rock"])
     start = time.process_time()
+    bound = {"strength_bound": "none"} if "strength_bound" in jc.Choices._fields else {}
     closed = jc.simulate(upper, lower, spacing=request["spacing"], rock=rock,
-                         max_normal_stress=request["stress"])
+                         max_normal_stress=request["stress"], choices=jc.Choices(**bound))
     seconds = time.process_time() - start
     digest = hashlib.sha256()
     for name in sorted(closed.data_vars):

@@ -66,9 +66,10 @@ print(json.dumps(dict(
 
 
 def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options):
-    """Close a joint of dolerite [Pa]: the dataset."""
+    """Close a joint of dolerite [Pa] by the paper's model: the dataset."""
     return jc.simulate(
         *walls,
+        choices=jc.Choices(strength_bound="none"),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=stress,

@@ -14,21 +14,30 @@ from tests.joints import DOLERITE, SPACING
 BUDGET = Path(__file__).with_suffix(".csv")
 COUNTS = ("settled_states", "equilibria", "newton_steps", "solver_iterations", "breakage_steps")
 ELASTIC = {"breakage": False, "gouge": False}
-LARGEST = jc.Choices(largest_radius=20e-3)
+NONE = jc.Choices(strength_bound="none")
+LARGEST = NONE._replace(largest_radius=20e-3)
 
 JOINTS: dict[str, dict] = {
     # name: cells, stress [MPa], and what differs from the default
-    "fixed_step": {"cells": 40, "stress": 8.0},
-    "fixed_step_current_peaks": {"cells": 32, "choices": jc.Choices(peaks="current")},
+    "fixed_step": {"cells": 40, "stress": 8.0, "choices": NONE},
+    "fixed_step_bounded": {},
+    "fixed_step_current_peaks": {"cells": 32, "choices": NONE._replace(peaks="current")},
     "fixed_step_without_interaction": {
         "cells": 40,
         "effects": jc.Effects(interaction=False),
+        "choices": NONE,
     },
-    "fixed_step_interpolated": {"numerics": jc.Numerics(target="interpolate")},
+    "fixed_step_interpolated": {"numerics": jc.Numerics(target="interpolate"), "choices": NONE},
     "resolved": {"numerics": jc.Numerics(breakage="resolved"), "choices": LARGEST},
-    "resolved_unbounded_radii": {"numerics": jc.Numerics(breakage="resolved")},
+    "resolved_unbounded": {"numerics": jc.Numerics(breakage="resolved"), "choices": NONE},
+    "resolved_bounded": {"numerics": jc.Numerics(breakage="resolved")},
     "elastic": {"cells": 60, "stress": 30.0, "effects": jc.Effects(**ELASTIC)},
-    "reference": {"cells": 16, "stress": 2.0, "numerics": jc.Numerics(solver="reference")},
+    "reference": {
+        "cells": 16,
+        "stress": 2.0,
+        "numerics": jc.Numerics(solver="reference"),
+        "choices": NONE,
+    },
 }
 
 

@@ -52,10 +52,11 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     import jointclosure as jc
 
     study = study_of()
-    # but for the points of an elastic curve, which in a study meet the output's axis of stresses
+    # but for the points of an elastic curve, which in a study meet the output's axis of stresses,
+    # and the paper's words on strength, which leave the first cycle without a limit
     points = study.output.stress_points - 1
     assert study.numerics == jc.Numerics(curve_points=points)
-    assert study.choices == jc.Choices()
+    assert study.choices == jc.Choices(strength_bound="none")
     assert study.rocks["slate"].effects == jc.Effects()
     surface = study.surface._asdict()
     for function in (jc.wall_pair, jc.fit):

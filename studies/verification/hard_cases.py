@@ -174,8 +174,9 @@ _compile_once = lru_cache(maxsize=None)(compile_kernels)
 def _run(frozen: str) -> Outcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
-        (effects, _, numerics), peaks = _model(case), case["choices"]["peaks"]
-        _compile_once(effects, Choices(peaks=peaks), numerics.solver, numerics.breakage)
+        effects, choices, numerics = _model(case)
+        compiled = Choices(peaks=choices.peaks, strength_bound=choices.strength_bound)
+        _compile_once(effects, compiled, numerics.solver, numerics.breakage)
     setting = _setting(case)
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))

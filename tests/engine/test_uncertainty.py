@@ -31,7 +31,9 @@ from studies.frame.config.files import read_plain
 from tests.joints import DOLERITE, SPACING
 from tests.studied import ROOT
 
-CONDITIONS = jc.Conditions(SPACING, DOLERITE, 2e6, 1, 0.2e6)
+CONDITIONS = jc.Conditions(
+    SPACING, DOLERITE, 2e6, 1, 0.2e6, choices=jc.Choices(strength_bound="none")
+)
 CLOSURE = next(iter(QUANTITIES))
 
 
@@ -138,7 +140,7 @@ def test_each_source_is_varied_alone_to_its_plausible_values(small_joint):
     alone = {
         ("", ""): CONDITIONS,
         ("peak_modulus_ratio", "0.2"): CONDITIONS._replace(
-            choices=jc.Choices(peak_modulus_ratio=0.2)
+            choices=CONDITIONS.choices._replace(peak_modulus_ratio=0.2)
         ),
         ("breakage", "resolved"): CONDITIONS._replace(numerics=jc.Numerics(breakage="resolved")),
         ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(

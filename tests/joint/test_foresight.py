@@ -9,6 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import simulation
 from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.mechanics.strength import strength_factor
 from tests import joints
 from tests.joints import ELASTIC, SPACING, pair
 
@@ -48,11 +49,21 @@ def test_an_elastic_curve_takes_no_steps_and_is_never_refused():
 def test_radii_at_which_resolved_breakage_crushes_all_are_refused_by_the_least_that_will_do():
     refused = "largest_radius = 0.00025 m: .* must be at least"
     with pytest.raises(jc.InputError, match=refused) as stated:
-        closed(largest_radius=SPACING, breakage="resolved")
-    found = closed(largest_radius=1.1 * named_least(stated), breakage="resolved")
+        closed(largest_radius=SPACING, breakage="resolved", strength_bound="none")
+    bounds = {"largest_radius": 1.1 * named_least(stated), "strength_bound": "none"}
+    found = closed(breakage="resolved", **bounds)
     assert int(found.status) < FAILURE
     # the paper's steps do crush it
     assert int(closed(largest_radius=SPACING).status) < FAILURE
+
+
+def test_a_stress_that_all_bases_together_do_not_carry_is_refused_by_what_they_do():
+    weak = {"rock": joints.DOLERITE._replace(compressive_strength=3e6), "breakage": "resolved"}
+    with pytest.raises(jc.InputError, match="strength_bound = 'base'") as said:
+        closed(**weak, tolerance=1e-3)
+    most = float(str(said.value).split("less than ")[1].split(" Pa")[0])
+    base = 0.5**2 * np.pi * 2.0 / 3.0 * 3e6 / strength_factor(joints.DOLERITE.poisson_ratio)
+    assert most == pytest.approx(base, rel=0.01)
 
 
 def test_what_is_refused_can_be_asked_for_by_name():

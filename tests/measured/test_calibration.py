@@ -23,9 +23,8 @@ from tests.joints import SPACING
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
 SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6
-CONDITIONS = Conditions(
-    SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), jc.Choices(), jc.Numerics()
-)
+PAPER = jc.Choices(strength_bound="none")
+CONDITIONS = Conditions(SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), PAPER, jc.Numerics())
 WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
 
 

@@ -25,10 +25,13 @@ from jointclosure.walls.synthesis import wall_pair
 
 
 def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[list[str]]:
-    """Return the distinct settings that kernels depend on: scene, peaks, solver and breakage."""
+    """Return the distinct settings that kernels depend on, as words.
+
+    They are scene, peaks, bound of strength, solver and breakage.
+    """
     distinct = {
-        (scene_name(effects), choices.peaks, numerics.solver, numerics.breakage)
-        for effects, choices, numerics in settings
+        (scene_name(scene), choices.peaks, choices.strength_bound, given.solver, given.breakage)
+        for scene, choices, given in settings
     }
     return [list(kernel) for kernel in sorted(distinct)]
 
@@ -53,9 +56,14 @@ def main(words: list[str]) -> None:
     only_close = words == ["close"]
     for scene in [Effects()] if only_close else well_posed_scenes():
         for peaks in ("pristine", "current"):
+            choices = Choices(peaks=peaks)
             for name in ["fast"] if only_close else SOLVER_NAMES:
-                compile_kernels(scene, Choices(peaks=peaks), name, "fixed_step")
-            compile_kernels(scene, Choices(peaks=peaks), "fast", "resolved")
+                compile_kernels(scene, choices, name, "fixed_step")
+            compile_kernels(scene, choices, "fast", "resolved")
+            if scene.breakage and not only_close:
+                unbounded = choices._replace(strength_bound="none")
+                compile_kernels(scene, unbounded, "fast", "fixed_step")
+                compile_kernels(scene, unbounded, "fast", "resolved")
 
 
 if __name__ == "__main__":

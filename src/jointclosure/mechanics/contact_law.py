@@ -46,7 +46,7 @@ def contact_law(
     critical = np.array([critical_indentation(limit, modulus) for modulus in asperity_modulus])
     substrate_modulus = equivalent_modulus(*moduli)
     base_radius = choices.base_radius_in_cells * spacing
-    bounded = choices.strength_bound == "base"
+    bounded = choices.strength_bound == "base" and limit < np.inf
     return ContactLaw(
         spacing=float(spacing),
         base_radius=float(base_radius),

@@ -109,10 +109,11 @@ class Choices(NamedTuple):
         Whether peaks are those of the walls before loading or as they are.
     largest_radius : float or None
         Upper bound of each wall's Gaussian radius [m]. None: unbounded, as in the paper.
-    strength_bound : {"none", "base"}
+    strength_bound : {"base", "none"}
         Upper bound of a contact's strength. "base": the force at which the mean pressure over the
         base of the asperity is that of a Hertz contact at its strength (docs/model.md). "none": as
-        in the paper, where a crushed cell between level ones has no largest strength.
+        in the paper, where a crushed cell between level ones has no largest strength, and the first
+        cycle no limit (docs/decisions.md#0010-resolved-breakage).
     tie_tolerance : float
         Smallest difference in height that makes a cell lower than its neighbour, over the rms
         height of both walls. It is about 1e-12 m for the walls of the paper.
@@ -123,7 +124,7 @@ class Choices(NamedTuple):
     concave: Literal["magnitude", "flat"] = "magnitude"
     peaks: Literal["pristine", "current"] = "pristine"
     largest_radius: float | None = None
-    strength_bound: Literal["none", "base"] = "none"
+    strength_bound: Literal["base", "none"] = "base"
     tie_tolerance: float = 2e-9
 
 
@@ -308,7 +309,7 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     _check_intervals(choices)
     check_one_of("concave", choices.concave, ("magnitude", "flat"))
     check_one_of("peaks", choices.peaks, ("pristine", "current"))
-    check_one_of("strength_bound", choices.strength_bound, ("none", "base"))
+    check_one_of("strength_bound", choices.strength_bound, ("base", "none"))
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)
         if choices.largest_radius < spacing:

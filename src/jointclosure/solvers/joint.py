@@ -26,6 +26,8 @@ FLATTEST = 1e-6
 millimetre, rounding of heights of some millimetres leaves up to 1e-7; the flattest grain of rock
 has 1e-3."""
 
+_LEAST_DROP = float(np.finfo(float).tiny)
+"""Difference in height [m] that makes no cell lower: of denormal heights the tolerance is 0."""
 CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
 
@@ -96,7 +98,8 @@ class Joint:
         self.law: ContactLaw = contact_law(spacing, rock, effects, choices)
         self.compressive_strength = min(map(strength_of, rock))  # [Pa]
         self.first_touch = float((self.upper + self.lower).max())
-        self.tie_tolerance = choices.tie_tolerance * roughness(self.upper, self.lower)
+        tie = choices.tie_tolerance * roughness(self.upper, self.lower)
+        self.tie_tolerance = max(tie, _LEAST_DROP)
         self.peaks = peak_map(self.upper, self.lower)
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)

@@ -156,7 +156,8 @@ class ChoiceKeys(Section):
     )
     strength_bound: Literal["none", "base"] = entry(
         "Upper bound of a contact's strength. base: its mean pressure over the whole base of the "
-        "asperity is at most that of a Hertz contact at strength; none: the paper's."
+        "asperity is at most that of a Hertz contact at strength; none: the paper's, by which the "
+        "first cycle has no limit."
     )
     tie_tolerance: float = entry(
         "Difference in height that counts as lower, over the walls' rms height.", gt=0, lt=0.001

@@ -59,8 +59,9 @@ def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
     names: Any
     for names in kernels:
-        scene, peaks, solver, breakage = names
-        compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)
+        scene, peaks, bound, solver, breakage = names
+        choices = Choices(peaks=peaks, strength_bound=bound)
+        compile_kernels(scene_of(scene), choices, solver, breakage)
 
 
 def listed(paths) -> list[str]:
