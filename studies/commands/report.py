@@ -7,13 +7,14 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
 import xarray as xr
 
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.text import read_benchmarks, read_csv, read_text, write_text
+from jointclosure.storage.text import read_csv, read_text, write_text
 from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.config.model import model
 from studies.frame.config.schema import json_schema
@@ -86,3 +87,15 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
         if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
         for text in [caption.read_text(encoding="utf-8")]
     ]
+
+
+def read_benchmarks(folder: str | Path) -> pd.DataFrame:
+    """Read Snakemake's measurements below a folder: rule, job, s [s], max_rss [MB]."""
+    rows = [
+        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
+            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
+        )
+        for path in sorted(Path(folder).rglob("*.tsv"))
+    ]
+    columns = ["rule", "job", "s", "max_rss"]
+    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)

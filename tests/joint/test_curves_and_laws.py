@@ -149,7 +149,7 @@ def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
     stiffness = secant_stiffness(closed, 1, 2e6, 5e6, NET)
     assert stiffness == pytest.approx((end - 2e6) / rise)
     assert stiffness > secant_stiffness(closed, 1, 2e6, 5e6, GROSS)
-    fitted = law_curves(closed, NET)[1, "loading"][1]
+    fitted = law_curves(closed)[1, "loading"][1]
     levels = 1e6 * law_curves(closed)[1, "loading"][0][[0, -1]]
     closures = closures_at(closed, levels, NET)[0, 0]
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])

@@ -23,7 +23,8 @@ from jointclosure.storage.netcdf import (
     write_netcdf,
     write_netcdf_regions,
 )
-from jointclosure.storage.text import read_benchmarks, read_csv, write_csv
+from jointclosure.storage.text import read_csv, write_csv
+from studies.commands.report import read_benchmarks
 
 
 def some_dataset(rows: int = 20) -> xr.Dataset:

@@ -1,8 +1,10 @@
 """Join the groups of hard cases in one table with their errors; draw cases and errors."""
 
+from pathlib import Path
+
 import pandas as pd
 
-from jointclosure.storage.figures import save_figures
+from jointclosure.storage.figures import save_figure
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
@@ -31,7 +33,8 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     }
     write_csv(error_table(table, origin), outputs["errors"])
     figures = {"hard_cases": hard_case_page(table, curves), "numerics": numerics_figure(formulas)}
-    save_figures(figures, outputs["figures"], log)
+    for path in outputs["figures"]:
+        save_figure(figures[Path(path).stem], path)
     log(f"{int(whole.holds.sum())} of {len(whole)} hold")
 
 

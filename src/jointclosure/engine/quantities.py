@@ -175,13 +175,13 @@ def _oracle_ratio(joint: ClosedWalls) -> float:
     return oracle_ratio(joint.walls, joint.closed, joint.conditions)
 
 
-def pair_seconds(count: int = 5) -> float:
+def pair_seconds() -> float:
     """Measure the median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200.
 
     It is the unit of time of benchmarks, as it varies with the machine as closures do.
     """
     values, times = np.ones((200, 200)), []
-    for _ in range(count):
+    for _ in range(5):
         start = time.process_time()
         scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
         times.append(time.process_time() - start)

@@ -16,7 +16,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.joint.curves import closures_at, stress_levels
-from jointclosure.joint.history import NET, branch_of, read_along
+from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
@@ -94,30 +94,28 @@ def law_words(name: str) -> str:
     return name.replace("_", "-")
 
 
-def law_curves(
-    history: xr.Dataset, of: str = NET
-) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
+def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
     """Read stress [MPa] and closure since seating [mm] by cycle and branch."""
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
     for index in range(int(history.cycle.max())):
         levels = stress_levels(history, POINTS, index + 1)
-        branches = closures_at(history, levels, of)[index]
+        branches = closures_at(history, levels)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
             if not np.isfinite(closure).all():
                 continue
             # without seating from where the branch begins, or where it ends on unloading
-            ends = read_along(history, of)[branch_of(history, index + 1, name)[[0, -1]]]
+            ends = read_along(history)[branch_of(history, index + 1, name)[[0, -1]]]
             start = closure[0] if seating > 0.0 else ends[0 if name == LOADING else 1]
             curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
     return curves
 
 
-def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
+def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
     """Fit the laws by least squares of closure, for each cycle and branch."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     rows = []
-    for (cycle, branch), (stress, closure) in law_curves(history, of).items():
+    for (cycle, branch), (stress, closure) in law_curves(history).items():
         for name, law in LAWS.items():
             values, errors, fit = _fit(law, stress, closure, seating)
             about = {"cycle": cycle, "branch": branch, "law": name}

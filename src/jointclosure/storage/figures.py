@@ -1,6 +1,5 @@
 """Figures, and meshes for other programs, written completely or not at all."""
 
-from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,15 +17,6 @@ def save_figure(figure: "Figure", path: str | Path) -> None:
     """Write a figure in the format of its path, without a time stamp."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
     atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
-
-
-def save_figures(
-    figures: "Mapping[str, Figure]", paths: Iterable[str], log: Callable[[str], object]
-) -> None:
-    """Write each figure to the paths that bear its name, and name them in a log."""
-    for path in paths:
-        save_figure(figures[Path(path).stem], path)
-        log(f"drew {path}")
 
 
 def save_animation(animation: "FuncAnimation", path: str | Path) -> None:

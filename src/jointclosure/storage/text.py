@@ -19,18 +19,6 @@ def read_csv(path: str | Path) -> pd.DataFrame:
     return pd.read_csv(path, comment="#")
 
 
-def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """Read Snakemake's measurements below a folder: rule, job, s [s], max_rss [MB]."""
-    rows = [
-        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
-            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
-        )
-        for path in sorted(Path(folder).rglob("*.tsv"))
-    ]
-    columns = ["rule", "job", "s", "max_rss"]
-    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
-
-
 def read_text(path: str | Path) -> str:
     """Read a text, such as a log or a CSV; raise `InputError` unless it is UTF-8."""
     try:

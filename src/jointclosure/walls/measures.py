@@ -19,6 +19,8 @@ SMALLEST_WALL = 24
 """Smallest number of cells along the shorter side: four for each tile."""
 DRAWS, LARGEST_DRAW = 100, 400
 """Number of synthetic walls, and largest number of cells along their sides."""
+TAIL, _SEED = 2.5, 1
+"""Percentage of values beyond each limit of an interval, and seed of their random numbers."""
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
 
@@ -44,18 +46,8 @@ class Increments(NamedTuple):
     second_y: np.ndarray
 
 
-def measure_wall(
-    heights: np.ndarray,
-    spacing: float,
-    *,
-    resamples: int = 1000,
-    confidence: float = 0.95,
-    seed: int = 1,
-) -> list[Measure]:
-    """Measure a wall (y, x) [m] less its plane, NaN where missing, as defined in docs/two_scans.md.
-
-    ``resamples``, ``confidence`` and ``seed`` are those of the block bootstrap.
-    """
+def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
+    """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
     if min(heights.shape) < SMALLEST_WALL:
         raise InputError(
             f"{heights.shape[0]} x {heights.shape[1]} cells (y, x): "
@@ -63,15 +55,13 @@ def measure_wall(
         )
     if not np.nanstd(heights) > 0.0:
         raise InputError("all heights are equal: the wall has no roughness")
-    means = _resampled_means(heights, spacing, resamples, seed)
-    tail = 50.0 * (1.0 - confidence)
-    measures = []
+    means, measures = _resampled_means(heights, spacing, resamples), []
 
     def add(name: str, values: np.ndarray, unit: str, remark: str = "") -> None:
-        low, high = np.nanpercentile(values[1:], [tail, 100.0 - tail])
+        low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
         measures.append(Measure(name, float(values[0]), float(low), float(high), unit, remark))
 
-    scatter = _scatter(_scaling(heights, spacing), heights.shape, spacing, seed)
+    scatter = _scatter(_scaling(heights, spacing), heights.shape, spacing)
     fitted = 1e3 * spacing * lags_of(min(heights.shape))[1:]
     reach = f"over {fitted[0]:g} to {fitted[-1]:g} mm"
     add("rms height", 1e3 * scatter["rms height"], "mm")
@@ -152,14 +142,14 @@ def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
 
 
 def _scatter(
-    measured: dict[str, float], shape: tuple[int, ...], spacing: float, seed: int
+    measured: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
     """Return `_scaling` of a wall, first, and its scatter over synthetic walls: (1 + DRAWS,)."""
     hurst = min(max(measured[_EXPONENTS[2]], 0.05), 1.0)
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     draws = []
     for number in range(DRAWS):
-        random = generator(seed_of(seed, "scatter", number))
+        random = generator(seed_of(_SEED, "scatter", number))
         wall = synthetic_wall(measured[_SLOPES[2]], size, spacing, hurst, random, "expectation")
         draws.append(_scaling(wall, spacing))
     scatter = {}
@@ -204,14 +194,12 @@ def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
     return np.pad(-0.5 * (along_x + along_y), 1, constant_values=np.nan)
 
 
-def _resampled_means(
-    heights: np.ndarray, spacing: float, resamples: int, seed: int
-) -> dict[str, np.ndarray]:
+def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dict[str, np.ndarray]:
     """Return means of all fields: (1 + resamples,), those of the whole wall first."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
-    drawn = generator(seed_of(seed, "tiles")).multinomial(
+    drawn = generator(seed_of(_SEED, "tiles")).multinomial(
         tiles, np.full(tiles, 1.0 / tiles), resamples
     )
     weights = np.vstack([np.ones(tiles), drawn])
