@@ -7,9 +7,9 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.assessment import ASSESSED
 from jointclosure.engine.selection import (
-    BREAKAGE_PAIRS,
     CRUSHED,
     ENOUGH,
+    FEWEST,
     LOSS,
     SCATTER,
     Change,
@@ -153,10 +153,11 @@ def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
     assert held >= (ENOUGH + 0.05) * out  # on average over decisions with more than ENOUGH
 
 
-def test_breakage_is_left_out_after_many_pairs_only():
-    for pairs, left_out in ((BREAKAGE_PAIRS - 1, False), (BREAKAGE_PAIRS, True)):
+@pytest.mark.parametrize("names", [("breakage", "gouge"), ("soft_peaks",)])
+def test_what_frozen_walls_do_not_show_is_left_out_after_many_pairs_only(names):
+    for pairs, left_out in ((FEWEST[names[0]] - 1, False), (FEWEST[names[0]], True)):
         pilot = MadeUp([0.0] * pairs, 10_000, seconds=0.1)
-        assert pilot.test(("breakage", "gouge"), ALL, 0.3)[0] is left_out
+        assert pilot.test(names, ALL, 0.3)[0] is left_out
 
 
 def test_what_saves_little_time_is_kept():

@@ -52,8 +52,9 @@ SCATTER, WEIGHT = 0.1, 2.0
 number of joints that this counts for."""
 ENOUGH = 0.6
 """Probability of changes within the tolerance from which effects are left out."""
-CONFIDENCE = 0.95
-"""Probability that a change is at most its limit, for each quantity and cycle."""
+LIMIT = 3.0
+"""Standard deviations at which the limit of a change lies; true changes have longer tails than
+normal ones."""
 PART = 0.1
 """Part that a pair may cost of the time that may be saved, which is weighted by the probability of
 the less likely decision."""
@@ -63,8 +64,9 @@ SAVED = {"breakage": 0.9, "interaction": 0.5, "soft_peaks": 0.2}
 """Share of time that is expected to be saved, before a joint was closed without the effect."""
 WORTH = 0.1
 """Least share of time that leaving out effects must save."""
-BREAKAGE_PAIRS = 10
-"""Fewest pairs without breakage: where few asperities carry load, few joints break, but much."""
+FEWEST = {"breakage": 10, "interaction": 0, "soft_peaks": 4}
+"""Fewest pairs without an effect. Frozen walls do not show breakage and soft peaks, and where few
+asperities carry load, few joints break, but much."""
 CRUSHED = 0.25
 """Share of bulk indentation in the closure [1] from which soft peaks are tested. Below, they
 changed closures by 24 to 340 % at 38 random conditions, above by 3 and 12 % at 2 others."""
@@ -125,7 +127,7 @@ class Change(NamedTuple):
     @property
     def most(self) -> np.ndarray:
         """Limits (quantity, cycle) of the sizes of the changes."""
-        return np.abs(self.mean) + scipy.stats.norm.ppf(CONFIDENCE) * self.deviation
+        return np.abs(self.mean) + LIMIT * self.deviation
 
 
 class Pilot:
@@ -232,8 +234,7 @@ class Pilot:
         frozen = "interaction" in names and full.breakage and before == full
         unknown = Change(np.zeros(first.shape), np.full(first.shape, np.inf))
         prior = change = self.predicted(fewer) if frozen else unknown
-        required = BREAKAGE_PAIRS if "breakage" in names else 0
-        pairs, saved = 0, SAVED[names[0]]
+        pairs, required, saved = 0, FEWEST[names[0]], SAVED[names[0]]
         while True:
             inside = change.within(tolerance) if frozen or pairs else 0.5
             gain = saved * self.joints * min(inside, 1.0 - inside)  # in joints with all effects
