@@ -1,6 +1,5 @@
 """Quantities of a closed joint: the one place of their titles, units, symbols and rules."""
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy
 import xarray as xr
 
 from jointclosure.joint.conditions import Conditions
@@ -175,19 +173,6 @@ def _oracle_ratio(joint: ClosedWalls) -> float:
     return oracle_ratio(joint.walls, joint.closed, joint.conditions)
 
 
-def pair_seconds() -> float:
-    """Measure the median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200.
-
-    It is the unit of time of benchmarks, as it varies with the machine as closures do.
-    """
-    values, times = np.ones((200, 200)), []
-    for _ in range(5):
-        start = time.process_time()
-        scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
-        times.append(time.process_time() - start)
-    return float(np.median(times))
-
-
 _OF_LAW = {"comment": "of the hyperbolic law of loading since seating"}
 _EFFORT = ("status", "breakage_steps", "locked_contacts", "solver_iterations", "replayed_cycles",
            "idle_steps")  # fmt: skip
@@ -271,9 +256,6 @@ QUANTITIES: dict[str, Quantity] = {
     "oracle_ratio": Quantity(
         "largest number of the oracle over its limit, at the first maximum", "1", (),
         _oracle_ratio),
-    "fft_pair": Quantity(
-        "processor time of an FFT pair of 200 x 200 cells, measured beside the closure", "s", (),
-        lambda joint: pair_seconds(), r"t_\mathrm{FFT}"),
 }  # fmt: skip
 """All quantities by name: that of variables of datasets, and of what tables call a response."""
 COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
