@@ -142,7 +142,9 @@ def test_each_source_is_varied_alone_to_its_plausible_values(small_joint):
         ("peak_modulus_ratio", "0.2"): CONDITIONS._replace(
             choices=CONDITIONS.choices._replace(peak_modulus_ratio=0.2)
         ),
-        ("breakage", "tolerance 0.02"): CONDITIONS._replace(numerics=jc.Numerics(breakage="resolved")),
+        ("breakage", "tolerance 0.02"): CONDITIONS._replace(
+            numerics=jc.Numerics(breakage="resolved")
+        ),
         ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(
             rock=DOLERITE._replace(youngs_modulus=50e9)
         ),
