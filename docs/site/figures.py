@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import jointclosure as jc
+from jointclosure.plotting.assessment import assessment_figure
 from studies.frame.ensemble.aggregation import since_seating
 
 IMAGES = Path(__file__).parents[1] / "images"
@@ -156,6 +157,13 @@ def overview() -> Figure:
     return figure
 
 
+def assessment() -> Figure:
+    """Draw the assessment of README's joint."""
+    walls = [f"config/walls/joint_{side}.npz" for side in ("upper", "lower")]
+    assessed = jc.assess(walls, rock="granite", max_normal_stress=10e6)
+    return assessment_figure(assessed, "joint_upper.npz on joint_lower.npz")
+
+
 def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return jc.wall_pair(jrc=8, shape=(100, 100), spacing=0.25e-3, seed=seed)
 
@@ -187,6 +195,7 @@ def main() -> None:
     for name, figure in diagrams.items():
         figure.savefig(IMAGES / f"{name}.svg", metadata={"Date": None}, facecolor="white")
     overview().savefig(IMAGES / "overview.png", dpi=110)
+    assessment().savefig(IMAGES / "assessment.png", dpi=110)
 
 
 if __name__ == "__main__":

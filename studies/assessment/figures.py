@@ -8,9 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.assessment import CLOSURE, LARGEST_UNBREAKABLE
+from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
-from jointclosure.plotting.walls import draw_price
-from studies.frame.panels import ticks_at
 
 _COLUMNS = 4
 """Largest number of panels in a row."""
@@ -35,8 +34,7 @@ def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFr
 def price_panels(table: pd.DataFrame, within: float) -> Figure:
     """Draw the error of each setting of the numerics over its time, for each condition."""
     for axes, part in _panels(table[table.verdict.isna() | (table.verdict == "")], (3.0, 2.8)):
-        error = part[["low_percent", "high_percent"]].abs().max(axis=1)
-        draw_price(axes, part.assign(error=error), 100.0 * within)
+        draw_price(axes, part, 100.0 * within)
     return _finished(axes, "processor time of a joint (s)", "error of mean net closure (%)")
 
 
@@ -45,16 +43,7 @@ def effect_panels(table: pd.DataFrame, within: float) -> Figure:
     """Draw the change of the mean net closure without each group of effects."""
     without = table[table.variant.str.startswith("without ")]
     for axes, part in _panels(without, (3.0, 2.2)):
-        names = list(dict.fromkeys(part.variant))
-        axes.axvspan(-100.0 * within, 100.0 * within, color="0.9", lw=0.0, zorder=0)
-        for cycle, rows in part.groupby("cycle"):
-            at = [names.index(name) + 0.2 * (cycle - 1.5) for name in rows.variant]
-            bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
-            axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, label=f"cycle {cycle}")
-        axes.set_yticks(range(len(names)), names)
-        axes.set_xscale("symlog", linthresh=100.0 * within)
-        axes.set_ylim(len(names) - 0.5, -0.5)
-        ticks_at(axes.xaxis, [-100, -10, 0, 10, 100])
+        draw_effects(axes, part, 100.0 * within)
     return _finished(axes, "change of mean net closure (%)", "")
 
 

@@ -220,7 +220,7 @@ def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, comman
     code, out, _ = command("assess", *scans, *words, "--output", folder)
     assert code in (0, 1)
     assert "without soft peaks" in out
-    assert {"differences.csv", "assessment.json", "price.png"} <= set(contents(folder))
+    assert {"differences.csv", "assessment.json", "assessment.png"} <= set(contents(folder))
     pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 2e-3)
     load = {"rock": "granite", "spacing": pair.spacing, "cycles": 1, **LOAD}
     joint = jc.assess((pair.upper, pair.lower), within=0.2, workers=1, folder=folder, **load)

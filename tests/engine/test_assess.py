@@ -7,7 +7,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.engine import assess as module
 from jointclosure.engine.assessment import ASSESSED, CLOSURE, assessed
-from jointclosure.plotting.walls import price_figure
+from jointclosure.plotting.assessment import assessment_figure
 from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
 from tests.joints import DOLERITE, SPACING
 
@@ -123,7 +123,7 @@ def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
     assert own.max_closure.iloc[0] == float(alone.max_closure[0])
     assert float(first.hardness["oracle"]) <= 1.0
     assert "without breakage and gouge" in str(first)
-    price_figure(first, "joint").canvas.draw()
+    assessment_figure(first, "joint").canvas.draw()
 
 
 def test_elastic_joints_have_one_setting_and_the_effects_that_act():

@@ -56,8 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
         "assessment.json": json.dumps(record, indent=1, default=str) + "\n",
     }
     if assessment.price.shape[0] > 1:
-        from jointclosure.plotting.walls import price_figure
+        from jointclosure.plotting.assessment import assessment_figure
 
-        written["price.png"] = price_figure(assessment, title)
+        written["assessment.png"] = assessment_figure(assessment, title)
     print(results.write_folder(arguments.output, "assess", written))
     return int(assessment.hardness["verdict"] == "not stable")

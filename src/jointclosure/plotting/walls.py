@@ -1,14 +1,12 @@
 """Figures of scanned walls and of the range of their joint's results."""
 
 import numpy as np
-import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jointclosure.engine.assessment import CLOSURE, Assessment
 from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import Increments
@@ -70,40 +68,6 @@ def range_figure(budget: Budget, title: str) -> Figure:
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
-
-
-@styled
-def price_figure(assessment: Assessment, title: str) -> Figure:
-    """Draw the error of each setting of the numerics over its time, with the request."""
-    table = assessment.differences
-    table = table[(table.reference != table.variant) & (table.quantity == CLOSURE)]
-    settings = table[~table.variant.str.startswith("without ")]
-    figure, axes = subplots(figsize=(5.6, 3.8))
-    error = 100.0 * settings[["low", "high"]].abs().max(axis=1)
-    draw_price(axes, settings.assign(error=error), 100.0 * assessment.within)
-    axes.set(title=title, xlabel="processor time of a joint (s)")
-    axes.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
-    axes.margins(x=0.3, y=0.15)
-    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    sns.despine(figure)
-    return figure
-
-
-def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw ``error`` (%) over ``seconds`` of variants by cycle, with the request (%)."""
-    colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
-    names = list(dict.fromkeys(settings.variant))
-    for row in settings.itertuples():
-        mark = "osD^v"[names.index(row.variant)]
-        axes.plot(row.seconds, row.error, mark, color=colours[row.cycle])
-    for mark, name in zip("osD^v", names, strict=False):
-        axes.plot([], [], mark, color="0.5", label=name)
-    for cycle, colour in colours.items():
-        axes.plot([], [], lw=4, color=colour, label=f"cycle {cycle}")
-    axes.axhline(within, color="0.5", linestyle="--", label="request")
-    axes.set(xscale="log", yscale="log")
-    for axis in (axes.xaxis, axes.yaxis):
-        decimal_ticks(axis)
 
 
 def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:

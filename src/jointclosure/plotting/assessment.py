@@ -1,0 +1,64 @@
+"""Figures of an assessment: error of each setting over its time, and changes without effects."""
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jointclosure.engine.assessment import CLOSURE, Assessment
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
+
+
+@styled
+def assessment_figure(assessment: Assessment, title: str) -> Figure:
+    """Draw the price of accuracy and the changes without effects, with the verdict as title."""
+    table = assessment.differences
+    table = table[(table.reference != table.variant) & (table.quantity == CLOSURE)]
+    percent = 100.0 * table[["value", "low", "high"]].add_suffix("_percent")
+    table, within = table.join(percent), 100.0 * assessment.within
+    without = table.variant.str.startswith("without ")
+    figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
+    draw_price(left, table[~without], within)
+    left.set(title="price of accuracy", xlabel="processor time of a joint (s)")
+    left.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
+    left.margins(x=0.3, y=0.15)
+    draw_effects(right, table[without], within)
+    right.set(title="effects", xlabel="change of net closure (%)")
+    left.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
+    words = f"{title}, hardness: {assessment.hardness['verdict']}"
+    figure.suptitle(words, x=0.01, ha="left", parse_math=False)  # a file's name is not a formula
+    sns.despine(figure)
+    return figure
+
+
+def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
+    """Draw the larger end of each interval [%] over seconds by cycle, with the request [%]."""
+    colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
+    names = list(dict.fromkeys(settings.variant))
+    for row in settings.itertuples():
+        error, mark = max(-row.low_percent, row.high_percent), "osD^v"[names.index(row.variant)]
+        axes.plot(row.seconds, error, mark, color=colours[row.cycle])
+    for mark, name in zip("osD^v", names, strict=False):
+        axes.plot([], [], mark, color="0.5", label=name)
+    for cycle, colour in colours.items():
+        axes.plot([], [], lw=4, color=colour, label=f"cycle {cycle}")
+    axes.axhline(within, color="0.5", linestyle="--", label="request")
+    axes.set(xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        decimal_ticks(axis)
+
+
+def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
+    """Draw changes [%] without each group of effects by cycle, with the request [%] as a band."""
+    names = list(dict.fromkeys(without.variant))
+    axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)
+    for number, (cycle, rows) in enumerate(without.groupby("cycle")):
+        at = [names.index(name) + 0.2 * (number - 0.5) for name in rows.variant]
+        bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
+        axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, label=f"cycle {cycle}")
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_xscale("symlog", linthresh=within)
+    axes.set_xticks([-100, -10, 0, 10, 100], ["-100", "-10", "0", "10", "100"])
+    axes.minorticks_off()
+    axes.margins(x=0.08)
