@@ -174,7 +174,7 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
         about = {
             "rock": cheap.rock,
             "parameter": cheap.parameter,
-            "level": "",
+            "level": None,
             "cycle": cheap.cycle,
         }
         about |= {"quantity": "indifference_interval", "unit": "%"}
@@ -283,14 +283,16 @@ def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True
         return f"accuracy: this study has no {accuracy.of}"
     worst = table.loc[table.half_width_percent.idxmax()]
     counts = Counts(int(table.surfaces.max()), int(table.differences.max()))
-    parts = dict.fromkeys(str(part) for part in worst[["rock", "parameter", "level"]] if part)
+    parts = dict.fromkeys(worst[["rock", "parameter", "level"]].dropna())  # both may be "base"
+    known = math.isfinite(worst.half_width_percent)
+    width = f"{worst.half_width_percent:.2g} %" if known else "not known"
     missing = int((~table.met).sum())
     reached = f"not reached in {missing} of {len(table)}" if missing else "reached"
     sentence = (
         f"accuracy: {accuracy.of} within {100.0 * accuracy.within:g} % {reached}, with "
         f"{counts.surfaces} surfaces and {counts.differences} differences to the finest numerics "
         f"({_core_minutes(counts, *_prices(table)):.2g} core-minutes); the worst is "
-        f"{worst.half_width_percent:.2g} % ({' '.join(parts)}, cycle {worst.cycle})"
+        f"{width} ({' '.join(parts)}, cycle {worst.cycle})"
     )
     if not missing or not ended:
         return sentence

@@ -151,6 +151,11 @@ def test_a_sentence_says_what_was_reached_or_why_not_more():
         "accuracy: mean within 10 % reached, with 10 surfaces and 8 differences to the finest "
         "numerics (42 core-minutes); the worst is 9 % (slate base, cycle 1)"
     )
+    unknown = rows([500], half=np.inf, least=np.inf).assign(parameter="jrc", level=np.nan)
+    said = describe_reached(unknown, Accuracy(within=0.1, of="interval", most=10))
+    assert said.endswith(
+        "worst is not known (slate jrc, cycle 1); 10 surfaces, the most, do not give all of them"
+    )
     most = describe_reached(rows([500]), Accuracy(within=0.03, most=10))
     assert "not reached in 1 of 1, with 10 surfaces" in most
     assert most.endswith("; 10 surfaces, the most, can give about 4 %")
