@@ -189,7 +189,7 @@ def test_the_strength_of_scanned_walls_is_within_its_interval():
     pair = registered(*scans, orientation="common_frame", cut_spikes=False)
     weak = GRANITE._replace(compressive_strength=130e6)
     curve = curve_of(close_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
-    result = fit(curve, rock=GRANITE, pair=pair, seating_stress=SEATING, surfaces=6)
+    result = fit(curve, rock=GRANITE, pair=pair, seating_stress=SEATING, surfaces=6, choices=PAPER)
     assert result.scanned
     assert result.mismatch_wavelength == pair.mismatch
     assert result.compressive_strength.low <= 130e6 <= result.compressive_strength.high
