@@ -66,6 +66,12 @@ def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
     assert float(curve.equilibrium_residual.max()) <= 1e-10
 
 
+def test_flat_contacts_without_substrate_are_rigid_and_said_to_be():
+    curve = curve_of([np.zeros((4, 5))] * 2, "asperities")
+    assert FLAGS[int(curve.status)] == "rigid_contact"
+    assert np.all(np.isnan(curve.max_closure))
+
+
 def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
     kernel = equilibrium.interacting_equilibrium
 
