@@ -85,6 +85,23 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
     assert "joints with" in assessment.sentences[1]
 
 
+def test_what_cannot_be_had_is_said_with_the_least_that_can():
+    made = closures()
+    words = assessed(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
+    assert "budget = 0.001 s: buys no mean, which takes at least 80 s" in words
+    fails = made.assign(**{CLOSURE: made[CLOSURE].where(made.variant != "fine")})
+    assert "fewer than two joints" in assessed(fails, LADDER, "middle", 0.05, None).sentences[1]
+    lone = closures(joints=1, scatter=0.3)
+    assert (
+        "budget = 0.001 s: a joint takes"
+        in assessed(lone, LADDER, "middle", 0.05, 1e-3).sentences[1]
+    )
+    assert (
+        "no setting answers a request below"
+        in assessed(lone, LADDER, "middle", 0.05, None).sentences[-1]
+    )
+
+
 @pytest.mark.parametrize(
     ("changes", "verdict"),
     [

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.joint.protocol import FAILURE, FLAGS
-from jointclosure.statistics.two_level import Interval, Plan, best_plan, t_interval
+from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 
 CLOSURE = "max_closure_seated_net"
 """Closure whose accuracy is priced, and that decides on effects."""
@@ -115,6 +115,9 @@ def assessed(
         else _of_mean(compared, ladder, within, budget)
     )
     words = f"this scene is {hardness['verdict']}: {hardness['reason']}"
+    spread = max(hardness["spread"].values(), default=0.0)
+    if lone and spread > within:
+        words += f"; no setting answers a request below {100 * spread:.2g} %"
     return Assessment(closures, differences, hardness, (*limits, costs, words), within, budget)
 
 
@@ -226,7 +229,10 @@ def _of_joint(
     allowed = errors[errors[column] <= limit]
     finest = float(differences.seconds[differences.variant == ladder[-1]].iloc[0])
     takes = f"{ladder[-1]}, the finest setting, takes {finest:.2g} s of processor time"
-    if budget is not None and (budget >= finest or allowed.empty):
+    if budget is not None and allowed.empty:
+        least = errors.seconds.min() if len(errors) else finest
+        return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
+    if budget is not None and budget >= finest:
         return takes
     if allowed.empty:
         return f"no cheaper setting is within {100 * within:g} % of the finest; {takes}"
@@ -248,13 +254,18 @@ def _of_mean(
             cheap, best = (_values(closures, v, cycle, CLOSURE) for v in (name, finest))
             known = np.isfinite(cheap) & np.isfinite(best)
             cheap, best = cheap[known], best[known]
+            if best.size < 2:
+                continue
             first, second = (float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap))
             plan = best_plan((first, second), (float(seconds[name]), both), within, budget)
             of_cycles += [plan] if plan else []
         if len(of_cycles) == len(closures.cycle.unique()):
             plans[name] = max(of_cycles, key=lambda plan: (plan.seconds, plan.half_width))
+    if not plans and budget is None:
+        return f"no mean can be planned, as fewer than two joints closed with {finest}"
     if not plans:
-        return f"budget = {budget:g} s: buys no mean, as the fewest joints of a plan take more"
+        least = FEWEST * float(seconds[finest])
+        return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
     of = "seconds" if budget is None else "half_width"
     name = min(plans, key=lambda name: getattr(plans[name], of))
     plan = plans[name]
