@@ -84,7 +84,7 @@ def run_target(name: str, request: EndRequest) -> int:
     given = ["--configfile", f"./{override}" if override.startswith("-") else override]
     given = given if override else []
     if target.usual and not merged_keys(override).get(target.section):
-        given += ["--config", f"{target.section}={target.usual}"]
+        given = ["--config", f"{target.section}={target.usual}", *given]  # `planned` files follow
     enter_folder()
     log = folder / f"logs/make_{name.replace('-', '_')}.log"
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -142,7 +142,7 @@ PLAN = "accuracy_plan.yaml"
 
 def requested(override: str) -> Accuracy | None:
     """Return the accuracy that a configuration file requests, if any."""
-    return resolved(merged_study(*([Path(override)] if override else []))).study.accuracy
+    return resolved(merged_keys(override)).study.accuracy
 
 
 def planned(override: str, folder: Path) -> list[str]:
