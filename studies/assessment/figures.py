@@ -53,7 +53,8 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure.supxlabel(x, fontsize="medium")
     figure.supylabel(y, fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    columns = 3 if len(axes.figure.axes) == 1 else len(labels)
+    figure.legend(handles, labels, loc="outside lower center", frameon=False, ncols=columns)
     sns.despine(figure)
     return figure
 

@@ -189,7 +189,7 @@ def with_other_texts(file, call):
 def test_an_edited_description_closes_no_walls_again(copy, unedited):
     """A description runs the report again, and nothing else."""
     sections = (copy.parent / "studies").glob("*/**/section*.py")
-    assert sum(with_other_texts(section, "entry") for section in sections) > 100
+    assert sum(with_other_texts(section, "entry") for section in sections) > 50
     assert with_other_texts(copy.parent / "studies/verification/hard_case_keys.py", "entry") > 10
     assert moved(unedited) == {"write_report"}
 

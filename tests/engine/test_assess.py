@@ -160,8 +160,16 @@ def test_elastic_joints_have_one_setting_and_the_effects_that_act():
         ({"within": 2.0}, "within = 2.0"),
         ({"budget": -1.0}, "budget = -1.0"),
         ({"spacing": None}, "spacing"),
+        ({"folder": "nowhere"}, "folder = 'nowhere'"),
+        ({"max_normal_stress": 1e12, "unusual_values": True}, "max_normal_stress"),
     ],
 )
 def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
     with pytest.raises(jc.InputError, match=message):
         jc.assess([(np.zeros((8, 8)),) * 2], **SCENE | changes)
+
+
+def test_walls_that_are_no_pairs_are_refused():
+    for walls in (np.zeros((8, 8)), [(np.zeros((8, 8)),)]):
+        with pytest.raises(jc.InputError, match="walls: must be"):
+            jc.assess(walls, **SCENE)

@@ -93,7 +93,13 @@ def answered(scenes, **change) -> None:
     @REPRODUCIBLY
     @given(problems(scenes))
     def holds(problem):
-        history = closed(problem, **change)
+        try:
+            history = closed(problem, **change)
+        except jc.InputError as refusal:  # of soft walls whose strength is bounded
+            if "which all cells together carry" not in str(refusal):
+                raise
+            answers.append(False)
+            return
         invariants.assert_honest(history)
         answers.append(int(history.status) < FAILURE)
         final = history.upper_final.values, history.lower_final.values

@@ -16,4 +16,4 @@ if __name__ == "__main__":
         minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
         known = f" ± {error:.0f}" if math.isfinite(error) else ""
         joints = f"{table.joints.sum()} joints will take"
-        logbook.show(f"{joints} about {minutes:.0f}{known} minutes on one core")
+        logbook.show(f"{joints} about {minutes:.2g}{known} minutes on one core")

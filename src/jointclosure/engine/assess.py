@@ -101,6 +101,8 @@ def assess(
     changes = changes if conditions else {"numerics": RESOLVED} | changes
     given = conditions_from(conditions, changes, "assess")
     check_request(given, within, budget)
+    if folder is not None and not Path(folder).is_dir():
+        raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
     given = given._replace(spacing=spacing, flow=False).checked()
     stated, variants = variants_of(given)
@@ -109,7 +111,7 @@ def assess(
     joints = range(len(pairs))
     tasks = [(name, joint, copy) for name in variants for joint in joints for copy in copies]
     tasks += [(stated, 0, copy) for copy in COPIES if copy not in copies]
-    closures = _closures(tasks, variants, pairs, folder, number_of_workers(workers), report)
+    closures = _closures(tasks, stated, variants, pairs, folder, number_of_workers(workers), report)
     return assessed(closures, ladder, stated, within, budget)
 
 
@@ -151,6 +153,8 @@ def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
 def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
     """Return checked pairs of walls and their spacing [m]; scans are registered."""
     pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
+    if isinstance(walls, np.ndarray) or any(len(pair) != 2 for pair in pairs):
+        raise InputError("walls: must be (upper, lower), or a list of such pairs")
     if len(pairs) == 1 and not all(isinstance(wall, np.ndarray) for wall in pairs[0]):
         upper, lower = pairs[0]
         pair = registered_walls(upper, lower, {}, spacing)
@@ -164,6 +168,7 @@ def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float
 
 def _closures(
     tasks: Sequence[tuple[str, int, str]],
+    stated: str,
     variants: Mapping[str, Conditions],
     pairs: Sequence[Walls],
     folder: str | Path | None,
@@ -186,6 +191,8 @@ def _closures(
         compile_kernels(*one)  # before processes need them, and no part of a measured time
     for done, (place, row) in enumerate(shared(close_variant, asked, workers) if asked else (), 1):
         at = places[place]
+        if isinstance(row, Failed) and tasks[at][0] == stated and isinstance(row.error, InputError):
+            raise row.error  # no scene, and nothing to compare
         kept[keys[at]] = {"error": str(row.error)} if isinstance(row, Failed) else row
         if file:
             with file.open("a", encoding="utf-8") as lines:

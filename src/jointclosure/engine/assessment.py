@@ -156,47 +156,32 @@ def _apart(
 
 
 def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str, Any]:
-    """Return `Assessment.hardness`: the spread is that of the first joint's copies.
-
-    Scenes without an effect do not count.
-    """
-    own = closures[(closures.variant == stated) & (closures.joint == closures.joint.min())]
-    values = own.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
-    spread = (values.std(axis=1) / values.mean(axis=1)).to_dict()
-    share, judged = float(own.unbreakable_share.max()), float(closures.oracle_ratio.max())
-    judged_by = closures[~closures.variant.astype(str).str.startswith(_EFFECT)]
-    share, judged = float(own.unbreakable_share.max()), float(judged_by.oracle_ratio.max())
-    failed = judged_by[~(judged_by.status < FAILURE)]
+    """Return `Assessment.hardness`, of the worst joint; scenes without an effect do not count."""
+    own = closures[closures.variant == stated]
+    values = own.pivot_table(index=["joint", "cycle"], columns="copy_of_walls", values=CLOSURE)
+    spread = (values.std(axis=1) / values.mean(axis=1)).groupby("cycle").max().to_dict()
+    settings = closures[~closures.variant.astype(str).str.startswith(_EFFECT)]
+    share, judged = float(own.unbreakable_share.max()), float(settings.oracle_ratio.max())
+    failed = settings[~(settings.status < FAILURE)]
     scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
+    scatter = f"copies that must close alike scatter by {scatter}"
+    locked = f"{100 * share:.2g} % of its force {_UNBREAKABLE}"
     if len(failed):
         first = failed.iloc[0]
-        named = ", ".join(
-            name for bit, name in FLAGS.items() if not first.error and int(first.status) & bit
-        )
-        verdict, reason = (
-            "not stable",
-            f"{first.variant} ({first.copy_of_walls}): {first.error or named}",
-        )
+        flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
+        reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
+        verdict = "not stable"
     elif judged > 1.0:
-        verdict, reason = (
-            "not stable",
-            f"a state is {judged:.2g} times beyond a limit of the oracle",
-        )
-    elif not max(spread.values()) <= 0.5 * within:
-        verdict, reason = "hard", f"copies that must close alike scatter by {scatter}"
-    elif share > LARGEST_UNBREAKABLE:
-        verdict, reason = "hard", f"{100 * share:.0f} % of its force {_UNBREAKABLE}"
+        reason = f"the independent implementation finds a state {judged:.2g} times beyond a limit"
+        verdict = "not stable"
+    elif not max(spread.values()) <= 0.5 * within or share > LARGEST_UNBREAKABLE:
+        verdict, reason = "hard", f"{scatter} (easy: {50 * within:.2g} %), {locked} (easy: "
+        reason += f"{100 * LARGEST_UNBREAKABLE:.0f} %)"
     else:
-        reason = f"copies that must close alike scatter by {scatter}, {100 * share:.2g} % of its "
-        reason += f"force {_UNBREAKABLE}, and the oracle finds its states right"
-        verdict = "easy"
-    return {
-        "verdict": verdict,
-        "reason": reason,
-        "spread": spread,
-        "unbreakable": share,
-        "oracle": judged,
-    }
+        verdict, reason = "easy", f"{scatter}, {locked}, and the independent implementation finds "
+        reason += "its states right"
+    numbers = {"spread": spread, "unbreakable": share, "oracle": judged}
+    return {"verdict": verdict, "reason": reason} | numbers
 
 
 def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) -> list[str]:
@@ -208,7 +193,7 @@ def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) ->
         limit = {
             True: "it has a limit within the request",
             False: "no limit was reached",
-            None: "a limit within the request is neither shown nor excluded",
+            None: "these joints do not show whether it has a limit within the request",
         }[last.within(within)]
         if coarse.within(0.0) is False and last.within(0.0) is False:
             order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
@@ -233,7 +218,7 @@ def _of_joint(
         least = errors.seconds.min() if len(errors) else finest
         return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
     if budget is not None and budget >= finest:
-        return takes
+        return f"budget = {budget:g} s: suffices for all settings; {takes}"
     if allowed.empty:
         return f"no cheaper setting is within {100 * within:g} % of the finest; {takes}"
     row = allowed.loc[(allowed.seconds if budget is None else allowed.error).idxmin()]
@@ -270,9 +255,16 @@ def _of_mean(
     name = min(plans, key=lambda name: getattr(plans[name], of))
     plan = plans[name]
     further = f", {plan.differences} of them with {finest} too" if name != finest else ""
+    halves = []
+    for cycle in sorted(closures.cycle.unique()):
+        best = _values(closures, finest, cycle, CLOSURE)
+        mean = t_interval(best[np.isfinite(best)])
+        halves.append(f"{100 * (mean.high / mean.value - 1):.2g} % on cycle {cycle}")
+    known = ", ".join(halves)
     return (
         f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes {plan.joints} "
-        f"joints with {name}{further}: {plan.seconds:.3g} s of processor time"
+        f"joints with {name}{further}: {plan.seconds:.3g} s of processor time (deviations of "
+        f"{len(closures.joint.unique())} joints; their mean is known to {known})"
     )
 
 

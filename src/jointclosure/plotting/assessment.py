@@ -19,9 +19,9 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     without = table.variant.str.startswith("without ")
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
     draw_price(left, table[~without], within)
-    left.set(title="price of accuracy", xlabel="processor time of a joint (s)")
+    finest = table.reference[~without].iloc[0]
+    left.set(title=f"price of accuracy, beside {finest}", xlabel="processor time of a joint (s)")
     left.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
-    left.margins(x=0.3, y=0.15)
     draw_effects(right, table[without], within)
     right.set(title="effects", xlabel="change of net closure (%)")
     left.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
@@ -43,6 +43,8 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     for cycle, colour in colours.items():
         axes.plot([], [], lw=4, color=colour, label=f"cycle {cycle}")
     axes.axhline(within, color="0.5", linestyle="--", label="request")
+    ends = [0.6 * settings.seconds.min(), 1.8 * settings.seconds.max()]
+    axes.plot(ends, [within, within], alpha=0.0)  # room for ticks
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
         decimal_ticks(axis)
@@ -59,6 +61,7 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xscale("symlog", linthresh=within)
-    axes.set_xticks([-100, -10, 0, 10, 100], ["-100", "-10", "0", "10", "100"])
+    ticks = [-100, 0, 100, *([1000] if without.high_percent.max() > 300.0 else [])]
+    axes.set_xticks(ticks, [str(tick) for tick in ticks])
     axes.minorticks_off()
     axes.margins(x=0.08)

@@ -347,7 +347,7 @@ def hardness_sheet(table: pd.DataFrame) -> Sheet:
     """Hardness of the joints of an assessment, the worst first."""
     columns = {"rock": "Rock", "stress_MPa": "Stress (MPa)", "joint": "Joint"}
     columns |= {"verdict": "Verdict", "spread_percent": "Spread of copies (%)"}
-    columns |= {"unbreakable": "Force on contacts that cannot break", "reason": "Reason"}
+    columns |= {"unbreakable": "Share of force on contacts that cannot break", "reason": "Reason"}
     return sheet("hardness", "Hardness of joints, the worst first", table, columns)
 
 
