@@ -54,7 +54,7 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure.supylabel(y, fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
     columns = 3 if len(axes.figure.axes) == 1 else len(labels)
-    figure.legend(handles, labels, loc="outside lower center", frameon=False, ncols=columns)
+    figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=columns)
     sns.despine(figure)
     return figure
 
