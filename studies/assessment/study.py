@@ -81,7 +81,12 @@ def assessment_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Ta
             judged["spread_percent"] = 100.0 * max(spread.values())
             hardness.append(at | {"joint": joint} | judged)
         title = f"{at['rock'].capitalize()}, JRC {at['jrc']:g}, {at['stress_MPa']:g} MPa"
-        lines += [f"## {title}", "", *(f"- {line}" for line in found.sentences), ""]
+        lines += [f"## {title}", ""]
+        for table in (found.price, found.effects):
+            rows = table.rename_axis("variant").reset_index()
+            cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
+            lines += [f"| {' | '.join(map(str, row))} |" for row in cells] + [""]
+        lines += [*(f"- {line}" for line in found.sentences), ""]
     order = pd.Categorical([row["verdict"] for row in hardness], ["not stable", "hard", "easy"])
     table = pd.DataFrame(hardness).assign(order=order)
     table = table.sort_values(["order", "spread_percent"], ascending=[True, False])
