@@ -29,7 +29,7 @@ from jointclosure.solvers.breakage import breakage_kernel
 found = []
 for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "resolved")):
     closed(Effects(gouge=gouge), breakage)
-    kernel = breakage_kernel(gouge, False, breakage == "resolved", False)
+    kernel = breakage_kernel(gouge, False, breakage == "resolved", True)
     (signature,) = kernel.signatures
     text, assembly = kernel.inspect_llvm(signature), kernel.inspect_asm(signature)
     names = [name for name in ("measure_drops", "returning_losses") if name in text]
