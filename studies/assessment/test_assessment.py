@@ -4,7 +4,7 @@ import numpy as np
 
 import jointclosure as jc
 from jointclosure.engine.assess import LADDER
-from jointclosure.engine.walls import COPIES, walls_of
+from jointclosure.engine.walls import COPIES, MAKERS, walls_of
 from studies.assessment.study import EXPERIMENT  # noqa: F401, of the fixtures
 
 TINY = {
@@ -27,6 +27,10 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
     assert len(tables["hardness"]) == 4
     of_copies = joints[joints.variant == stated].copy_of_walls
     assert set(of_copies) == set(COPIES)
+    (pair,) = walls_of(settings.surfaces._replace(realizations=1))
+    for name, copy in COPIES.items():
+        copied = next(MAKERS["copied"](settings, copy=name))
+        np.testing.assert_array_equal(copied, [copy(wall) for wall in pair])
     assert found.sentences[0] in tables["assessment.md"]
 
 

@@ -80,9 +80,18 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
         == "needed"
     )
     assert "a limit within the request" in assessment.sentences[0]
+    sharp = assessed(closures(scatter=1e-4), LADDER, "middle", 0.05, None)
+    assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
     diverging = assessed(closures(coarse=0.3, middle=0.2), LADDER, "middle", 0.05, None)
     assert "no limit was reached" in diverging.sentences[0]
     assert "joints with" in assessment.sentences[1]
+
+
+def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
+    fine, rough = module.RESOLVED, module.coarser(module.RESOLVED, 2.0)
+    scaled = {name: b / a for name, a, b in zip(fine._fields, fine, rough, strict=True) if a != b}
+    steps = {name for name in fine._fields if name.endswith("_step")}
+    assert scaled == dict.fromkeys(steps | {"tolerance"}, 2.0)
 
 
 def test_what_cannot_be_had_is_said_with_the_least_that_can():
