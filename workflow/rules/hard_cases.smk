@@ -37,7 +37,7 @@ rule compile_hard_cases:
 
 rule close_hard_cases:
     input:
-        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
+        f"{HARD_RESULTS}/logs/kernels.txt",
     output:
         table=f"{HARD_RESULTS}/cases/{{hard_group}}.csv",
         curves=f"{HARD_RESULTS}/cases/{{hard_group}}.curves.csv",
@@ -49,7 +49,7 @@ rule close_hard_cases:
 
 rule measure_numerics:
     input:
-        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
+        f"{HARD_RESULTS}/logs/kernels.txt",
     output:
         numerics=f"{HARD_RESULTS}/tables/numerics.csv",
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
