@@ -4,11 +4,21 @@
 
 wildcard_constraints:
     kind="|".join(["effects_of", *ENSEMBLES, *EXPERIMENTS]),
+    kernels="[0-9a-f]{8}",
+
+
+def kernels_file(kind):
+    """File of compiled kernels; its name has their digest, as a changed list must be a missing file:
+    Snakemake plans only the maker of an ancient file that is there and was made with other parameters.
+    """
+    kind = kind.replace("effects_of", "cases")
+    kernels = (ENSEMBLES | DESIGNS)[kind].kernels()
+    return f"{RESULTS}/logs/{kind}_kernels_{digest(kernels)[:8]}.txt"
 
 
 rule compile_kernels:
     output:
-        f"{RESULTS}/logs/{{kind}}_kernels.txt",
+        f"{RESULTS}/logs/{{kind}}_kernels_{{kernels}}.txt",
     params:
         kernels=lambda w: (ENSEMBLES | DESIGNS)[w.kind].kernels(),
     script:
@@ -19,9 +29,7 @@ rule close_block:
     input:
         lambda w: WALLS if w.kind in ("effects_of", *ENSEMBLES) else [],
         lambda w: closed_apart(*PILOTS) if w.kind in ENSEMBLES else [],
-        kernels=lambda w: ancient(
-            f"{RESULTS}/logs/{w.kind.replace('effects_of', 'cases')}_kernels.txt"
-        ),
+        kernels=lambda w: ancient(kernels_file(w.kind)),
     output:
         f"{RESULTS}/{{kind}}/{{block}}.nc",
     params:
