@@ -35,3 +35,12 @@ def keys_of(*kinds):
 def closed_apart(*names):
     """Files of the cache that are jobs of a cluster, whose nodes see no process of this machine."""
     return [] if workflow.local_exec else [f"{RESULTS}/{name}.nc" for name in names]
+
+
+def kernels_file(kind):
+    """File of compiled kernels; its name has their digest, as a changed list must be a missing file:
+    Snakemake plans only the maker of an ancient file that is there and was made with other parameters.
+    """
+    kind = kind.replace("effects_of", "cases")
+    kernels = (ENSEMBLES | DESIGNS)[kind].kernels()
+    return f"{RESULTS}/logs/{kind}_kernels_{digest(kernels)[:8]}.txt"

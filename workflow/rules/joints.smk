@@ -7,15 +7,6 @@ wildcard_constraints:
     kernels="[0-9a-f]{8}",
 
 
-def kernels_file(kind):
-    """File of compiled kernels; its name has their digest, as a changed list must be a missing file:
-    Snakemake plans only the maker of an ancient file that is there and was made with other parameters.
-    """
-    kind = kind.replace("effects_of", "cases")
-    kernels = (ENSEMBLES | DESIGNS)[kind].kernels()
-    return f"{RESULTS}/logs/{kind}_kernels_{digest(kernels)[:8]}.txt"
-
-
 rule compile_kernels:
     output:
         f"{RESULTS}/logs/{{kind}}_kernels_{{kernels}}.txt",
