@@ -7,7 +7,8 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assessment import CLOSURE, LARGEST_UNBREAKABLE
+from jointclosure.engine.assessment import CLOSURE
+from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 
@@ -67,7 +68,7 @@ def hardness_figure(table: pd.DataFrame, within: float) -> Figure:
     marks = {"data": shown, "x": "spread_percent", "y": "percent", "ax": axes}
     sns.scatterplot(**marks, hue="rock", style="verdict", markers=_VERDICTS, s=40)
     axes.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
-    axes.axhline(100.0 * LARGEST_UNBREAKABLE, color="0.5", ls="--", zorder=0)
+    axes.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
     axes.set(xlabel="spread of net closure over copies that must close alike (%)", xscale="log")
     axes.set(ylabel="force on contacts that cannot break (%)")
     decimal_ticks(axes.xaxis)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 
 CLOSURE = "max_closure_seated_net"
@@ -19,12 +19,9 @@ ASSESSED = {
     "mean_aperture_at_max": "aperture",
 }
 """Quantities that are compared, and their short titles."""
-LARGEST_UNBREAKABLE = 0.1
-"""Share of the force on contacts that cannot break from which a joint is hard."""
 REFINEMENT = 5.0
 """Tolerance of a resolved setting over that of the next finer one."""
 _EFFECT = "without "
-_UNBREAKABLE = "is on contacts that cannot break"
 
 
 class Assessment(NamedTuple):
@@ -165,7 +162,7 @@ def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str,
     failed = settings[~(settings.status < FAILURE)]
     scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
     scatter = f"copies that must close alike scatter by {scatter}"
-    locked = f"{100 * share:.2g} % of its force {_UNBREAKABLE}"
+    locked = f"{100 * share:.2g} % of its force is on contacts that cannot break"
     if len(failed):
         first = failed.iloc[0]
         flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
@@ -174,9 +171,9 @@ def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str,
     elif judged > 1.0:
         reason = f"the independent implementation finds a state {judged:.2g} times beyond a limit"
         verdict = "not stable"
-    elif not max(spread.values()) <= 0.5 * within or share > LARGEST_UNBREAKABLE:
+    elif not max(spread.values()) <= 0.5 * within or share > LARGEST_UNBREAKABLE_SHARE:
         verdict, reason = "hard", f"{scatter} (easy: {50 * within:.2g} %), {locked} (easy: "
-        reason += f"{100 * LARGEST_UNBREAKABLE:.0f} %)"
+        reason += f"{100 * LARGEST_UNBREAKABLE_SHARE:.0f} %)"
     else:
         verdict, reason = "easy", f"{scatter}, {locked}, and the independent implementation finds "
         reason += "its states right"
