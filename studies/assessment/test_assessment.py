@@ -5,7 +5,9 @@ import numpy as np
 import jointclosure as jc
 from jointclosure.engine.assess import LADDER
 from jointclosure.engine.walls import COPIES, MAKERS, walls_of
-from studies.assessment.study import EXPERIMENT  # noqa: F401, of the fixtures
+from studies.assessment.study import EXPERIMENT
+from studies.frame.config.files import read_plain
+from tests.studied import ROOT, checked_study
 
 TINY = {
     "study": {"name": "tiny_assessment", "rocks": ["slate"]},
@@ -37,3 +39,10 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
 def test_the_worst_joint_is_first(tables):
     order = tables["hardness"].verdict.map(["not stable", "hard", "easy"].index)
     assert order.is_monotonic_increasing
+
+
+def test_a_study_without_the_section_is_assessed_by_the_usual_one():
+    study = checked_study(read_plain(ROOT / "workflow/usual_assessment.yaml"))
+    points = [point for job in EXPERIMENT.design(study).jobs.values() for point in job]
+    assert {point.coordinates["rock"] for point in points} == set(study.typed.rocks)
+    assert {point.settings.surfaces.realizations for point in points} == {8}

@@ -40,7 +40,7 @@ _ADVICE = {
 class Target(NamedTuple):
     """Goals of Snakemake, one after the other, and the default configuration.
 
-    ``section``: required section of the configuration, ``usual`` what it is where a file has none;
+    ``section``: required section of the configuration, ``usual`` a file that has it;
     ``check`` refuses a configuration that cannot be run; ``page``: name of the page in the study's
     folder that the user opens.
     """
@@ -69,7 +69,7 @@ TARGETS |= {
     )
     for name, section in sections().items()
 }
-TARGETS["assess"] = TARGETS.pop("assessment")._replace(usual="{joints: 8, within: 0.05}")
+TARGETS["assess"] = TARGETS.pop("assessment")._replace(usual="workflow/usual_assessment.yaml")
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
     goals=("estimate_global_sensitivity",)
 )
@@ -81,10 +81,9 @@ def run_target(name: str, request: EndRequest) -> int:
     override = "" if target.study else os.environ.get("CONFIG") or target.configuration
     folder = Path("results") / (target.study or checked_name(name, override))
     command = snakemake(os.environ.get("PROFILE") or _PROFILE, os.environ.get("CORES", ""))
-    given = ["--configfile", f"./{override}" if override.startswith("-") else override]
-    given = given if override else []
-    if target.usual and not merged_keys(override).get(target.section):
-        given = ["--config", f"{target.section}={target.usual}", *given]  # `planned` files follow
+    files = [target.usual] if takes_usual(target, merged_keys(override)) else []
+    files += [f"./{override}" if override.startswith("-") else override] if override else []
+    given = ["--configfile", *files] if files else []
     enter_folder()
     log = folder / f"logs/make_{name.replace('-', '_')}.log"
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -117,14 +116,19 @@ def merged_keys(override: str) -> dict:
     return merged_study(*([Path(override)] if override else []))
 
 
+def takes_usual(target: Target, keys: dict) -> bool:
+    """Return whether keys lack the section of a target that has a usual one."""
+    return bool(target.usual) and not keys.get(target.section)
+
+
 def checked_name(name: str, override: str) -> str:
     """Return the name of the study of a configuration file, checked for a target."""
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target = TARGETS[name]
     keys = merged_keys(override)
-    if target.usual and not keys.get(target.section):
-        keys[target.section] = yaml.safe_load(target.usual)
+    if takes_usual(target, keys):
+        keys |= read_plain(Path(target.usual))
     study = configured(keys)
     if target.section and not study.keys.get(target.section):
         raise InputError(
