@@ -3,10 +3,10 @@
 The continuum is one elastic half-space of modulus 1/(1/E1* + 1/E2*), pressed by the sum of both
 walls, with a constant pressure on each cell (as in `peers.py`, whose set-ups are used). Its
 nearest law to strength is a hardness: no pressure is larger, and what would overlap there stays
-as plastic displacement (Almqvist et al. 2007), solved by ContactMechanics and by our own sets of
-cells (`limited_pressure.py`). Three hardnesses: none (elastic); the mean Hertz pressure at which
-our asperities break, 2/3 sigma_c/c(nu); and 2.8 sigma_c, that of a fully plastic contact (Tabor
-1951) of a yield stress sigma_c. tamaas and aspher are elastic.
+as plastic displacement (Almqvist et al. 2007), solved by ContactMechanics. Three hardnesses: none
+(elastic); the mean Hertz pressure at which our asperities break, 2/3 sigma_c/c(nu); and
+2.8 sigma_c, that of a fully plastic contact (Tabor 1951) of a yield stress sigma_c. tamaas and
+aspher are elastic.
 
 Walls are those of the paper's study of dolerite. Loading, unloading and reloading; numbers are
 means over realisations with their standard errors, and `ratio` is to the asperity model, by pairs.
@@ -30,7 +30,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import limited_pressure
 import numpy as np
 import pandas as pd
 import peers
@@ -48,6 +47,8 @@ from jointclosure.storage.text import write_csv
 BRANCHES = ("loading", "unloading", "reloading")
 LEVELS = np.array([0.05, 0.1, 0.25, 0.5, 0.75, 1.0])
 """Stresses of every branch over the largest; among them half of it."""
+PENETRATION, ITERATIONS = 1e-8, 5000
+"""Of cells in contact at which ContactMechanics may stop [m], and its most iterations."""
 RESULTS = Path(__file__).parents[1] / "results/continuum"
 
 
@@ -134,6 +135,31 @@ def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
     return History(closure, contact, 0.0)
 
 
+def plastic(gap: np.ndarray, hardness: float):
+    """``press`` and ``left`` of `along` by ContactMechanics, from rest at each stress."""
+    from ContactMechanics import FreeFFTElasticHalfSpace
+    from ContactMechanics.Factory import make_plastic_system
+    from SurfaceTopography import PlasticTopography, Topography
+
+    sizes = (peers.SIDE, peers.SIDE)
+    surface = PlasticTopography(Topography(-gap, physical_sizes=sizes), hardness)
+    half_space = FreeFFTElasticHalfSpace(gap.shape, peers.MODULUS, sizes)
+    system = make_plastic_system(substrate=half_space, surface=surface)
+
+    def press(stress: float) -> tuple[float, np.ndarray]:
+        found = system.minimize_proxy(
+            external_force=stress * peers.SIDE**2,
+            pentol=PENETRATION,
+            maxiter=ITERATIONS,
+        )
+        pressure = found.jac[tuple(slice(cells) for cells in gap.shape)] / peers.CELL
+        if not found.success:
+            raise RuntimeError(f"ContactMechanics: no equilibrium at {stress:g} Pa")
+        return found.offset, pressure
+
+    return press, lambda: float(-surface.heights().max())
+
+
 def models() -> dict[str, Callable]:
     """All models by name: a history of two walls at stresses (level,) [Pa]."""
 
@@ -151,12 +177,11 @@ def models() -> dict[str, Callable]:
             set_up, gap_of(walls), stresses
         )
     for name, hardness in hardnesses(DOLERITE).items():
-        for code, plastic in limited_pressure.CODES.items():
-            found[f"continuum, hardness {name} ({code})"] = (
-                lambda walls, stresses, plastic=plastic, hardness=hardness: along(
-                    *plastic(gap_of(walls), hardness), stresses
-                )
+        found[f"continuum, hardness {name} (ContactMechanics)"] = (
+            lambda walls, stresses, hardness=hardness: along(
+                *plastic(gap_of(walls), hardness), stresses
             )
+        )
     return found
 
 
@@ -219,32 +244,7 @@ def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> p
     return pd.DataFrame(rows)
 
 
-def codes_table(histories: dict[str, list[History]]) -> pd.DataFrame:
-    """How far closures of both codes of a hardness differ, on the joints that both closed.
-
-    Columns ``hardness``, ``joints``; in percent the largest difference on first loading,
-    ``at_largest_stress`` and ``anywhere``.
-    """
-    rows = []
-    for hardness in hardnesses(DOLERITE):
-        names = [f"continuum, hardness {hardness} ({code})" for code in limited_pressure.CODES]
-        if not all(name in histories for name in names):
-            continue
-        own, other = (np.array([each.closure[0] for each in histories[name]]) for name in names)
-        both = np.isfinite(own + other).all(axis=1)
-        off = 100.0 * abs(other[both] / own[both] - 1.0)
-        rows.append(
-            {
-                "hardness": hardness,
-                "joints": int(both.sum()),
-                "at_largest_stress": off[:, -1].max(initial=0.0),
-                "anywhere": off.max(initial=0.0),
-            }
-        )
-    return pd.DataFrame(rows, columns=["hardness", "joints", "at_largest_stress", "anywhere"])
-
-
-NOT_DRAWN = ("tamaas", "aspher", "hardness at breakage (Contact", "2.8 sigma_c (Contact")
+NOT_DRAWN = ("tamaas", "aspher")
 """In names of models: they lie on another line."""
 
 
@@ -257,7 +257,6 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
     stress = 1e-6 * stresses[0].all[levels[0]]
     for number, name in enumerate(shown):
         title = name.replace("contact_mechanics", "ContactMechanics").replace("sigma_c", "σc")
-        title = title.replace("(own)", "(this project)")
         own = list(zip(histories[name], levels, strict=True))
         closure = 1e3 * np.array([each.closure[:, there] for each, there in own])
         contact = 100.0 * np.array([each.contact[:, there] for each, there in own])
@@ -300,7 +299,6 @@ def main(realizations: int, stress: float, output: Path) -> None:
     for folder in ("tables", "figures"):
         (output / folder).mkdir(parents=True, exist_ok=True)
     write_csv(table, output / "tables/continuum.csv")
-    write_csv(codes_table(histories), output / "tables/continuum_codes.csv")
     save_figure(continuum_figure(histories, stresses), output / "figures/continuum.png")
 
 

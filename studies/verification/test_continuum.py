@@ -10,17 +10,9 @@ from jointclosure.mechanics.strength import von_mises_on_axis
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import continuum
-import limited_pressure
-import peers
-from yardstick import DOLERITE, joint_walls
+from yardstick import DOLERITE
 
 STRESSES = continuum.LEVELS * 1e6
-
-
-@pytest.fixture(scope="module")
-def gap():
-    summed = np.add(*joint_walls(peers.CELLS, 3))
-    return summed.max() - summed
 
 
 def test_the_lower_hardness_is_the_mean_pressure_at_which_an_asperity_breaks():
@@ -46,42 +38,3 @@ def test_the_stiffness_of_loading_ends_where_the_asperity_model_begins_to_land(l
     for name, value in stiffness.items():
         assert read[f"stiffness_{name}_MPa_per_mm"] == pytest.approx(value)
     assert read["loading_read_to_MPa"] == pytest.approx(1e-6 * landing)
-
-
-@pytest.mark.parametrize("hardness", [165e6, 462e6])
-def test_pressures_are_limited_where_walls_overlap_and_nothing_else_does(gap, hardness):
-    """The conditions of each cell, at a stress that is met, in the operator's own terms."""
-    state = limited_pressure.at_stress(gap, hardness, 20e6, limited_pressure.untouched(gap))
-    left = peers.displacement(state.pressure) + gap - state.closure
-    assert state.pressure.mean() == pytest.approx(20e6, rel=1e-9)
-    none, full = state.pressure == 0.0, state.pressure == hardness
-    between = ~none & ~full
-    assert min(none.sum(), full.sum(), between.sum()) > 0
-    assert (state.pressure[between] > 0.0).all()
-    assert (state.pressure[between] < hardness).all()
-    assert (left[none] > -1e-12).all()
-    assert (left[full] < 1e-12).all()
-    assert abs(left[between]).max() < 1e-12
-
-
-@pytest.mark.parametrize("blocks", [limited_pressure.BLOCKS, 0])
-def test_wrong_sets_of_cells_come_right_at_once_or_one_by_one(gap, blocks, monkeypatch):
-    right = limited_pressure.at_stress(gap, 462e6, 20e6, limited_pressure.untouched(gap))
-    random = np.random.default_rng(1)
-    sets = right.sets.copy()
-    sets.flat[random.choice(gap.size, 60, replace=False)] = random.integers(-1, 2, 60)
-    monkeypatch.setattr(limited_pressure, "BLOCKS", blocks)
-    there, _ = limited_pressure.at_closure(gap, 462e6, right.closure, sets)
-    np.testing.assert_array_equal(there.sets, right.sets)
-    np.testing.assert_allclose(there.pressure, right.pressure, atol=1.0)
-
-
-def test_what_has_flowed_stays_and_opens_elastically(gap):
-    press, left = limited_pressure.own(gap, 165e6)
-    closure, pressure = press(20e6)
-    assert pressure.max() == 165e6
-    unloaded, pressure = press(10e6)
-    assert pressure.max() < 165e6
-    assert 1e-5 < left() < unloaded < closure
-    again, pressure = press(20e6)
-    assert again == pytest.approx(closure, rel=1e-9)
