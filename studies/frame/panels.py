@@ -36,9 +36,25 @@ def point_key(label: str, marker: str = "o", **style) -> Line2D:
 def legend_below(
     figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
 ) -> None:
-    """Put a legend below all axes, by default in one row."""
-    settings |= {"ncols": columns or len(handles), "frameon": False}
+    """Put a legend below all axes, by default in as few rows as fit; narrow figures are widened."""
+    settings |= {"ncols": columns or _fitting(handles, figure.get_figwidth()), "frameon": False}
+    if columns is None:
+        figure.set_figwidth(max(figure.get_figwidth(), _width(handles)))
     figure.legend(handles=handles, loc="outside lower center", **settings)
+
+
+def _width(handles: Sequence[Artist]) -> float:
+    """Return the width [inches] of a column of a legend."""
+    return _KEY + _LETTER * max((len(str(handle.get_label())) for handle in handles), default=0)
+
+
+def _fitting(handles: Sequence[Artist], width: float) -> int:
+    """Return the largest number of columns of a legend that fits a width [inches], at least 1."""
+    for count in range(len(handles), 1, -1):
+        columns = np.array_split(np.arange(len(handles)), count)
+        if sum(_width([handles[i] for i in column]) for column in columns) <= width:
+            return count
+    return 1
 
 
 def keys_of(panels: Iterable[Axes]) -> list[Artist]:
@@ -147,9 +163,8 @@ def panels(
         panel.set_ylabel(fill(row.label, 30), fontsize="small")
     sides = ["center"] if len(legends) == 1 else ["left", "right"]
     for side, (lines, handles) in zip(sides, legends.items(), strict=True):
-        longest = max((len(str(handle.get_label())) for handle in handles), default=0)
-        fit = int(figure.get_figwidth() / len(legends) / (_KEY + _LETTER * longest))
-        settings = {"ncols": max(1, fit), "frameon": False, "fontsize": "small"}
+        fit = _fitting(handles, figure.get_figwidth() / len(legends))
+        settings = {"ncols": fit, "frameon": False, "fontsize": "small"}
         title = "" if styles else HEADINGS.get(lines, lines)
         figure.legend(handles=handles, loc=f"outside lower {side}", title=title, **settings)
     return figure

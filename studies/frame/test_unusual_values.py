@@ -80,6 +80,7 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
         ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
         ({"max_normal_stress": 10.0}, "max_normal_stress = 10.0 Pa: not usual"),
         ({"max_normal_stress": 5, "seating_stress": 0.5e6}, "max_normal_stress = 5 Pa: not usual"),
+        ({"max_normal_stress": [5e6, 0.0, 8]}, "max_normal_stress = 8 Pa: not usual"),
         ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
         (
             {"numerics": jc.Numerics(displacement_step=12.5)},

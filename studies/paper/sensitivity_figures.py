@@ -14,16 +14,14 @@ from studies.frame.config.rocks import StudyRock
 from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
 from studies.paper.layout import UNPAIRED_TEST, test_name
 
-_LEGEND_WIDTH = 4.2
-"""Width of the longest entry of a legend below panels [inches]."""
-
 
 @styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
-    figure, panels = panel_grid(len(cycles), len(parameters), (3.1, 2.9), sharex=True)
+    shape, margin = (len(cycles), len(parameters)), (0.0, 0.8)
+    figure, panels = panel_grid(*shape, (3.1, 2.9), margin, sharex=True)
     names = list(rocks)
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, parameter in zip(row, parameters, strict=True):
@@ -42,9 +40,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     if "paper_length" in table:
         handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
         handles.append(point_key("no real root in the paper", "x", color="C1"))
-    width = max(figure.get_figwidth(), _LEGEND_WIDTH)
-    figure.set_figwidth(width)
-    legend_below(figure, handles, int(width / _LEGEND_WIDTH))
+    legend_below(figure, handles)
     sns.despine(figure)
     return figure
 

@@ -1,14 +1,17 @@
 """Figures are drawn from made-up studies; what they show is looked at by people."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from jointclosure.measured.curves import parsed_curve
 from studies.paper import closure_figures as plotting
 from studies.paper.closure_figures import Measurements
 from studies.paper.empirical import barton_bandis
 from studies.paper.measured_fits import fit_table
+from studies.paper.sensitivity_figures import interval_figure
 from tests.studied import study_of
 
 ROCKS = study_of().rocks
@@ -82,6 +85,23 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds_from_where_closures_start
             reached = 1e3 * (law.closure(2e6) - law.closure(first))
             np.testing.assert_allclose(line.get_xdata()[-1], reached)
             assert line.get_xdata().size > 100  # it is a curve between the stresses of the study
+
+
+@pytest.mark.parametrize("varied", [1, 2, 3, 4])
+def test_the_legend_of_intervals_lies_within_the_figure(varied):
+    names = ("jrc", "poisson_ratio", "youngs_modulus", "compressive_strength")[:varied]
+    rows = [(rock, name, cycle) for rock in ROCKS for name in names for cycle in (1, 2)]
+    table = pd.DataFrame(rows, columns=["rock", "parameter", "cycle"]).assign(
+        unit="", test="paired", extrapolated=False, length=1.0, length_low=0.5, length_high=9.0,
+        length_net=1.1, paper_length=1.2, in_paper=True,
+    )  # fmt: skip
+    figure = interval_figure(table, ROCKS)
+    FigureCanvasAgg(figure).draw()
+    (legend,), panel = figure.legends, figure.axes[0].get_window_extent()
+    place = legend.get_window_extent()
+    assert 0.0 <= place.x0 < place.x1 <= figure.bbox.x1
+    assert 0.0 <= place.y0 < place.y1 <= panel.y0
+    assert panel.height > 0.3 * panel.width
 
 
 def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():

@@ -175,6 +175,20 @@ def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):
     assert [one.missed for one in odd.agreements()] == [True, True]
 
 
+def test_the_first_loading_of_a_curve_that_loses_more_than_the_model_is_fitted_alone(found, lab):
+    loading = [f"{line},1" for line in GOOD.splitlines()[1:]]
+    later = TWO_CYCLES.replace("2,5", "2,9").split("0.12,1\n")[1].replace("0.12,2", "0.15,2")
+    text = "\n".join(["stress_MPa,closure_mm,cycle", *loading, later])
+    lossy = lab.with_name("lossy.csv")
+    lossy.write_text(text)
+    alone = fit(lossy, jrc=10.0, **ABOUT, first_loading=True, simulated=found.simulated)
+    assert alone.p_value == found.p_value
+    assert alone.assumed == f"{found.assumed}; only the first loading is fitted"
+    both = fit(lossy, jrc=10.0, **ABOUT | {"surfaces": 5})
+    assert not both.interval_holds
+    assert "first_loading=True (--first-loading) fits alone" in both.sentences()[0]
+
+
 def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
     several = fit(lab, jrc=(2.0, 18.0), **ABOUT)
     assert several.likelihood.scatter[-1, -1] > found.likelihood.scatter[-1, -1]

@@ -138,6 +138,7 @@ def test_relations_invert(relation):
         ({"shift_in_cells": -1}, "shift_in_cells = -1"),
         ({"jrc_relation": "none"}, "jrc_relation = 'none'"),
         ({"roll_off": 0.4e-3}, "roll_off = 0.0004 m: must be at least two spacings"),
+        ({"roll_off": 0.03}, "roll_off = 0.03 m: must be at most the longer side of the walls"),
         ({"mismatch_wavelength": -1e-3}, "mismatch_wavelength = -0.001 m: must be finite, 0"),
         ({"mismatch_wavelength": 1e-3, "correlation": 0.5}, "correlation = 0.5: must be 0"),
         ({"mismatch_wavelength": 1e-3, "normalise": "both"}, "normalise = 'both'"),

@@ -30,6 +30,7 @@ def declare(command: argparse.ArgumentParser) -> None:
         curve,
         fit,
         "seating_stress",
+        "first_loading",
         stress_unit={"choices": STRESS_UNITS},
         closure_unit={"choices": CLOSURE_UNITS},
         columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},

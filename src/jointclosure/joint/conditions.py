@@ -179,7 +179,8 @@ class Conditions(NamedTuple):
         check_choices(self.choices, self.spacing or 0.0)
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
-            check_usual(pair, **given | {"max_normal_stress": largest})
+            for maximum in (_turns(self.max_normal_stress) or [largest])[::2]:
+                check_usual(pair, **given | {"max_normal_stress": maximum})
         least = min(cycle.maximum for cycle in load)
         seating = usual_seating(least) if self.seating_stress is None else self.seating_stress
         check_number("seating_stress", seating)

@@ -55,6 +55,12 @@ class MeasuredCurve(NamedTuple):
             UNLOADING: (stress[top + 1 :], closure[top + 1 :]),
         }
 
+    def first_loading(self) -> "MeasuredCurve":
+        """Return the curve up to the largest stress of its first cycle."""
+        here = np.flatnonzero(self.cycle == self.cycle.min())
+        here = here[: int(np.argmax(self.stress[here])) + 1]
+        return MeasuredCurve(*(column[here] for column in self))
+
     def since_seating(self, cycle: int, seating_stress: float):
         """Return (branch, stress [Pa], closure [m]) of a cycle, with closure since its seating."""
         branches = self.branches(cycle)

@@ -43,7 +43,7 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.text import read_text
 from jointclosure.walls.registration import RegisteredPair
-from jointclosure.walls.synthesis import wall_pair
+from jointclosure.walls.synthesis import check_roll_off, wall_pair
 
 SPACING = 0.25e-3
 """Usual grid spacing of random walls [m]."""
@@ -148,10 +148,17 @@ class Fit(NamedTuple):
         """Warn that the model does not explain the curve, and name a reading that no joint has."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
-        warning = caution(
+        text = (
             f"the model does not explain this curve: {seldom} of its joints are as far "
             f"from their mean, and no interval is valid; {_CHECK}"
         )
+        others = any(not one.first_loading for one in self.agreements())
+        if others and not self._missed_first_loading():
+            text += (
+                "; joints have each reading of the first loading, which first_loading=True "
+                "(--first-loading) fits alone"
+            )
+        warning = caution(text)
         means, values = self.likelihood.means, self.measured.values
         least = np.abs(np.log(values) - means) / self.likelihood.scatter[:, None, :]
         least = least.min(axis=(0, 1))
@@ -184,6 +191,7 @@ def fit(
     stress_unit: str | None = None,
     closure_unit: str | None = None,
     columns: Sequence[str] | None = None,
+    first_loading: bool = False,
     surfaces: int = 12,
     closure_error: float = 0.02,
     seed: int = 1,
@@ -232,6 +240,9 @@ def fit(
         Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
     columns : sequence of str, optional
         Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
+    first_loading : bool
+        Whether to fit the loading of the first cycle alone. Many joints lose more closure than the
+        model lets them, which their unloading and later cycles show.
     surfaces : int
         Number of joints at each mismatch wavelength, of which there are 8 from two spacings to the
         shorter side, and at each of 4 strengths if these are fitted.
@@ -269,6 +280,7 @@ def fit(
     check_rock(intact)
     name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
     curve = read_curve(curve, stress_unit, closure_unit, columns)
+    curve = curve.first_loading() if first_loading else curve
     if scans is not None:
         for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
             if value is not None:
@@ -280,6 +292,7 @@ def fit(
     spacing = SPACING if spacing is None else spacing
     shape = _checked(_shape(size, shape, spacing), surfaces, closure_error, seed)
     assumed = assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength)
+    assumed += "; only the first loading is fitted" if first_loading else ""
     if progress and pair is not None:
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
@@ -290,6 +303,7 @@ def fit(
         spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
     ).checked()
     check_usual((), roll_off=roll_off)
+    check_roll_off(roll_off, max(shape) * spacing)
     walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
     if pair is not None:

@@ -15,7 +15,7 @@ from jointclosure.inputs import (
     check_positive,
     check_seed,
 )
-from jointclosure.parameters import check_usual
+from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
@@ -208,6 +208,7 @@ def wall_pair(
     check_mismatch(mismatch_wavelength, correlation)
     if not unusual_values:
         check_usual((), roll_off=roll_off, mismatch_wavelength=mismatch_wavelength)
+        check_roll_off(roll_off, max(shape) * spacing)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     wide = (shape[0], shape[1] + shift_in_cells)
@@ -256,6 +257,15 @@ def _partly_mated(
     upper, lower = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
     rows, cells = slice(wide[0]), wide[1] - shift
     return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
+
+
+def check_roll_off(roll_off: float | None, length: float) -> None:
+    """Raise `InputError` if a roll-off, other than the usual one, exceeds the walls [m]."""
+    if roll_off is not None and roll_off > max(length, ROLL_OFF):
+        raise InputError(
+            f"roll_off = {roll_off!r} m: must be at most the longer side of the walls, "
+            f"{length:.3g} m (is it in m?), or None for waves of all lengths; {AS_IT_IS}"
+        )
 
 
 def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> None:
