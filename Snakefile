@@ -4,10 +4,10 @@ import sys
 
 from snakemake.utils import min_version
 
-from studies.frame.config.files import DEFAULT
-from studies.frame.jobs.folder import enter_folder
-from studies.frame.jobs.job import ENGINE
-from studies.frame.jobs.rules import complete, withdraw_unmet
+from studies.frame.files import DEFAULT
+from studies.frame.folder import enter_folder
+from studies.frame.jobs import ENGINE
+from studies.frame.rules import complete, withdraw_unmet
 
 min_version("9.27")
 

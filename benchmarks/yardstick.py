@@ -28,10 +28,9 @@ from jointclosure.engine.settings import BASE, Case, ClosureSettings
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
-from studies.frame.config.configuration import configured, merged, merged_study
-from studies.frame.config.files import ConfigurationError
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import block_settings, cases_of
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.configuration import Configuration, configured, merged, merged_study
+from studies.frame.files import ConfigurationError
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

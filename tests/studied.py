@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from studies.frame.config import files
-from studies.frame.config.configuration import Configured, configured, merged
-from studies.frame.config.model import Configuration
+from studies.frame import files
+from studies.frame.configuration import Configuration, Configured, configured, merged
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = files.read_plain(files.DEFAULT)

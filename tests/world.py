@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.statistics.randomness import generator, seed_of
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.aggregation import join_cases
-from studies.frame.ensemble.cases import cases_of, wall_name
+from studies.frame.cases import cases_of, wall_name
+from studies.frame.configuration import Configuration
+from studies.frame.tables import join_cases
 from tests.studied import study_of
 
 ELASTICITIES = {

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import jointclosure as jc
 from jointclosure.plotting.assessment import assessment_figure
-from studies.frame.ensemble.aggregation import since_seating
+from studies.frame.tables import since_seating
 
 IMAGES = Path(__file__).parents[1] / "images"
 FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"

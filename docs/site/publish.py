@@ -17,9 +17,9 @@ from templates import ROOT, folder_of
 
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
-from studies.frame.config.configuration import merged_study
-from studies.frame.config.files import provenance
-from studies.frame.jobs.seals import check_folder
+from studies.frame.configuration import merged_study
+from studies.frame.files import provenance
+from studies.frame.jobs import check_folder
 
 
 def publish(results: Path, run: str, *further: str) -> Path:

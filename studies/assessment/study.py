@@ -13,9 +13,8 @@ from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.engine.walls import COPIES
 from studies.assessment import figures
 from studies.assessment.section import Assessment
-from studies.frame.config.configuration import Configured
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import base_case
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configuration, Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.summary import grouped
 

@@ -6,7 +6,7 @@ import jointclosure as jc
 from jointclosure.engine.assess import LADDER
 from jointclosure.engine.walls import COPIES, MAKERS, walls_of
 from studies.assessment.study import EXPERIMENT
-from studies.frame.config.files import read_plain
+from studies.frame.files import read_plain
 from tests.studied import ROOT, checked_study
 
 TINY = {

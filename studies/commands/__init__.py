@@ -1,5 +1,10 @@
 """Commands on finished studies, one module each, as in `jointclosure.cli`; and their files."""
 
+from pathlib import Path
+
+from jointclosure.inputs import InputError
+from studies.frame.jobs import check_folder
+
 COMMANDS = {
     "compare": "list the differences between two studies",
     "report": "write a page on a finished study",
@@ -8,3 +13,17 @@ COMMANDS = {
     "repeat": "repeat one realisation of a study",
 }
 """Names of the modules and their purposes; modules are imported when they are used."""
+
+
+def existing(path: Path) -> Path:
+    """Return the path of a file of a finished study."""
+    if not path.is_file():
+        raise InputError(f"{path}: file not found; is the study finished?")
+    return path
+
+
+def study_of(folder: Path) -> Path:
+    """Return the path of study.nc in a folder of results after checking all seals."""
+    study = existing(folder / "study.nc")
+    check_folder(folder)
+    return study

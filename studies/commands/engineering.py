@@ -11,8 +11,8 @@ from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import write_csv
-from studies.commands.finished import study_of
-from studies.frame.ensemble.tables import QUANTILES, band_table
+from studies.commands import study_of
+from studies.frame.tables import QUANTILES, band_table
 
 
 def declare(command: argparse.ArgumentParser) -> None:

@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from studies.commands.finished import study_of
-from studies.frame.ensemble.aggregation import CURVES
+from studies.commands import study_of
+from studies.frame.tables import CURVES
 from studies.paper.planning import GOALS, Goal, plan
 
 

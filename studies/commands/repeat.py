@@ -12,10 +12,10 @@ from jointclosure.engine.cache import is_kept
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text
-from studies.frame.config.configuration import resolved
-from studies.frame.ensemble.cases import dataset_of
-from studies.frame.ensemble.closing import Ensemble, close_block
-from studies.frame.ensemble.comparison import differences
+from studies.commands.compare import differences
+from studies.frame.cases import dataset_of
+from studies.frame.closing import Ensemble, close_block
+from studies.frame.configuration import resolved
 
 _CONFIGURATION = "configuration: "
 

@@ -15,10 +15,10 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_csv, read_text, write_text
-from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.config.model import model
-from studies.frame.config.schema import json_schema
-from studies.frame.jobs.seals import check_folder
+from studies.frame.configuration import model
+from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
+from studies.frame.jobs import check_folder
+from studies.frame.schema import json_schema
 
 if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.content import Material

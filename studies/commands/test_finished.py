@@ -5,7 +5,7 @@ import xarray as xr
 
 from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
-from studies.frame.jobs.seals import write_seal
+from studies.frame.jobs import write_seal
 
 COMMANDS = {"plan": ["--standard-error", "0.01"], "compare": ["the other study"]}
 COMMANDS |= {"engineering": [], "report": []}

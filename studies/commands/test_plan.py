@@ -6,7 +6,7 @@ import pytest
 
 from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
-from studies.frame.ensemble.cases import pool_of
+from studies.frame.cases import pool_of
 from tests.studied import study_of
 from tests.world import world
 

@@ -16,10 +16,9 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.points import Jobs, Samples, entries_of, samples_of
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
-from studies.frame.config.configuration import Configured, resolved
-from studies.frame.config.model import Configuration, sections
-from studies.frame.ensemble.cases import block_settings
-from studies.frame.ensemble.closing import Ensemble
+from studies.frame.cases import block_settings
+from studies.frame.closing import Ensemble
+from studies.frame.configuration import Configuration, Configured, resolved, sections
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from jointclosure.statistics.drawn_studies import Design
-from studies.frame.config.configuration import Configured
-from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import dataset_of, ensembles_of
-from studies.frame.measured_files import CurveSettings, curve_settings
+from studies.frame.cases import dataset_of, ensembles_of
+from studies.frame.configuration import Configuration, Configured
+from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.products import Product
+from studies.frame.rocks import CurveSettings, curve_settings
 
 
 class Plan(NamedTuple):

@@ -7,7 +7,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
-from studies.frame.ensemble.tables import band_table
+from studies.frame.tables import band_table
 from tests.joints import DOLERITE, SPACING
 
 

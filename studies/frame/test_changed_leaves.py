@@ -14,9 +14,9 @@ import pytest
 import yaml
 
 from jointclosure.inputs import InputError
-from studies.frame.config.configuration import configured, merged_study
-from studies.frame.config.files import read_plain
+from studies.frame.configuration import configured, merged_study
 from studies.frame.experiments import checked_design, experiments_in
+from studies.frame.files import read_plain
 from studies.frame.test_configuration import STUDIES
 from tests.studied import ROOT
 

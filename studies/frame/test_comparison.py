@@ -6,7 +6,7 @@ import xarray as xr
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.text import write_csv
 from studies import __main__ as cli
-from studies.frame.ensemble.comparison import (
+from studies.commands.compare import (
     TARGETS,
     by_rock,
     closure_changes,

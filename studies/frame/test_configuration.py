@@ -11,9 +11,9 @@ from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters import Effects
 from jointclosure.parameters.units import in_unit, to_si
-from studies.frame.config.configuration import resolved, written_out
-from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.ensemble.cases import block_settings, cases_of
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.configuration import resolved, written_out
+from studies.frame.files import ConfigurationError, read_plain
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 HARD_CASES = "studies/verification/hard_cases.yaml"
@@ -81,7 +81,7 @@ import jointclosure as jc
 from jointclosure.cli.options import UNITS
 from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.joint.rocks import named_rock
-from studies.frame.ensemble.cases import cases_of
+from studies.frame.cases import cases_of
 from jointclosure.parameters import check_rock
 from studies.paper.layout import rock_table
 from studies.verification.hard_case_keys import RockKeys

@@ -5,9 +5,9 @@ import pytest
 
 from jointclosure.engine.points import close_points
 from jointclosure.engine.quantities import QUANTITIES
-from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.config.model import sections
+from studies.frame.configuration import sections
 from studies.frame.experiments import checked_design, experiment_named, experiments_in
+from studies.frame.files import ConfigurationError, read_plain
 from tests.studied import DEFAULT, ROOT, checked_study
 
 TINY = {name: read_plain(ROOT / f"tests/workflow/tiny_{name}.yaml") for name in sections()}

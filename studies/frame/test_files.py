@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from studies.frame.config.files import ConfigurationError, read_plain, value_of
+from studies.frame.files import ConfigurationError, read_plain, value_of
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{later}: &{later} [{', '.join(9 * ['*' + earlier])}]\n"

@@ -9,9 +9,8 @@ from jointclosure.engine.joints import close_case
 from jointclosure.engine.quantities import OF_FLOW
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.history import crossing
-from studies.frame.ensemble.aggregation import CURVES, join_cases
-from studies.frame.ensemble.cases import block_settings, cases_of
-from studies.frame.ensemble.tables import check_results, flow_table
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.tables import CURVES, check_results, flow_table, join_cases
 from tests.studied import study_of
 
 TINY = {

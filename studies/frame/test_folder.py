@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from jointclosure.inputs import InputError
-from studies.frame.jobs import folder
-from studies.frame.jobs.folder import LOCK, enter_folder
+from studies.frame import folder
+from studies.frame.folder import LOCK, enter_folder
 
 HOLDS = """
 import os, sys, time
-from studies.frame.jobs.folder import enter_folder
+from studies.frame.folder import enter_folder
 enter_folder()
 if not os.fork():  # as Snakemake under make
     enter_folder()

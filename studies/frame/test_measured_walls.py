@@ -9,10 +9,10 @@ import jointclosure as jc
 from jointclosure.engine.settings import Grid
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
-from studies.frame.config.files import ConfigurationError
-from studies.frame.config.rocks import check_files
-from studies.frame.ensemble.cases import cases_of, surface_settings
-from studies.frame.ensemble.walls import (
+from studies.frame.cases import cases_of, surface_settings
+from studies.frame.files import ConfigurationError
+from studies.frame.rocks import check_files
+from studies.frame.walls import (
     Cutter,
     cut_walls,
     described,

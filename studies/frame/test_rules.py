@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from studies.frame.jobs.seals import write_seal
+from studies.frame.jobs import write_seal
 
 SNAKEFILE = """
 import os
-from studies.frame.jobs.rules import complete, withdraw_unmet
+from studies.frame.rules import complete, withdraw_unmet
 
 rule double:
     output: "results/small/numbers/{size}.csv",
@@ -39,7 +39,7 @@ SCRIPT = '''"""Write a number.
 More is not shown.
 """
 from pathlib import Path
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
 
 with job(snakemake) as log:
     Path(snakemake.output[0]).write_text(f"{snakemake.params.get('start')} {os.getpid()}")

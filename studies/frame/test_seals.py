@@ -8,9 +8,8 @@ import pytest
 import xarray as xr
 
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.jobs import seals
-from studies.frame.jobs.job import job
-from studies.frame.jobs.seals import ForeignFileError, settings_digest
+from studies.frame import jobs as seals
+from studies.frame.jobs import ForeignFileError, job, settings_digest
 
 
 class Log(list):

@@ -9,9 +9,9 @@ import jointclosure as jc
 from jointclosure.engine import joints as engine
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.measured import Scan
-from studies.frame.ensemble.cases import block_settings, cases_of
-from studies.frame.ensemble.closing import Ensemble, choose_for_rock, close_block
-from studies.frame.ensemble.walls import prepared_walls
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.closing import Ensemble, choose_for_rock, close_block
+from studies.frame.walls import prepared_walls
 from tests.joints import SPACING
 from tests.studied import study_of
 

@@ -3,7 +3,7 @@
 import pytest
 
 import jointclosure as jc
-from studies.frame.config.files import ConfigurationError, value_of
+from studies.frame.files import ConfigurationError, value_of
 from tests.studied import study_of
 
 USUAL = {"spacing": 0.25e-3, "rock": jc.Rock(78e9, 0.2, 165e6), "max_normal_stress": 1e6}

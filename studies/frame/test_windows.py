@@ -8,7 +8,7 @@ import jointclosure as jc
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.synthesis import synthetic_wall
-from studies.frame.ensemble.walls import Cutter, windows
+from studies.frame.walls import Cutter, windows
 from tests.joints import SPACING
 
 

@@ -12,7 +12,9 @@ from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
-from studies.frame.config.configuration import (
+from studies.frame.cases import base_case, block_settings
+from studies.frame.configuration import (
+    Configuration,
     Configured,
     configured,
     merged,
@@ -21,8 +23,6 @@ from studies.frame.config.configuration import (
     refuse,
     resolved,
 )
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import base_case, block_settings
 from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity
 from studies.global_sensitivity.section import Input as Varied
 

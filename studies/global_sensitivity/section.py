@@ -6,8 +6,8 @@ from typing import Annotated, Any
 from pydantic import Field, StringConstraints
 
 from jointclosure.parameters import PROPERTIES, key_of
-from studies.frame.config.model import Configuration
-from studies.frame.config.section import Name, Section, Several, StudySection, Text, entry
+from studies.frame.configuration import Configuration
+from studies.frame.keys import Name, Section, Several, StudySection, Text, entry
 
 ROCK = "ROCK"
 """Placeholder in the key of an input for the rock that is closed."""

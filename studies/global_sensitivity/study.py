@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from jointclosure.engine.points import JobsOnDemand, Point, Sample
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
-from studies.frame.config.configuration import Configured
+from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
 from studies.global_sensitivity.conclusions import conclusion_tables

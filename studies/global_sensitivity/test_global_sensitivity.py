@@ -7,10 +7,10 @@ import xarray as xr
 from jointclosure.engine.points import close_points
 from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
-from studies.frame.config.configuration import configured, merged, resolved
-from studies.frame.config.files import ConfigurationError, read_plain
-from studies.frame.ensemble.cases import base_case, block_settings
+from studies.frame.cases import base_case, block_settings
+from studies.frame.configuration import configured, merged, resolved
 from studies.frame.experiments import checked_design, experiment_named
+from studies.frame.files import ConfigurationError, read_plain
 from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.study import conclusion_figure, index_figure

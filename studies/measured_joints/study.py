@@ -18,8 +18,8 @@ from jointclosure.engine.points import Point
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from studies.frame.config.configuration import Configured
-from studies.frame.ensemble.cases import base_case
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
 from studies.frame.panels import keys_of, legend_below, ticks_at
 from studies.measured_joints.observables import (

@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine.measured_joints import measured
-from studies.frame.config.files import ConfigurationError
+from studies.frame.files import ConfigurationError
 from studies.measured_joints.observables import BASE, OBSERVABLES, observables_of
 from studies.measured_joints.study import EXPERIMENT
 from tests.joints import SPACING

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.points import Point
 from jointclosure.engine.quantities import titles_of_cycles
-from studies.frame.config.configuration import Configured
-from studies.frame.ensemble.cases import base_case
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.summary import summary

@@ -18,8 +18,8 @@ from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import ratio_of_means
-from studies.frame.config.configuration import Configured
-from studies.frame.ensemble.cases import base_case
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.summary import grouped, means

@@ -24,9 +24,9 @@ from jointclosure.statistics.two_level import (
     combined,
     two_level_mean,
 )
-from studies.frame.config.sections import Accuracy
-from studies.frame.ensemble.aggregation import succeeded
-from studies.frame.ensemble.cases import BLOCK, FEW
+from studies.frame.cases import BLOCK, FEW
+from studies.frame.keys import Accuracy
+from studies.frame.tables import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 

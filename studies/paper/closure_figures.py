@@ -19,9 +19,9 @@ from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots
 from jointclosure.plotting.walls import map_extent
 from jointclosure.statistics.standard_errors import percent
-from studies.frame.config.rocks import StudyRock
-from studies.frame.ensemble.aggregation import since_seating, since_start, succeeded
 from studies.frame.panels import key, legend_below
+from studies.frame.rocks import StudyRock
+from studies.frame.tables import since_seating, since_start, succeeded
 from studies.paper.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from studies.paper.layout import roughness_title
 from studies.paper.measured_fits import FIT_COLUMNS, best_fits

@@ -30,9 +30,9 @@ from jointclosure.statistics.standard_errors import (
     rounded,
     variation_of,
 )
-from studies.frame.config.sections import Statistics
-from studies.frame.ensemble.aggregation import succeeded
-from studies.frame.ensemble.covariates import Covariates
+from studies.frame.covariates import Covariates
+from studies.frame.keys import Statistics
+from studies.frame.tables import succeeded
 from studies.paper.claims import NET, TARGET
 from studies.paper.responses import Response, adjustment, responses
 

@@ -11,11 +11,10 @@ from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.text import read_csv
-from studies.frame.config.configuration import resolved
-from studies.frame.config.files import PAPER_TABLE_3, provenance
-from studies.frame.config.model import model
-from studies.frame.config.schema import json_schema
-from studies.frame.ensemble.tables import check_results
+from studies.frame.configuration import model, resolved
+from studies.frame.files import PAPER_TABLE_3, provenance
+from studies.frame.schema import json_schema
+from studies.frame.tables import check_results
 from studies.paper.closures import elasticity_table, indifference_table, max_closure_table
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper

@@ -8,8 +8,8 @@ from jointclosure.engine.settings import BASE, SIDES
 from jointclosure.parameters import PROPERTIES, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.statistics.standard_errors import rounded, significant
-from studies.frame.config.rocks import StudyRock
-from studies.frame.ensemble.cases import base_case, level_names
+from studies.frame.cases import base_case, level_names
+from studies.frame.rocks import StudyRock
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:

@@ -8,7 +8,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.measured.curves import MeasuredCurve
-from studies.frame.ensemble.aggregation import since_seating, succeeded
+from studies.frame.tables import since_seating, succeeded
 
 FIT_COLUMNS = (
     "rock", "cycle", "points", "largest_closure_mm", "samples",

@@ -18,7 +18,7 @@ from jointclosure.statistics.standard_errors import (
     quadratic_errors,
     resampled,
 )
-from studies.frame.ensemble.aggregation import succeeded
+from studies.frame.tables import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 

@@ -13,16 +13,14 @@ from jointclosure.parameters import Numerics
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
-from studies.frame.config.files import configuration_text
-from studies.frame.config.rocks import StudyRock
-from studies.frame.config.sections import Accuracy, Statistics
-from studies.frame.ensemble.aggregation import CURVES
-from studies.frame.ensemble.covariates import Covariates, as_dataset, from_dataset, known_covariates
-from studies.frame.ensemble.covariates import measure_covariates as measure
-from studies.frame.ensemble.tables import check_results as check
-from studies.frame.ensemble.tables import flow_table
-from studies.frame.measured_files import CurveSettings, measured_curves
+from studies.frame.covariates import Covariates, as_dataset, from_dataset, known_covariates
+from studies.frame.covariates import measure_covariates as measure
+from studies.frame.files import configuration_text
+from studies.frame.keys import Accuracy, Statistics
 from studies.frame.products import PRODUCTS, product
+from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
+from studies.frame.tables import CURVES, flow_table
+from studies.frame.tables import check_results as check
 from studies.paper import judged_claims as published
 from studies.paper.accuracy import describe_reached, reached_table
 from studies.paper.closures import (

@@ -12,8 +12,8 @@ from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
 from jointclosure.statistics.paired import PairedInterval, paired_indifference_interval
-from studies.frame.ensemble.aggregation import succeeded
-from studies.frame.ensemble.covariates import Covariates
+from studies.frame.covariates import Covariates
+from studies.frame.tables import succeeded
 
 
 class Response(NamedTuple):

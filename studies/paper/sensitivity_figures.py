@@ -10,8 +10,8 @@ from matplotlib.patches import Patch
 
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import panel_grid, styled
-from studies.frame.config.rocks import StudyRock
 from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
+from studies.frame.rocks import StudyRock
 from studies.paper.layout import UNPAIRED_TEST, test_name
 
 

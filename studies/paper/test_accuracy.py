@@ -11,9 +11,9 @@ import xarray as xr
 from jointclosure.engine.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.statistics.two_level import t_interval
-from studies.frame.config.sections import Accuracy
-from studies.frame.ensemble.cases import closed_keys
-from studies.frame.ensemble.closing import Ensemble
+from studies.frame.cases import closed_keys
+from studies.frame.closing import Ensemble
+from studies.frame.keys import Accuracy
 from studies.paper.accuracy import (
     START,
     Counts,

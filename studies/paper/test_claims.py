@@ -8,8 +8,8 @@ import pytest
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.text import read_csv
-from studies.frame.config.files import PAPER_TABLE_3
-from studies.frame.ensemble.cases import pool_of
+from studies.frame.cases import pool_of
+from studies.frame.files import PAPER_TABLE_3
 from studies.paper.claims import CLAIMS, HERTZ_EXCESS, NEGLIGIBLE, TARGET, TOLERANCE
 from studies.paper.judged_claims import Evidence, as_found, judge_claims
 from studies.paper.responses import rock_sample

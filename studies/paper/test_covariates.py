@@ -6,8 +6,8 @@ import pytest
 from jointclosure.engine.walls import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
-from studies.frame.ensemble.cases import cases_of, surface_settings
-from studies.frame.ensemble.covariates import (
+from studies.frame.cases import cases_of, surface_settings
+from studies.frame.covariates import (
     Covariates,
     as_dataset,
     covariates_of_pair,

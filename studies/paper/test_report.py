@@ -3,8 +3,8 @@
 import pandas as pd
 import pytest
 
-from studies.frame.config.model import model
-from studies.frame.config.schema import json_schema
+from studies.frame.configuration import model
+from studies.frame.schema import json_schema
 from studies.paper.conftest import FAILED, GRANITE, JOINTS
 from studies.paper.report.content import (
     STAYS,

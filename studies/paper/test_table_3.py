@@ -7,8 +7,8 @@ import jointclosure as jc
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from studies.frame.config.files import PAPER_TABLE_3
-from studies.frame.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
+from studies.frame.cases import cases_of, ensembles_of, pool_of, wall_name
+from studies.frame.files import PAPER_TABLE_3
 from studies.paper.closures import (
     correlation_table,
     elasticity_table,

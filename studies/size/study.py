@@ -19,8 +19,8 @@ from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.engine.settings import Grid
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
-from studies.frame.config.configuration import Configured
-from studies.frame.ensemble.cases import base_case
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.paper.empirical import barton_bandis, scaled_to

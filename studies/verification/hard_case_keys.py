@@ -10,9 +10,9 @@ from pydantic import ConfigDict, Field, StringConstraints
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.walls.synthesis import wall_pair
-from studies.frame.config import sections
-from studies.frame.config.rocks import intact_keys
-from studies.frame.config.section import entry
+from studies.frame import keys
+from studies.frame.keys import entry
+from studies.frame.rocks import intact_keys
 
 
 def shapes(shape: tuple[int, int], height: float) -> dict[str, Callable[[], tuple]]:
@@ -105,9 +105,9 @@ def _unbounded(model: type[pydantic.BaseModel], *left_out: str) -> type[pydantic
     return pydantic.create_model(model.__name__, __base__=Keys, __doc__=model.__doc__, **keys)
 
 
-EffectKeys = _unbounded(sections.StudyEffects, "auto")
-ChoiceKeys = _unbounded(sections.ChoiceKeys, "concave")
-NumericsKeys = _unbounded(sections.NumericsKeys, "breakage", "target")
+EffectKeys = _unbounded(keys.StudyEffects, "auto")
+ChoiceKeys = _unbounded(keys.ChoiceKeys, "concave")
+NumericsKeys = _unbounded(keys.NumericsKeys, "breakage", "target")
 
 
 class SameAsKeys(Keys):

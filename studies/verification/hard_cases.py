@@ -28,7 +28,7 @@ from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
-from studies.frame.config.schema import problems
+from studies.frame.schema import problems
 from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys, hard_walls
 from studies.verification.requirements import EXTRA, broken_requirements
 

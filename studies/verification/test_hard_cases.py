@@ -8,7 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.storage.text import read_csv
-from studies.frame.config.files import read_plain
+from studies.frame.files import read_plain
 from studies.verification.hard_cases import failed_requirements, merged_cases, run_case
 from studies.verification.requirements import ERRORS, FLOOR, grown_errors
 

@@ -15,10 +15,10 @@ from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import walls_of
 from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.aggregation import join_cases
-from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of
-from studies.frame.ensemble.comparison import differences
+from studies.commands.compare import differences
+from studies.frame.cases import block_settings, blocks_of, cases_of
+from studies.frame.configuration import Configuration
+from studies.frame.tables import join_cases
 from studies.paper.closures import max_closure_table
 from tests.studied import study_of
 

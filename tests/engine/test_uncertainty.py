@@ -27,7 +27,7 @@ from jointclosure.engine.uncertainty import (
 )
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
-from studies.frame.config.files import read_plain
+from studies.frame.files import read_plain
 from tests.joints import DOLERITE, SPACING
 from tests.studied import ROOT
 

@@ -5,8 +5,7 @@ import pytest
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import parsed_curve
-from studies.frame.config.rocks import MeasuredFile
-from studies.frame.measured_files import CurveSettings, curve_settings, measured_curves
+from studies.frame.rocks import CurveSettings, MeasuredFile, curve_settings, measured_curves
 from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"

@@ -10,7 +10,7 @@ from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
-from studies.frame.config.configuration import configured, merged, merged_study
+from studies.frame.configuration import configured, merged, merged_study
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 

@@ -19,7 +19,7 @@ from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
-from studies.frame.ensemble.walls import prepared_walls
+from studies.frame.walls import prepared_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS
 from tests.same_bits import PROCESSORS, printed
 from tests.walls.writers import Ground

@@ -11,9 +11,9 @@ import yaml
 from jointclosure.cli import main as cli
 from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.config.configuration import merged, written_out
-from studies.frame.ensemble.aggregation import join_cases
-from studies.frame.ensemble.cases import block_settings, cases_of
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.configuration import merged, written_out
+from studies.frame.tables import join_cases
 from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]

@@ -7,9 +7,9 @@ import pytest
 from jointclosure.engine.points import as_table, joints_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from studies.frame.config.files import read_plain
-from studies.frame.config.model import sections
+from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiments_in
+from studies.frame.files import read_plain
 from tests.studied import checked_study
 from tests.workflow.runs import HERE, checkout, planned, snakemake
 

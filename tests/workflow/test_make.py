@@ -258,8 +258,7 @@ def test_a_snakemake_that_is_refused_leaves_the_seals_of_the_run_at_work(project
     seal.parent.mkdir(parents=True, exist_ok=True)
     seal.write_text("not a seal that is met")
     holds = (
-        "from studies.frame.jobs.folder import enter_folder; enter_folder(); "
-        "print(flush=True); input()"
+        "from studies.frame.folder import enter_folder; enter_folder(); print(flush=True); input()"
     )
     with subprocess.Popen(
         [sys.executable, "-c", holds],

@@ -10,10 +10,9 @@ import pytest
 
 from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.frame.config.configuration import resolved
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.cases import blocks_of, cases_of
-from studies.frame.ensemble.closing import Ensemble
+from studies.frame.cases import blocks_of, cases_of
+from studies.frame.closing import Ensemble
+from studies.frame.configuration import Configuration, resolved
 from tests.engine.test_settings import ELASTIC, settings_of
 from tests.studied import DEFAULT, checked_study
 

@@ -10,8 +10,8 @@ import pytest
 
 from jointclosure.engine.cache import is_kept
 from jointclosure.storage.netcdf import read_netcdf
-from studies.frame.config.files import read_plain
 from studies.frame.experiments import cached
+from studies.frame.files import read_plain
 from tests.studied import checked_study
 from tests.workflow.runs import TINY, assert_same, checkout, planned, snakemake
 

@@ -2,8 +2,8 @@
 # Every job reads this file anew: slow checks run in the main process only, and slow values are made on demand.
 from studies.frame.experiments import cached, experiments_in
 from jointclosure.engine.cache import digest
-from studies.frame.ensemble.cases import dataset_of, ensembles_of
-from studies.frame.ensemble.closing import Ensemble
+from studies.frame.cases import dataset_of, ensembles_of
+from studies.frame.closing import Ensemble
 
 EXPERIMENTS = experiments_in(config)
 for experiment in EXPERIMENTS.values():

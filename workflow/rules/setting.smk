@@ -3,14 +3,14 @@ import functools
 import os
 from pathlib import Path
 
-from studies.frame.config import configuration
-from studies.frame.config.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.config.rocks import check_files, wall_files
-from studies.frame.ensemble.cases import closed_keys, wall_digests
+from studies.frame import configuration
+from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
+from studies.frame.rocks import check_files, wall_files
+from studies.frame.cases import closed_keys, wall_digests
 from jointclosure.compilation.sources import ROOTS, code_digest
 from jointclosure.walls.scans import files_of
 from jointclosure.storage.text import read_text
-from studies.frame import measured_files as measured
+from studies.frame import rocks
 from studies.paper.products import PRODUCTS
 from studies.frame.plan import BESIDE, Plan
 
@@ -30,7 +30,7 @@ CAPTIONS = Path(os.path.relpath(ROOTS["studies"] / "paper/report/texts"))
 PAPER = os.path.relpath(PAPER_TABLE_3)
 ROCKS = CONFIGURATION.rocks
 # measured curves are read here, so that errors in them are reported before any job
-measured.measured_curves(measured.curve_settings(CONFIGURATION), read_text)
+rocks.measured_curves(rocks.curve_settings(CONFIGURATION), read_text)
 
 
 def code_of(*scripts):

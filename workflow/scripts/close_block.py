@@ -4,7 +4,7 @@ from pathlib import Path
 
 from jointclosure.engine.cache import make_missing
 from studies.frame.experiments import cached, checked
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

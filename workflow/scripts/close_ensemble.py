@@ -5,11 +5,11 @@ from pathlib import Path
 
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.frame.config.configuration import resolved
-from studies.frame.config.files import provenance
-from studies.frame.ensemble.closing import Ensemble, chosen_in
-from studies.frame.ensemble.walls import described
-from studies.frame.jobs.job import job, listed
+from studies.frame.closing import Ensemble, chosen_in
+from studies.frame.configuration import resolved
+from studies.frame.files import provenance
+from studies.frame.jobs import job, listed
+from studies.frame.walls import described
 
 
 def main(

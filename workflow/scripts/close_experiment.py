@@ -7,9 +7,9 @@ from jointclosure.engine.cache import make_missing
 from jointclosure.engine.points import as_dataset, as_table, entries_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_csv, write_csv, write_text
-from studies.frame.config.files import provenance
 from studies.frame.experiments import checked, experiment_named
-from studies.frame.jobs.job import compile_all, job, listed
+from studies.frame.files import provenance
+from studies.frame.jobs import compile_all, job, listed
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.text import write_csv
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
 from studies.verification.hard_cases import (
     curve_of,
     failed_requirements,

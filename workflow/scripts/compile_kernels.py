@@ -1,7 +1,7 @@
 """Compile all necessary kernels before parallel jobs start."""
 
 from jointclosure.storage.text import write_text
-from studies.frame.jobs.job import compile_all, job
+from studies.frame.jobs import compile_all, job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -6,7 +6,7 @@ from pathlib import Path
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 from studies.frame.experiments import checked, experiment_named
-from studies.frame.jobs.job import job, listed
+from studies.frame.jobs import job, listed
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -5,7 +5,7 @@ import math
 from jointclosure.engine.points import estimated_time
 from jointclosure.storage.text import write_csv
 from studies.frame.experiments import checked, experiment_named
-from studies.frame.jobs.job import compile_all, job
+from studies.frame.jobs import compile_all, job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -6,10 +6,9 @@ from pathlib import Path
 import yaml
 
 from jointclosure.parameters.units import in_unit, name_and_unit
-from studies.frame.config.configuration import USUAL
-from studies.frame.config.files import DEFAULT, read_plain
-from studies.frame.config.model import model
-from studies.frame.config.schema import json_schema
+from studies.frame.configuration import USUAL, model
+from studies.frame.files import DEFAULT, read_plain
+from studies.frame.schema import json_schema
 
 ROOT = Path(__file__).parents[2]
 

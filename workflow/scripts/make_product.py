@@ -1,6 +1,6 @@
 """Make the files of a product of the study."""
 
-from studies.frame.jobs.job import job, listed
+from studies.frame.jobs import job, listed
 from studies.paper.products import PRODUCTS
 
 if __name__ == "__main__":

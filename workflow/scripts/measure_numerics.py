@@ -5,7 +5,7 @@ import pandas as pd
 
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.text import write_csv
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
 from studies.verification import printed, sweeps
 from studies.verification.analytic import analytic_table
 

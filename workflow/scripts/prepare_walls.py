@@ -3,9 +3,9 @@
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.scans import read_scan
-from studies.frame.config.rocks import wall_files
-from studies.frame.ensemble.walls import Cutter, prepared_walls
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
+from studies.frame.rocks import wall_files
+from studies.frame.walls import Cutter, prepared_walls
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:

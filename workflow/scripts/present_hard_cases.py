@@ -8,7 +8,7 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
-from studies.frame.jobs.job import job, listed
+from studies.frame.jobs import job, listed
 from studies.verification.figures import hard_case_page, numerics_figure
 from studies.verification.printed import formula_rows
 from studies.verification.requirements import error_table

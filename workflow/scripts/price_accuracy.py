@@ -5,9 +5,9 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.storage.text import write_csv
-from studies.frame.config.configuration import resolved
-from studies.frame.ensemble.closing import Ensemble
-from studies.frame.jobs.job import compile_all, job
+from studies.frame.closing import Ensemble
+from studies.frame.configuration import resolved
+from studies.frame.jobs import compile_all, job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

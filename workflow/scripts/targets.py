@@ -19,13 +19,12 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, read_text, write_text
-from studies.frame.config.configuration import Configured, configured, merged_study, resolved
-from studies.frame.config.files import read_plain
-from studies.frame.config.model import sections
-from studies.frame.config.sections import Accuracy
+from studies.frame.configuration import Configured, configured, merged_study, resolved, sections
 from studies.frame.experiments import checked_design
-from studies.frame.jobs.folder import enter_folder
-from studies.frame.measured_files import curve_settings, measured_curves
+from studies.frame.files import read_plain
+from studies.frame.folder import enter_folder
+from studies.frame.keys import Accuracy
+from studies.frame.rocks import curve_settings, measured_curves
 from studies.paper.accuracy import START, Counts, describe_reached, next_counts, start_counts
 from studies.paper.layout import closure_lines
 

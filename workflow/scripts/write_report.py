@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from studies.commands.report import write_report
-from studies.frame.jobs.job import job
+from studies.frame.jobs import job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -30,8 +30,7 @@ no numbers depend on them, so that closed joints and kernels stay when a title i
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
     "jointclosure/storage/logs.py",
-    "studies/frame/jobs/job.py",
-    "studies/frame/jobs/seals.py",
+    "studies/frame/jobs.py",
 )
 """Modules that report on jobs and protect their inputs, and that change no result."""
 
@@ -193,8 +192,9 @@ def _used(file: Path, function: str) -> list[ast.AST]:
                 one.names = [alias]
                 bound.setdefault(alias.asname or alias.name.partition(".")[0], []).append(one)
         else:
-            names = {part.id for part in ast.walk(node) if _binds(part)}
-            for name in names | {getattr(node, "name", "")}:
+            stored = {part.id for part in ast.walk(node) if _binds(part)}
+            # names that a function or class stores are its own
+            for name in {node.name} if hasattr(node, "name") else stored:
                 bound.setdefault(name, []).append(node)
     if function not in bound:
         raise KeyError(f"{file}: no function {function!r}")

@@ -20,9 +20,8 @@ from jointclosure.statistics.verdicts import (
     t_interval,
     verdict,
 )
-from studies.frame.config.configuration import resolved
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.aggregation import succeeded
+from studies.frame.configuration import Configuration, resolved
+from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.report import tables

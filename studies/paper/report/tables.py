@@ -10,7 +10,7 @@ from jointclosure.engine.assessment import CLOSURE
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
-from studies.frame.ensemble.aggregation import succeeded
+from studies.frame.tables import succeeded
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
 from studies.paper.layout import is_paired, table_3, test_name

@@ -12,7 +12,7 @@ import yaml
 from jointclosure.inputs import InputError
 from jointclosure.storage.provenance import origin
 
-_STUDIES = Path(__file__).parents[2]
+_STUDIES = Path(__file__).parents[1]
 DEFAULT = _STUDIES.parent / "config/default.yaml"
 """The paper's study; every other configuration is merged over it."""
 PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"

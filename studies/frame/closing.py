@@ -24,11 +24,11 @@ from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
-from studies.frame.config.model import Configuration
-from studies.frame.ensemble.aggregation import join_cases, succeeded
-from studies.frame.ensemble.cases import block_settings, blocks_of, cases_of, ensembles_of
-from studies.frame.ensemble.walls import cut_walls
-from studies.frame.jobs.job import compile_all
+from studies.frame.cases import block_settings, blocks_of, cases_of, ensembles_of
+from studies.frame.configuration import Configuration
+from studies.frame.jobs import compile_all
+from studies.frame.tables import join_cases, succeeded
+from studies.frame.walls import cut_walls
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""

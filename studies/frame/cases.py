@@ -8,9 +8,9 @@ from jointclosure.engine.assess import FINEST
 from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings, Walls
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
-from studies.frame.config.model import Configuration
-from studies.frame.config.rocks import StudyRock, wall_files
-from studies.frame.config.sections import Accuracy, Study
+from studies.frame.configuration import Configuration
+from studies.frame.keys import Accuracy, Study
+from studies.frame.rocks import StudyRock, wall_files
 
 BLOCK, FEW = 10, 4
 """Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""

@@ -18,10 +18,10 @@ from typing import Any
 from snakemake.io import strip_wildcard_constraints
 
 from jointclosure.compilation.sources import code_digest
-from studies.frame.jobs.job import is_sealed
-from studies.frame.jobs.seals import (
+from studies.frame.jobs import (
     OTHER_SETTINGS,
     Seal,
+    is_sealed,
     sealed_files,
     seals_in,
     settings_digest,

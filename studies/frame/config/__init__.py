@@ -1,1 +1,0 @@
-"""The configuration of a study: merged, checked, and turned into SI."""

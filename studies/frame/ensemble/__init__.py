@@ -1,1 +1,0 @@
-"""Engine of studies: surfaces of all cases are made, closed, joined, checked and compared."""
