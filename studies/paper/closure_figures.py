@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
+from jointclosure.joint.barton_bandis import CYCLES, UNCHECKED, barton_bandis, law_holds
 from jointclosure.joint.protocol import UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
@@ -22,7 +23,6 @@ from jointclosure.statistics.standard_errors import percent
 from studies.frame.panels import key, legend_below
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, since_start, succeeded
-from studies.paper.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
 from studies.paper.layout import roughness_title
 from studies.paper.measured_fits import FIT_COLUMNS, best_fits
 

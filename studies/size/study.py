@@ -17,13 +17,13 @@ from matplotlib.figure import Figure
 from jointclosure.engine.points import Point, gridded
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.engine.settings import Grid
+from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.panels import Column, Row, panels
-from studies.paper.empirical import barton_bandis, scaled_to
 from studies.size.scaling import GEOMETRY, JUDGED, collapse_table, logs_of
 from studies.size.section import Size
 

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 from jointclosure.engine.walls import nested
+from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.configuration import merged
 from studies.frame.files import read_plain
-from studies.paper.empirical import barton_bandis, scaled_to
 from studies.size.scaling import GEOMETRY, collapse_table
 from studies.size.study import (
     EXPERIMENT,
