@@ -39,10 +39,3 @@ def test_a_pool_that_an_earlier_configuration_left_is_not_planned_from(results, 
     folder = results(None)
     assert main(["plan", str(folder), "--standard-error", "0.01"]) == 0
     assert f"from {folder / 'study.nc'}\n" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("significance", ["5", "nan"])
-def test_a_significance_that_is_no_probability_is_refused(significance, results, capsys):
-    command = ["plan", str(results(None)), "--power", "0.9", "--significance", significance]
-    assert main(command) == 2
-    assert "must be between 0 and 1" in capsys.readouterr().err

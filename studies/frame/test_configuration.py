@@ -9,7 +9,6 @@ import pytest
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
-from jointclosure.parameters import Effects
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, written_out
@@ -140,13 +139,6 @@ def test_an_error_names_the_key_its_value_and_what_is_allowed(change, printed):
     assert printed in str(error.value)
 
 
-def test_all_errors_are_listed_at_once_a_line_each():
-    with pytest.raises(ConfigurationError) as error:
-        study_of({"grid": {"cells_x": 2}, "study": {"realizations": 1}, "rocks": {"tuff": {}}})
-    assert str(error.value).count("must be at least") == 2
-    assert len(str(error.value).splitlines()) == 4
-
-
 def test_a_study_is_read_again_from_the_keys_that_it_left():
     keys = checked_study({"study": {"realizations_per_job": 3}}).keys
     left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
@@ -212,10 +204,3 @@ def test_auto_is_short_for_all_effects_to_two_percent():
     assert all(study.rocks["slate"].effects)
     assert study_of().effects_chosen_to is None
     assert written_out(DEFAULT) is DEFAULT
-
-
-def test_a_rock_may_have_its_own_effects():
-    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
-    cases = cases_of(study_of(own))
-    assert {case.effects for case in cases if case.rock == "slate"} == {Effects(interaction=False)}
-    assert {case.effects for case in cases if case.rock != "slate"} == {Effects()}

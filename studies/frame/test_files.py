@@ -1,7 +1,5 @@
 """Files of a configuration that are damaged or meant to do harm: one line with file and reason."""
 
-import re
-
 import pytest
 
 from studies.frame.files import ConfigurationError, read_plain, value_of
@@ -50,13 +48,6 @@ def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
     assert str(error.value).startswith(f"{path}: ")
     assert printed in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_folder_and_no_file_are_refused_by_name(tmp_path):
-    with pytest.raises(ConfigurationError, match=re.escape(f"{tmp_path}: is a directory")):
-        read_plain(tmp_path)
-    with pytest.raises(ConfigurationError, match=r"nowhere.yaml: file not found"):
-        read_plain(tmp_path / "nowhere.yaml")
 
 
 def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):

@@ -1,21 +1,18 @@
 """Scanned walls in a study: what its configuration may say, and the joints that are cut."""
 
-import json
-
 import numpy as np
 import pytest
 
 import jointclosure as jc
 from jointclosure.engine.settings import Grid
 from jointclosure.walls.measured import Scan
-from jointclosure.walls.roughness import detrended, rms_slope
+from jointclosure.walls.roughness import detrended
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.files import ConfigurationError
 from studies.frame.rocks import check_files
 from studies.frame.walls import (
     Cutter,
     cut_walls,
-    described,
     prepared_walls,
 )
 from tests.joints import SPACING
@@ -93,31 +90,12 @@ def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     check_files(study_of().rocks)
 
 
-def test_prepared_walls_say_what_they_are(scan):
-    walls = prepared({"lower": scan})
-    assert list(walls.data_vars) == ["lower"]
-    assert walls.attrs["partner"] == "rotated"
-    about = walls.lower.attrs
-    assert about["z2"] == pytest.approx(rms_slope(scan.heights, SPACING), rel=1e-12)
-    assert about["jrc"] == pytest.approx(9.0, abs=1e-6)
-    assert 0.5 < about["hurst"] <= 1.0
-    stated = json.loads(described({"slate": walls}))
-    assert stated["slate"]["lower"]["z2"] == about["z2"]
-
-
 def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)
     # a wall over itself in one frame is mated: no part of it touches first
     joint = Cutter(walls, (20, 20), 1).joint(0, 0)
     np.testing.assert_allclose(joint["upper"] + joint["lower"], 0.0, atol=1e-18)
-
-
-def test_scans_of_different_size_are_refused_with_both_files(scan):
-    smaller = Scan(scan.heights[:, :-1], scan.spacing)
-    printed = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
-    with pytest.raises(jc.InputError, match=printed):
-        prepared({"upper": scan, "lower": smaller}, upper="b.npz")
 
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):

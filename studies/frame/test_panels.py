@@ -39,13 +39,3 @@ def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate(figure):
     assert shifted == [[1, 11], [101, 111], [201, 211]]
     (bars,) = over_shift.containers[1][2]
     assert np.ptp(bars.get_segments()[0][:, 1]) == 2.0
-
-
-def test_zero_and_infinity_are_at_the_ends_of_a_logarithmic_axis(figure):
-    axes = figure.axes[0]
-    places = axes.get_xticks()
-    assert np.all(np.isfinite(places))
-    assert np.all(np.diff(places) > 0.0)
-    assert places[1:3].tolist() == [1.0, 2.0]
-    words = [label.get_text() for label in axes.get_xticklabels()]
-    assert words == ["mated", "waves beyond 1 mm mate", "2", "independent"]

@@ -106,14 +106,6 @@ def test_no_job_reads_a_file_of_another_study_or_a_changed_one(mine, other, atta
         assert not (mine / "tables/b.csv").exists()
 
 
-def test_a_table_without_a_seal_is_not_read_but_one_from_outside_of_the_results_is(mine, tmp_path):
-    (mine / "tables/c.csv").write_text("x\n3\n")
-    with pytest.raises(ForeignFileError, match=r"c.csv: no seal lists"):
-        run(mine, "read", ["tables/c.csv"], ["x.txt"], lambda path: None)
-    (tmp_path / "paper.csv").write_text("x\n3\n")
-    run(mine, "read", [tmp_path / "paper.csv"], ["x.txt"], lambda path: None)
-
-
 def test_a_folder_is_whole_wherever_it_was_moved_or_an_error(mine, tmp_path):
     there = tmp_path / "elsewhere"
     shutil.move(mine, there)

@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 
 import jointclosure as jc
@@ -10,7 +9,7 @@ from jointclosure.engine import joints as engine
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.measured import Scan
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.closing import Ensemble, choose_for_rock, close_block
+from studies.frame.closing import choose_for_rock, close_block
 from studies.frame.walls import prepared_walls
 from tests.joints import SPACING
 from tests.studied import study_of
@@ -79,11 +78,3 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     assert len(closed) == 4 - before.sizes["realization"]
     times = "timing_simulation"
     assert taken.drop_vars(times).identical(plain.drop_vars(times))
-
-
-def test_a_pilot_closes_the_scanned_walls_of_its_rock(tmp_path):
-    for rock, options in (({}, {}), (SCANNED, {"walls": tmp_path / "walls/slate.nc"})):
-        study = study_of(SMALL, {"effects": {"auto": 0.1}, "rocks": {"slate": rock}})
-        (entry,) = Ensemble(study).pilots(tmp_path).values()
-        assert entry.options == options
-        assert np.isin(list(options), list(choose_for_rock.__kwdefaults__)).all()

@@ -114,17 +114,3 @@ def test_wavelengths_in_another_unit_are_refused(given):
     slip = {"surface": {f"{name}_mm": 1e3 * value}}
     assert any("not usual" in line for line in found_in(slip))
     assert not found_in(slip, unusual_values="allow")
-
-
-@pytest.mark.parametrize("maximum", [0.5e6 / (1.0 - 5e-4), 0.501e6, 0.55e6])
-def test_a_maximum_near_seating_is_refused_before_computing(monkeypatch, maximum):
-    monkeypatch.setattr(jc.joint.simulation, "run_cycles", None)
-    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
-    given = USUAL | {"max_normal_stress": maximum, "seating_stress": 0.5e6}
-    with pytest.raises(jc.InputError, match=r"seating_stress = 500000.0 Pa: must be from 0 to 0.9"):
-        jc.simulate(*walls, **given)
-    rock = {"slate": {"max_normal_stress_MPa": 1e-6 * maximum}}
-    assert any(
-        "seating_stress_MPa = 0.5: must be at most 0.9" in line
-        for line in found_in({"rocks": rock})
-    )

@@ -29,13 +29,6 @@ def test_windows_are_all_places_without_a_missing_cell(wall):
     assert found == naive
 
 
-def test_no_room_says_what_there_is_room_for(wall):
-    wall[:, 30] = np.nan
-    printed = r"no room for 32 x 32 cells \(y, x\): the wall has 40 x 52 .* full square is 30 x 30"
-    with pytest.raises(jc.InputError, match=printed):
-        windows(wall, (32, 32))
-
-
 def cutter(measured, partner, shape=(16, 20), order=1):
     about = {"z2": 0.2, "hurst": 0.8}
     walls = {side: (("y", "x"), heights, about) for side, heights in measured.items()}

@@ -9,11 +9,10 @@ from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged, resolved
-from studies.frame.experiments import checked_design, experiment_named
-from studies.frame.files import ConfigurationError, read_plain
+from studies.frame.experiments import experiment_named
+from studies.frame.files import read_plain
 from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
-from studies.global_sensitivity.study import conclusion_figure, index_figure
 from studies.global_sensitivity.table import (
     QUANTITIES,
     by_rock,
@@ -207,38 +206,6 @@ def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design,
     assert (of_modulus.fit_over_noise > 2.0).all()
 
 
-@pytest.mark.parametrize(
-    ("left", "judged"),
-    [
-        (["youngs_modulus", "jrc", "peaks"], {"2c", "4", "5a", "5c", "6a"}),
-        (["peaks", "radius"], {"6a"}),
-    ],
-)
-def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(left, judged):
-    radius = {"title": "radius", "key": "choices.base_radius_in_cells", "between": [0.25, 0.5]}
-    keys = keys_of(**section(rows=16, inputs={"radius": radius}))
-    keys["global_sensitivity"]["inputs"] = {
-        name: each for name, each in keys["global_sensitivity"]["inputs"].items() if name in left
-    }
-    keys["global_sensitivity"]["dependent"] = []
-    design = sampling_of(resolved(keys))
-    random = np.random.default_rng(1)
-    shape = (16, len(left) + 2, 2, 2)
-    closed = {
-        rock: xr.Dataset(
-            {name: (OVER, 1.0 + random.random(shape)) for name in QUANTITIES},
-            coords={"row": np.arange(16), "cycle": [1, 2]},
-        )
-        for rock in design.rocks
-    }
-    conclusions, _ = conclusion_tables(design, keys, closed)
-    assert set(conclusions.number) == judged
-    assert set(elasticity_table(design, keys, closed).input) == set(left) - {"peaks", "radius"}
-    titles = {rock: rock for rock in design.rocks}
-    assert index_figure(index_table(design, closed), titles).axes
-    assert conclusion_figure(conclusions, titles).axes
-
-
 def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices(world, design):
     broken = {name: each.copy(deep=True) for name, each in world.items()}
     for each in broken.values():
@@ -272,20 +239,3 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
             row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
         )
         assert float(here) == row.max_closure
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"title": "m", "key": "choices.peak_modulus_ratio", "between": [0.01, 5]},
-        {"title": "m", "key": "choices.peek_modulus_ratio", "between": [0.01, 0.2]},
-        {"title": "m", "key": "choices.peaks", "values": ["pristine", "fresh"]},
-    ],
-)
-def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
-    inputs = {"modulus": wrong, "peaks": {"values": ["pristine", "current"]}}
-    with pytest.raises(ConfigurationError) as error:
-        checked_design("global_sensitivity", tiny(**section(inputs=inputs)))
-    _, *lines = str(error.value).splitlines()
-    named = {line.split(":")[0].strip() for line in lines}
-    assert named == {"global_sensitivity.inputs.modulus"}

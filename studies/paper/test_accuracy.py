@@ -17,7 +17,6 @@ from studies.frame.keys import Accuracy
 from studies.paper.accuracy import (
     START,
     Counts,
-    describe_reached,
     next_counts,
     reached_table,
     start_counts,
@@ -143,24 +142,6 @@ def test_both_counts_grow_by_blocks_until_all_is_met_the_most_are_closed_or_the_
     assert next_counts(rows([500], 500), small, START) is None
     larger = Accuracy(within=0.05, budget_core_minutes=69.0 + 4.0 * 4)
     assert next_counts(rows([500], 8), larger, START) == (20, 8)
-
-
-def test_a_sentence_says_what_was_reached_or_why_not_more():
-    said = describe_reached(rows([5]), Accuracy(within=0.1))
-    assert said == (
-        "accuracy: mean within 10 % reached, with 10 surfaces and 8 differences to the finest "
-        "numerics (42 core-minutes); the worst is 9 % (slate base, cycle 1)"
-    )
-    unknown = rows([500], half=np.inf, least=np.inf).assign(parameter="jrc", level=np.nan)
-    said = describe_reached(unknown, Accuracy(within=0.1, of="interval", most=10))
-    assert said.endswith(
-        "worst is not known (slate jrc, cycle 1); 10 surfaces, the most, do not give all of them"
-    )
-    most = describe_reached(rows([500]), Accuracy(within=0.03, most=10))
-    assert "not reached in 1 of 1, with 10 surfaces" in most
-    assert most.endswith("; 10 surfaces, the most, can give about 4 %")
-    spent = describe_reached(rows([500]), Accuracy(within=0.03, budget_core_minutes=50.0))
-    assert spent.endswith("; the budget of 50 core-minutes does not suffice for more")
 
 
 def test_a_budget_sets_the_start_and_must_suffice_for_two_surfaces():

@@ -62,14 +62,6 @@ def test_means_are_known_within_the_error_that_they_tell():
     assert np.all(error < 0.05 * one.means)
 
 
-def test_scanned_walls_have_no_covariates():
-    configuration = study_of(SMALL)
-    study = world(configuration)
-    scanned = study.assign_coords(jrc=study.jrc.where(study.rock != "slate"))
-    values = measure_covariates(scanned, configuration.grid, configuration.surface)
-    np.testing.assert_array_equal(np.isnan(values).all(axis=(1, 2)), (study.rock == "slate").values)
-
-
 def test_covariates_come_back_from_their_file(tmp_path):
     configuration = study_of(SMALL)
     study = world(configuration)

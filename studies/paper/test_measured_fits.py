@@ -97,14 +97,3 @@ def test_a_failed_surface_is_never_the_best():
     table = fit_table(study(status=(16, 0, 0)), {"one": like(0)}, SEATING)
     assert table.best_realization[0] == 11
     assert table.samples[0] == 2
-
-
-def test_a_surface_that_does_not_reach_a_measured_stress_is_left_out():
-    found = study()
-    found.closure[0, 0, 0, :, -1] = np.nan
-    table = fit_table(found, {"one": like(0)}, SEATING)
-    assert (table.best_realization[0], table.samples[0]) == (11, 2)
-    found.closure[0, :, 0, :, -1] = np.nan
-    table = fit_table(found, {"one": like(0)}, SEATING)
-    assert table.samples[0] == 0
-    assert list(best_fits(table, "one")) == []

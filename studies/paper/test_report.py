@@ -5,7 +5,6 @@ import pytest
 
 from studies.frame.configuration import model
 from studies.frame.schema import json_schema
-from studies.paper.conftest import FAILED, GRANITE, JOINTS
 from studies.paper.report.content import (
     STAYS,
     content,
@@ -14,7 +13,6 @@ from studies.paper.report.content import (
     sensitivity_sentence,
     setting_rows,
 )
-from studies.paper.report.page import render
 
 
 @pytest.fixture(scope="module")
@@ -26,29 +24,6 @@ def rows_of(page, name):
     """Cells of a table by heading, by row."""
     sheet = page["sheets"][name]
     return [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
-
-
-def test_a_title_is_no_markup_of_the_page(page):
-    assert page["rocks"]["granite"].title == GRANITE
-    assert GRANITE not in render(page)
-
-
-def test_failures_are_counted_and_named(page, material):
-    cases, found = material.study.sizes["case"], page["outcome"]
-    assert found["failed"] == found["flags"]["not_converged"] == cases
-    assert found["flags"]["target_jumped"] == cases
-    assert found["used"] == cases * (JOINTS - 1)
-    failures = rows_of(page, "failures")
-    assert len(failures) == cases
-    case, joint, status, seed = (cell.text for cell in failures[0].values())
-    assert (case, joint, status) == ("slate-base", str(FAILED), "Not converged")
-    assert seed == material.study.seed.values[0, FAILED]
-    row = {title: cell.text for title, cell in rows_of(page, "statuses")[0].items()}
-    assert (row["Used (n)"], row["Failed"]) == (str(JOINTS - 1), "1")
-    assert row["Not converged"] == row["Jumped over the target"] == "1"
-    assert "Contact without compliance" not in row  # of which there is none
-    assert page["failed_checks"] == 1  # not all simulations succeeded
-    assert [row["Verdict"].text for row in rows_of(page, "checks")].count("FAILED") == 1
 
 
 def test_the_first_screen_has_the_numbers_of_the_tables(page, material):

@@ -104,16 +104,6 @@ def test_the_legend_of_intervals_lies_within_the_figure(varied):
     assert panel.height > 0.3 * panel.width
 
 
-def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():
-    axes = plotting.equivalent_stress().axes[0]
-    maxima, fit = axes.lines
-    np.testing.assert_allclose(
-        np.interp(maxima.get_xdata(), fit.get_xdata(), fit.get_ydata()),
-        maxima.get_ydata(),
-        atol=2e-4,
-    )
-
-
 MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
 
 

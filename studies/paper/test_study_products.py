@@ -1,13 +1,11 @@
 """Products of a study: made of what they read, and again only when that changes."""
 
-import inspect
-import typing
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from studies.frame.plan import NEEDS, SETTINGS, Plan, Product
+from studies.frame.plan import Plan
 from studies.paper.products import PRODUCTS
 from tests.studied import ROOT, checked_study
 
@@ -58,13 +56,6 @@ def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
     after = settings(change)
     changed = {name for name in PRODUCTS if after[name] != unchanged[name]}
     assert changed == made_again | {"state_configuration"}
-
-
-@pytest.mark.parametrize("product", PRODUCTS.values(), ids=list(PRODUCTS))
-def test_every_name_that_a_product_reads_is_a_file_or_a_setting_with_a_type(product: Product):
-    hints = typing.get_type_hints(product.make)
-    assert set(product.reads) <= (set(NEEDS) ^ set(SETTINGS)) & set(hints)
-    assert inspect.getdoc(product.make)
 
 
 @pytest.mark.parametrize("changes", [{}, {"flow": True} | CURVE, {"study": {"pool": None}}])

@@ -7,13 +7,11 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import significant
 from studies.paper.layout import (
     case_table,
-    closure_lines,
     rock_table,
     table_3_latex,
     table_3_markdown,
     with_paper,
 )
-from studies.paper.report.sheets import sheet
 from tests.studied import study_of
 
 
@@ -23,28 +21,6 @@ from tests.studied import study_of
 )
 def test_numbers_are_rounded_as_the_paper_prints_them(value, figures, text):
     assert significant(value, figures) == text
-
-
-def test_a_number_is_rounded_to_its_error_where_the_table_has_one():
-    nan = float("nan")
-    table = pd.DataFrame({"x": [0.08312, nan], "x_standard_error": [0.0042, nan], "y": [8e-2, 2.0]})
-    rows = sheet("name", "caption", table, {"x": "X", "y": "Y"}).rows
-    texts = [[cell.text for cell in row] for row in rows]
-    assert texts == [["0.083 ± 0.004", "0.08000"], ["–", "2.000"]]
-    assert rows[0][0].key == 0.08312  # by which a reader sorts
-
-
-def test_closures_of_rocks_as_they_are_have_their_errors_and_numbers():
-    mean = "max_closure_seated_net_mean_mm"
-    rows = [
-        {"rock": "a", "parameter": parameter, "cycle": cycle, "samples": 20, mean: value}
-        for parameter, cycle, value in (("base", 1, 0.2003), ("base", 2, 0.0197), ("jrc", 1, 9.0))
-    ]
-    table = pd.DataFrame(rows).assign(**{f"{mean}_standard_error": 0.002})
-    assert closure_lines(table) == [
-        "a: mean net closure since seating 0.2003 ± 0.0020 mm on cycle 1, 0.0197 ± 0.0020 mm on "
-        "cycle 2 (20 joints)"
-    ]
 
 
 def test_table_3_marks_its_lengths_and_runs_no_command_of_a_title():

@@ -60,9 +60,3 @@ def test_the_spread_is_free_of_the_noise_of_its_means():
     error = np.std(squares) / np.sqrt(len(squares))
     assert abs(np.mean(squares) - true) < 3.0 * error
     assert true > 3.0 * error
-
-
-def test_each_group_is_centred_by_itself():
-    groups = np.array(["a", "a", "b"])
-    values = centred(np.array([[1.0, 2.0], [3.0, 2.0], [7.0, 8.0]]), groups)
-    assert values.tolist() == [[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]

@@ -41,12 +41,6 @@ def test_the_number_of_workers_changes_no_bit(alone):
     xr.testing.assert_identical(without_times(alone), without_times(together))
 
 
-def test_a_rule_and_its_walls_are_one(alone):
-    given = jc.simulate_ensemble([rule(seed) for seed in (3, 5, 4)], workers=1, **LOAD)
-    expected = without_times(alone).assign_coords(seed=("realization", [0, 1, 2]))
-    xr.testing.assert_identical(without_times(given), expected)
-
-
 def test_each_joint_is_closed_as_a_study_closes_it(alone):
     conditions = Conditions(
         SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()

@@ -1,20 +1,15 @@
 """The engine of experiments: points closed and read, and points as plain data."""
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from jointclosure.engine import joints as closing
 from jointclosure.engine import points as engine
 from jointclosure.engine.points import (
-    Point,
-    Sample,
     as_dataset,
     as_table,
     close_points,
-    estimated_time,
     gridded,
-    samples_of,
 )
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.simulation import close_walls
@@ -96,32 +91,3 @@ def test_a_grid_has_each_joint_at_its_coordinates(joints):
         at = {name: getattr(row, name) for name in ("jrc", "stress", "realization")}
         assert float(grid.max_closure.sel(at | {"cycle": row.cycle})) == row.max_closure
         assert float(grid.seconds.sel(at)) == row.seconds
-
-
-def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
-    table = estimated_time(samples_of({"a": points[:2], "b": points[4:]}))
-    assert table.job.tolist() == ["a", "b"]
-    assert table.joints.tolist() == [4, 8]
-    assert (table.seconds > 0.0).all()
-    assert table.error.isna().all()
-
-
-def test_the_mean_time_of_several_points_has_an_error(points, monkeypatch):
-    times = iter([9.0, 1.0, 3.0, 5.0])  # the first one loads the kernels
-    monkeypatch.setattr(engine, "_seconds_of_one", lambda point: next(times))
-    alike = Sample(points[:2], 100)
-    table = estimated_time({"a": [alike], "b": [alike, Sample(points[2:3], 10)]})
-    assert table.seconds.tolist() == [200.0, 250.0]
-    assert table.error[0] == pytest.approx(100.0)  # of 1 and 3 s
-    assert np.isnan(table.error[1])
-
-
-def test_a_point_may_have_a_maker_of_walls_with_arguments(points):
-    aligned, tilted = (
-        Point({"tilt": tilt}, points[0].settings, "misaligned", {"tilt": tilt, "rotation": 0.0})
-        for tilt in (0.0, 2.0)
-    )
-    rows = close_points([aligned, tilted], ("max_closure",))
-    first = rows[rows.cycle == 1].groupby("tilt").max_closure.mean()
-    assert first[2.0] != first[0.0]
-    assert np.isfinite(first).all()

@@ -50,20 +50,6 @@ def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
     assert value("stiffness_net", read)[1] > 2.0 * value("stiffness_net", read)[0]
 
 
-def test_responses_are_what_engineers_are_told_of_the_same_joint(joint):
-    closed, read = joint
-    np.testing.assert_array_equal(value("max_closure", read), closed.max_closure)
-    table = cycle_table(closed)
-    for name, column in (
-        ("max_closure_net", "max_closure_net_mm"),
-        ("max_closure_seated_net", "max_closure_seated_net_mm"),
-        ("residual_closure_seated_net", "residual_closure_seated_net_mm"),
-    ):
-        np.testing.assert_allclose(1e3 * value(name, read), table[column], rtol=1e-12)
-    bulk = closed.max_bulk_indentation
-    np.testing.assert_allclose(value("max_closure_net", read), closed.max_closure - bulk)
-
-
 def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress(joint):
     closed, read = joint
     loops = value("loop", read)

@@ -13,7 +13,6 @@ from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import close_case
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.engine.walls import walls_of
-from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.commands.compare import differences
 from studies.frame.cases import block_settings, blocks_of, cases_of
@@ -139,13 +138,3 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
     good = closed.max_closure.values[[0, 1, 3]]
     assert table.samples.tolist() == [3, 3]
     np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)
-
-
-def test_a_case_has_the_effects_of_its_rock_whatever_the_studys():
-    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
-    for changes, interaction in ((SMALL,), True), ((SMALL, own), False):
-        settings = settings_of(study_of(*changes), "slate-base", range(2))
-        expected = ELASTIC | {"interaction": interaction, "soft_peaks": True}
-        assert settings.case.effects == Effects(**expected)
-        assert settings.conditions().effects == settings.case.effects
-        assert settings.effects_chosen_to is None

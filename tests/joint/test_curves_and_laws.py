@@ -18,9 +18,8 @@ from jointclosure.joint.curves import (
 )
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
-from jointclosure.plotting.joint import engineering_figure
 from tests import joints
-from tests.joints import ELASTIC, SPACING, on_softer_half_spaces, pair
+from tests.joints import SPACING, on_softer_half_spaces, pair
 
 SEATING, LARGEST = 0.5, 10.0
 
@@ -155,11 +154,6 @@ def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])
 
 
-@pytest.mark.parametrize("other", [{"breakage": "resolved"}, {"effects": ELASTIC}])
-def test_loading_without_fixed_steps_marks_no_landing(other):
-    assert not stiffness_table(joint(cycles=1, **other)).landing.any()
-
-
 def test_curves_agree_with_the_history(closed):
     table = curve_table(closed)
     first = on(table, 1, "loading")
@@ -225,20 +219,3 @@ def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
         peak = closed.isel(step=int(np.argmax(closed.normal_stress.values)))
         state = joints.balanced(walls, float(peak.closure))
         assert float(peak.mean_aperture) == pytest.approx(-float(state.overlap.mean()))
-
-
-def test_tables_have_hydraulic_apertures_only_where_asked_for(closed):
-    without = closed.drop_vars(["hydraulic_aperture", "flow_status", "flow_imbalance", "direction"])
-    columns = {
-        f"hydraulic_{name}" for name in ("aperture_x_mm", "aperture_y_mm", "ratio_x", "ratio_y")
-    }
-    curves = curve_table(closed)
-    assert set(curves) - set(curve_table(without)) == columns
-    pd.testing.assert_frame_equal(curves.drop(columns=list(columns)), curve_table(without))
-    last, aperture = curves.iloc[-1], float(closed.hydraulic_aperture[-1, 1])
-    assert last.hydraulic_aperture_y_mm == 1e3 * aperture
-    assert last.hydraulic_ratio_y == pytest.approx(aperture / float(closed.mean_aperture[-1]))
-    at_max, cycles = on(curves, 2, "loading").iloc[-1], cycle_table(closed)
-    assert cycles.hydraulic_aperture_x_at_max_mm.iloc[1] == at_max.hydraulic_aperture_x_mm
-    assert "hydraulic_aperture_x_at_max_mm" not in cycle_table(without)
-    assert len(engineering_figure(closed, "").axes) == len(engineering_figure(without, "").axes) + 1

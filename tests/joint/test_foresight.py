@@ -11,7 +11,7 @@ from jointclosure.joint import simulation
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.mechanics.strength import strength_factor
 from tests import joints
-from tests.joints import ELASTIC, SPACING, pair
+from tests.joints import SPACING, pair
 
 CELLS, SCALE = 12, 1e5
 LARGE = [SCALE * wall for wall in pair(CELLS, 1)]
@@ -40,10 +40,6 @@ def test_walls_far_larger_than_a_displacement_step_are_refused_by_the_step_that_
     steps = dict(zip(names, step, strict=True))
     ended = closed(LARGE, scale=SCALE, **bounds, most_breakage_steps=1.0, **steps)
     assert int(ended.status) >= FAILURE
-
-
-def test_an_elastic_curve_takes_no_steps_and_is_never_refused():
-    assert int(closed(LARGE, scale=SCALE, effects=ELASTIC).status) == 0
 
 
 def test_radii_at_which_resolved_breakage_crushes_all_are_refused_by_the_least_that_will_do():

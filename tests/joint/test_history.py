@@ -55,9 +55,3 @@ def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
 def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
     closed = history([*up, *down], [*LOAD, *relief], [4, len(down)])
     np.testing.assert_allclose(unloading_excess(closed, [0.0, 0.0]), [excess, np.nan])
-
-
-def test_convex_curves_that_are_one_have_no_excess_whatever_their_steps():
-    closure = np.concatenate([np.linspace(0.0, 1.0, 30), np.linspace(0.98, 0.0, 17)])
-    closed = history(closure, closure**1.5, [30, 17])
-    assert unloading_excess(closed, [0.0])[0] < 1e-4

@@ -58,15 +58,6 @@ def test_a_form_that_holds_the_heights_gives_the_same_joint(close, walls, form):
     assert close(*given).identical(close(*walls))
 
 
-def test_single_precision_is_promoted_and_its_lost_digits_stay_lost(close):
-    walls = jc.wall_pair(8.0, SHAPE, SPACING, seed=4)
-    single = [wall.astype(np.float32) for wall in walls]
-    found = close(*single)
-    assert found.identical(close(*(wall.astype(float) for wall in single)))
-    assert not found.identical(close(*walls))
-    assert all(variable.dtype != np.float32 for variable in found.data_vars.values())
-
-
 REFUSED = {
     "complex": (FLAT.astype(complex), "values of type complex128"),
     "object": (FLAT.astype(object), "values of type object"),
@@ -99,12 +90,6 @@ def test_what_is_no_wall_of_real_heights_is_refused_by_name(close, kind, side):
     pair[side] = wall
     with pytest.raises(jc.InputError, match=f"{('upper', 'lower')[side]}: .*{printed}"):
         close(*pair)
-
-
-@pytest.mark.parametrize("spacing", [1e-30, 1e30, float("nan")])
-def test_a_spacing_whose_powers_do_not_fit_is_refused(close, spacing):
-    with pytest.raises(jc.InputError, match="spacing = "):
-        close(FLAT, FLAT, spacing=spacing)
 
 
 @pytest.mark.parametrize("name", ["displacement_step", "later_displacement_step"])

@@ -5,10 +5,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli import main as cli
 from jointclosure.joint.conditions import SEATING_STRESS, LoadCycle, load_cycles
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.measured import Scan
 from tests import joints
 from tests.joints import ELASTIC, SPACING, pair
@@ -58,14 +56,6 @@ def test_the_load_turns_where_it_was_told_to(history):
         assert (up <= maximum * (1.0 + TOLERANCE)).all()
 
 
-def test_a_history_begins_as_a_shorter_one_does_bit_for_bit():
-    whole = closed(stress=TURNS)
-    part = closed(stress=TURNS[:5])
-    shared = int((whole.cycle.values < 3).sum())
-    for name in ("closure", "normal_stress", "mean_aperture"):
-        assert np.array_equal(whole[name].values[:shared], part[name].values[:shared]), name
-
-
 def test_a_cycle_counts_from_where_its_own_loading_starts(history):
     ends = [
         float(history.closure.values[history.cycle.values == number][-1]) for number in range(1, 5)
@@ -103,18 +93,6 @@ def test_a_load_that_cannot_be_is_refused_in_a_line(load, cycles, printed):
     assert "\n" not in str(refused.value)
     assert load_cycles([5e6, 1e6, 6e6], 2) == (LoadCycle(5e6, 1e6), LoadCycle(6e6, 0.0))
     assert load_cycles(5e6) == (LoadCycle(5e6, 0.0),) * 2
-
-
-def test_the_command_line_takes_a_load_history(tmp_path, capsys):
-    file = tmp_path / "joint.nc"
-    stated = ["--rock", "dolerite", "--cells", "16", "--stress", "2,1,4", "--output", str(file)]
-    assert cli.main(["simulate", *stated]) == 0
-    assert "2, 1, 4 MPa, 2 cycles" in capsys.readouterr().out
-    history = read_netcdf(file)
-    assert along(history, 1, "unloading")[-1] == pytest.approx(1e6, rel=TOLERANCE)
-    assert list(history.attrs["load_history_Pa"]) == [2e6, 1e6, 4e6, 0.0]
-    with pytest.raises(SystemExit):
-        cli.main(["simulate", *stated[:5], "2,x"])
 
 
 ONCE = {"effects": ELASTIC, "cycles": 1}

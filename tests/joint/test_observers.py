@@ -8,14 +8,12 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.cli import main as cli
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
 from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named
-from jointclosure.storage.netcdf import read_netcdf
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
@@ -172,17 +170,3 @@ def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(snap
 def test_a_stress_that_cannot_be_reached_is_refused(wrong, small_joint):
     with pytest.raises(jc.InputError, match=r"snapshots: .* must be from 0 to the maximum"):
         joints.closed(small_joint, STRESS, snapshots=[1e6, wrong])
-
-
-def test_the_command_keeps_snapshots_and_wants_a_file_for_them(tmp_path, capsys):
-    words = ["simulate", "--rock", "slate", "--cells", "14x12", "--stress", "2"]
-    words += ["--snapshots", "0.5,2"]
-    assert cli.main([*words, "--output", str(tmp_path / "joint.nc")]) == 0
-    assert read_netcdf(tmp_path / "joint.nc").sizes["snapshot"] >= 4
-    assert (tmp_path / "joint.png").stat().st_size > 20000
-    capsys.readouterr()
-    assert cli.main(words) == 2
-    assert "--snapshots: needs --output FILE.nc" in capsys.readouterr().err
-    with pytest.raises(SystemExit):
-        cli.main([*words[:-1], "1;2"])
-    assert "must be numbers with commas" in capsys.readouterr().err

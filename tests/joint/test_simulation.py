@@ -200,15 +200,6 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
     assert float(joint.flat_share.max()) > 0.5
 
 
-def test_every_step_is_reported_as_it_is_taken(small_joint):
-    stated = []
-    joint = joints.closed(small_joint, 1e6, report=lambda *step: stated.append(step))
-    cycles, branches, shares = zip(*stated, strict=True)
-    assert list(cycles) == joint.cycle.values.tolist()
-    assert list(branches) == joint.branch.values.tolist()
-    np.testing.assert_allclose(shares, joint.normal_stress / 1e6, rtol=1e-12)
-
-
 @pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])
 def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress):
     """0.5 MPa is one of sixty stresses, but for rounding."""

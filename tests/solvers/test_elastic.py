@@ -39,17 +39,6 @@ def test_each_point_is_an_equilibrium_at_its_closure(small_joint, scene):
         assert np.count_nonzero(found.force) == contacts
 
 
-def test_the_stresses_are_evenly_spaced_and_hold_the_seating_stress(small_joint):
-    curve = curve_of(small_joint, stress=8e6, curve_points=8)
-    up = [0, 1, 2, 3, 4, 5, 6, 7, 8]
-    np.testing.assert_allclose(curve.normal_stress / 1e6, up + up[-2::-1], rtol=1e-9)
-    seated = curve_of(small_joint, stress=8e6, curve_points=8, seating_stress=0.5e6)
-    assert seated.sizes["step"] == curve.sizes["step"] + 2
-    seat = float(seated.max_closure[0] - seated.max_closure_seated[0])
-    found = balanced(small_joint, seat, effects=SCENES["interaction"])
-    assert found.normal_stress == pytest.approx(0.5e6, rel=1e-6)
-
-
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
     slow = {"solver": "reference", "stress_tolerance": 1e-7, "sweep_tolerance": 1e-10}
@@ -64,12 +53,6 @@ def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
     assert int(curve.status) == 0
     assert float(curve.contact_fraction.max()) > 0.7
     assert float(curve.equilibrium_residual.max()) <= 1e-10
-
-
-def test_flat_contacts_without_substrate_are_rigid_and_said_to_be():
-    curve = curve_of([np.zeros((4, 5))] * 2, "asperities")
-    assert FLAGS[int(curve.status)] == "rigid_contact"
-    assert np.all(np.isnan(curve.max_closure))
 
 
 def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):

@@ -10,7 +10,6 @@ from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
-from studies.frame.configuration import configured, merged, merged_study
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
@@ -105,16 +104,3 @@ def test_means_of_closure_stay_within_the_share_and_products_are_saved():
     assert np.abs(means[1] / means[0] - 1.0).max() <= SHARE
     products = [sum(int(joint.solver_iterations) for joint in runs) for runs in (full, less)]
     assert products[1] < 0.9 * products[0]
-
-
-@pytest.mark.parametrize(
-    ("keys", "share"),
-    [
-        ({}, 0.0),
-        ({"effects": {"auto": 0.05}}, 0.05),
-        ({"effects": {"auto": 0.05}, "numerics": {"idle_interaction": 0.0}}, 0.0),
-    ],
-)
-def test_a_study_leaves_it_out_where_effects_are_chosen_unless_told_otherwise(keys, share):
-    stated = configured(merged(merged_study(), keys)).typed
-    assert stated.numerics.idle_interaction == share

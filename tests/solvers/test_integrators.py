@@ -92,8 +92,3 @@ def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
         assert not any(each.effort.breakage_steps for each in again if each.closure <= former)
         assert any(each.effort.breakage_steps for each in again)
     assert looked_at >= 3
-
-
-def test_a_target_that_was_jumped_over_or_interpolated_is_loaded_to_again():
-    """There the maximum is not the end of a loading that the next cycle must repeat."""
-    assert int(closed(3, target="interpolate").replayed_cycles) == 0

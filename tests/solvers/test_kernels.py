@@ -6,7 +6,6 @@ their own, and together call every kernel. Small joints come out as by compiled 
 
 import ast
 import os
-import pickle
 import subprocess
 import sys
 from itertools import product
@@ -98,20 +97,3 @@ def test_every_kernel_is_called_by_tests_that_pass_with_and_without_the_jit(tmp_
     kernels = all_kernels()
     assert len(kernels) > 50  # the search found them
     assert kernels - set(calls.read_text().split()) == set()
-
-
-@pytest.mark.slow
-def test_compiled_and_interpreted_kernels_give_the_same_joints(tmp_path):
-    """To 1e-7: functions of libm may differ by a rounding, equilibrium is solved to 1e-8."""
-    file = tmp_path / "joints.pickle"
-    interpreted(
-        "-c",
-        "import pickle, sys; from tests.solvers.test_kernels import small_joints; "
-        "pickle.dump(small_joints(), open(sys.argv[1], 'wb'))",
-        str(file),
-    )
-    compiled = small_joints()
-    for stated, values in pickle.loads(file.read_bytes()).items():
-        for one, other in zip(values, compiled[stated], strict=True):
-            scale = np.abs(other).max()
-            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * scale, err_msg=str(stated))

@@ -139,38 +139,6 @@ def test_pools_of_the_same_surfaces_are_resampled_together():
         assert len(np.unique(low)) < 30
 
 
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        (lambda s: s._replace(pools=s.pools[:2]), "2 pools for 3 levels"),
-        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones(5), "c"))), r"\(targets, N\)"),
-        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones((2, 5)) * np.nan, "c"))), "finite"),
-    ],
-)
-def test_bad_pools_are_refused_by_name(change, named):
-    one = sensitivity(generator(7), 0.1, 20, "x")
-    with pytest.raises(jc.InputError, match=named):
-        draw_studies({"x": change(one)}, Design(), 10, generator(1))
-
-
-def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
-    """Densities are estimated from the repetitions, so p scatters by more than a count does."""
-    random = generator(2)
-    observed = np.exp(random.normal(size=16) * 1.2)
-
-    def p_of(sets):
-        return [p_of_table(np.exp(random.normal(size=(200, 16))), observed) for _ in range(sets)]
-
-    resampled, again = p_of(40), p_of(40)  # of equal pools, whose surfaces make no error
-    of_count = np.sqrt(np.mean(resampled) * (1.0 - np.mean(resampled)) / 200)
-    assert np.std(again, ddof=1) > 1.3 * of_count
-    assert pool_error(resampled, 200) > 0.8 * of_count
-    assert pool_error(resampled, 200, again) < of_count
-    shifts = random.normal(size=40) * 0.1  # pools that differ
-    pools = [[p + shift for p, shift in zip(of, shifts, strict=True)] for of in (resampled, again)]
-    assert pool_error(pools[0], 200, pools[1]) == pytest.approx(np.std(shifts), rel=0.3)
-
-
 EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}
 
 
@@ -249,12 +217,3 @@ def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
         p.append(joint_test(drawn, table(random, effects)).p)
     assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
     assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09
-
-
-@pytest.mark.parametrize(
-    ("lengths", "observed", "named"),
-    [(np.ones((200, 3)), np.ones(2), "entries"), (np.full((200, 1), np.nan), np.ones(1), "NaN")],
-)
-def test_bad_tables_are_refused_by_name(lengths, observed, named):
-    with pytest.raises(jc.InputError, match=named):
-        joint_test(lengths, observed)

@@ -8,12 +8,10 @@ from jointclosure.statistics.standard_errors import (
     deviation_of,
     elasticity,
     harmonic_mean,
-    jackknife_error,
     mean_covariance,
     mean_of,
     quadratic_errors,
     ratio_of_means,
-    resampled,
     rounded,
     variation_of,
 )
@@ -55,39 +53,11 @@ def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.05)
 
 
-def test_the_jackknife_of_means_is_their_standard_error():
-    samples = generator(3).normal(size=(20, 2))
-    left_out = (samples.sum(axis=0) - samples) / 19
-    expected = [mean_of(column).standard_error for column in samples.T]
-    np.testing.assert_allclose(jackknife_error(left_out), expected, rtol=1e-12)
-
-
 @pytest.mark.parametrize("estimate", [mean_of, deviation_of, variation_of])
 def test_errors_of_single_numbers_are_their_scatter_over_studies(estimate):
     samples = generator(2).normal(1.0, 0.3, size=(4000, 20))
     found = np.array([estimate(row) for row in samples])
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.06)
-
-
-def bootstrap_error(statistic, samples, random, resamples, paired=True):
-    n = samples.shape[-1]
-    values = [statistic(drawn) for drawn in resampled(samples, random, resamples, paired)]
-    return np.std(values, axis=0, ddof=1) * np.sqrt(n / (n - 1))
-
-
-def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_paired():
-    samples = studies(1, True, n=200)[0]
-    random = generator(4)
-    of_mean = bootstrap_error(np.mean, samples[0], random, 2000)
-    assert of_mean == pytest.approx(mean_of(samples[0]).standard_error, rel=0.06)
-    of_deviation = bootstrap_error(lambda x: x.std(ddof=1), samples[0], random, 2000)
-    assert of_deviation == pytest.approx(deviation_of(samples[0]).standard_error, rel=0.3)
-    for paired in (True, False):
-        stated = bootstrap_error(
-            lambda x: elasticity(LEVELS, x, 78.0, True).value, samples, random, 500, paired
-        )
-        expected = elasticity(LEVELS, samples, 78.0, paired).standard_error
-        assert stated == pytest.approx(expected, rel=0.15)
 
 
 def test_the_error_is_the_scatter_of_the_ratio_over_repetitions():

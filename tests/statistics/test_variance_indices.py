@@ -6,7 +6,6 @@ import pytest
 import jointclosure as jc
 from jointclosure.statistics.variance_indices import (
     _shares,
-    design_matrix,
     fitted,
     sampled_rows,
     shapley_effects,
@@ -94,24 +93,6 @@ def test_the_design_changes_one_input_at_a_time():
         assert changed[:, one].all()
         assert changed.sum() == 16
         assert np.array_equal(points[:, 2 + one, one], points[:, 1, one])
-
-
-def test_functions_of_a_fit_are_orthonormal_for_ranges_and_for_few_values():
-    values = (0, 3, 2)
-    axes = [(np.arange(n) + 0.5) / n for n in (120, 6, 6)]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
-    matrix = design_matrix(points.reshape(-1, 3), values, terms_of(values))
-    gram = matrix.T @ matrix / len(matrix)
-    np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-3)
-
-
-def test_shapley_effects_sum_to_one_and_share_what_inputs_do_together():
-    points = sampled_rows(3, 64, 4)[:, 0]
-    t = 2.0 * points - 1.0
-    fit = fitted(points, t[:, 0] + t[:, 1] + 3.0 * t[:, 0] * t[:, 1], (0, 0, 0))
-    np.testing.assert_allclose(
-        shapley_effects((0, 0, 0), fit.coefficients), [0.5, 0.5, 0.0], atol=1e-12
-    )
 
 
 def test_shapley_effects_of_dependent_normals_are_those_of_the_literature():

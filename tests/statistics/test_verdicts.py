@@ -1,9 +1,6 @@
 import numpy as np
 import pytest
-import scipy.stats
 
-import jointclosure as jc
-from jointclosure.statistics.drawn_studies import Design, draw_studies
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import (
@@ -15,7 +12,6 @@ from jointclosure.statistics.verdicts import (
     t_interval,
     verdict,
 )
-from tests.statistics.statistics_world import SCATTER, sensitivity
 
 
 @pytest.mark.parametrize(
@@ -51,21 +47,6 @@ def test_a_wrong_verdict_is_as_rare_as_the_confidence_says():
     assert wrong.count(FALLS) == pytest.approx(100, abs=30)
 
 
-def test_the_frequency_of_finding_a_trend_is_that_of_normal_means():
-    random = generator(2)
-    effect, n = 0.03, 20
-    pools = sensitivity(random, effect, 4000, "x", common=True)
-    drawn = draw_studies({"E": pools}, Design(n), 4000, random)
-
-    means = drawn["E"].means[:, 0]
-    found = frequency(int((means[:, 2] > means[:, 0]).sum()), 4000)
-    expected = scipy.stats.norm.cdf(2.0 * effect / (SCATTER * np.sqrt(2.0 / n)))
-    assert 0.6 < expected < 0.95
-    assert found.share == pytest.approx(expected, abs=0.03)
-    assert found.low < found.share < found.high
-    assert found.standard_error == pytest.approx(np.sqrt(expected * (1 - expected) / 4000), rel=0.1)
-
-
 def test_a_frequency_covers_its_truth():
     random = generator(3)
     inside = []
@@ -74,8 +55,3 @@ def test_a_frequency_covers_its_truth():
         inside.append(found.low <= 0.9 <= found.high)
     assert 0.93 <= np.mean(inside) <= 0.97
     assert frequency(50, 50).low < 1.0
-
-
-def test_ends_in_the_wrong_order_are_refused():
-    with pytest.raises(jc.InputError, match="interval"):
-        verdict((2.0, 1.0), 0.0)

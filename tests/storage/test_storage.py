@@ -1,6 +1,5 @@
 """Files are whole or absent, one changed bit is an error, and logs keep what failed."""
 
-import contextlib
 import os
 import subprocess
 import sys
@@ -13,10 +12,8 @@ import xarray as xr
 
 from jointclosure.cli.options import check_folder
 from jointclosure.inputs import InputError
-from jointclosure.storage import folders
 from jointclosure.storage.files import DamagedFileError, atomically
 from jointclosure.storage.folders import RECORD, add_file, replace_files, written_files
-from jointclosure.storage.logs import failed_log, logging_to
 from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
@@ -189,23 +186,6 @@ def test_benchmarks_are_named_by_their_rule(tmp_path):
     assert list(read_benchmarks(tmp_path / "absent").columns) == list(found.columns)
 
 
-def test_a_log_ends_with_the_failure_and_that_of_a_failed_try_stays(tmp_path):
-    path = tmp_path / "job.log"
-    for number, fails in enumerate((False, True, False)):
-        with contextlib.suppress(ValueError), logging_to(path) as log:
-            log(f"try {number}")
-            print("printed on the way")
-            if fails:
-                raise ValueError("no such share")
-        assert failed_log(path).exists() == (number >= 1)
-    assert "try 2" in path.read_text()
-    lines = failed_log(path).read_text().splitlines()
-    assert lines[0].endswith("try 1")
-    assert lines[1] == "printed on the way"
-    assert any("in test_a_log" in line for line in lines)
-    assert lines[-1] == "failed: ValueError: no such share"
-
-
 def some_files(*names):
     """A function that writes files with their names and number."""
 
@@ -235,26 +215,6 @@ def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
     assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", RECORD]
     assert (folder / "a").read_text() == "a of 2"
     assert written_files(folder, "close") == ["a", "b"]
-
-
-def test_a_run_that_is_killed_while_replacing_leaves_nothing_that_the_next_one_keeps(
-    tmp_path, monkeypatch
-):
-    replace_files(tmp_path, "close", some_files("a", "old"))
-    record = folders._record
-
-    def killed(folder, command, names):
-        if "old" not in names:  # after all files are in place
-            raise KeyboardInterrupt
-        record(folder, command, names)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(folders, "_record", killed)
-        with pytest.raises(KeyboardInterrupt):
-            replace_files(tmp_path, "close", some_files("a", "new"))
-    assert (tmp_path / "new").exists()
-    replace_files(tmp_path, "close", some_files("a"))
-    assert sorted(os.listdir(tmp_path)) == ["a", RECORD]
 
 
 @pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])

@@ -90,18 +90,6 @@ def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts
     assert not (tmp_path / STAMP).exists()
 
 
-def test_a_run_under_timeout_ends_while_it_is_planned(folder):
-    """`timeout` sends TERM to make, make to the run, and `timeout` to the whole group again."""
-    run, log = started(folder), folder / "results/ended/logs/make_study.log"
-    while not log.is_file() or "Snakemake version" not in log.read_text():
-        assert run.poll() is None, (folder / "output.txt").read_text()
-        time.sleep(0.05)
-    ask(run, signal.SIGTERM, "process")
-    ask(run, signal.SIGTERM, "group")
-    assert GOES_ON in wait_for_the_end(folder, run)
-    assert run.returncode != 0
-
-
 def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
     """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
     chance = random.Random(1)

@@ -97,20 +97,3 @@ def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(mine):
     assert planned(mine, config="mine.yaml") == {}
     curve.write_text(CURVE.replace("0.07", "0.08"))
     assert planned(mine, config="mine.yaml") == {"fit_measured": 1, "draw_figures": 1}
-
-
-@pytest.mark.parametrize(
-    ("change", "printed"),
-    [
-        ({"lower": "scans/lowr.npz"}, "granite.walls.lower = 'scans/lowr.npz': not found in"),
-        ({"curve": "bad.csv"}, "bad.csv, line 4: '0.8,0,07,1' has 4 values, the header has 3"),
-        ({"units": "um"}, "scans/lower.npz: units = 'um': the heights of the file are in"),
-        ({"missing": "refuse"}, "scans/lower.npz: 9 of 1440 cells have no height"),
-        ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file states 0.25 mm"),
-    ],
-)
-def test_files_that_cannot_be_used_are_refused_before_joints_are_closed(mine, change, printed):
-    (mine / "bad.csv").write_text(CURVE.replace("0.07", "0,07"))
-    output = snakemake(mine, config=written(mine, "bad.yaml", **change), fails=True)
-    assert printed in output
-    assert "joints closed" not in output

@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from jointclosure.storage.text import read_csv
-from tests.engine.test_forks import wait_for_processes
 from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
 
 HOSTILE = [
@@ -86,47 +85,6 @@ def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
     refused = make(project, "study", "CONFIG=out.yaml")
     assert "study.name = '../../out'" in refused.stderr
     assert not (project.parent / "out").exists()
-
-
-NO_SECTION = "study: {name: mine}\n"
-WRONG_CURVE = """
-rocks: {dolerite: {measured: {file: curve.csv}}}
-"""
-CANNOT_TILT = """
-study: {name: oblong}
-grid: {cells_x: 32, cells_y: 64}
-misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_wavelength_mm: []}
-"""
-
-
-@pytest.mark.parametrize(
-    ("target", "keys", "printed"),
-    [
-        ("size", NO_SECTION, "mine.yaml: has no section size, which make size needs"),
-        ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
-        ("study", WRONG_CURVE, "curve.csv, line 3: stress = -5"),
-    ],
-)
-def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, target, keys, printed):
-    (project / "mine.yaml").write_text(keys)
-    (project / "curve.csv").write_text("stress_MPa,closure_mm,cycle\n0,0,1\n-5,0.1,1\n")
-    done = make(project, target, env={**os.environ, "CONFIG": "mine.yaml"})
-    assert done.returncode != 0
-    assert sum(printed in line for line in done.stderr.splitlines()) == 1
-    assert "Traceback" not in done.stderr + done.stdout
-    assert "Building DAG" not in done.stderr + done.stdout
-
-
-@pytest.mark.parametrize(
-    ("profile", "advice"),
-    [("slurm", "make setup-slurm"), ("kubernetes", "requirements-kubernetes.lock")],
-)
-def test_a_profile_whose_plugin_is_missing_says_what_to_install(project, profile, advice):
-    refused = make(project, "study", "CONFIG=tiny.yaml", f"PROFILE=workflow/profiles/{profile}")
-    if "is not installed" not in refused.stderr:
-        pytest.skip("the plugin is there")
-    assert refused.returncode != 0
-    assert advice in refused.stderr
 
 
 FAKE = """import sys, time
@@ -203,13 +161,6 @@ def test_a_run_that_fails_shows_why_and_what_to_do_and_keeps_the_status(
     _, wrong = run.communicate()
     assert run.returncode == status
     assert all(words in wrong for words in printed)
-
-
-def test_no_process_is_left_of_a_run_that_is_killed(waiting, tmp_path):
-    run = waiting()
-    run.kill()
-    run.communicate()
-    wait_for_processes(tmp_path, 0, most=5.0)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

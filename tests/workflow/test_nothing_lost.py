@@ -17,7 +17,6 @@ import pytest
 from tests.engine.test_forks import processes_in
 from tests.workflow.runs import (
     STAMP,
-    TINY,
     answer,
     assert_same,
     checkout,
@@ -110,19 +109,6 @@ def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied)
     )
     assert_same(mine, intact, "figures")
     assert planned(copied) == {}
-
-
-def test_a_whole_study_of_another_configuration_in_its_place_is_made_again(study, copied):
-    text = TINY.read_text()
-    (copied / "tiny.yaml").write_text(text.replace("jrc: [5, 8, 9]", "jrc: [6, 9]"))
-    shutil.rmtree(copied / "results")
-    finished(copied)
-    (copied / "tiny.yaml").write_text(text)
-    shutil.rmtree(copied / ".snakemake")  # as where results were copied from another machine
-    finished(copied)
-    tables = (copied / RESULTS / "tables/configuration.json", study / RESULTS)
-    assert tables[0].read_text() == (tables[1] / "tables/configuration.json").read_text()
-    assert_same(copied / RESULTS, study / RESULTS, "figures")
 
 
 def test_a_finished_study_of_another_machine_is_reported_without_running_anything(study, tmp_path):

@@ -1,6 +1,5 @@
 """The whole pipeline on a study of seconds: its files, its bits, and what an edit makes again."""
 
-import base64
 import re
 from pathlib import Path
 
@@ -99,22 +98,6 @@ def test_another_run_on_one_core_has_the_same_bits_and_the_study_before_its_pool
     assert_same(folder / RESULTS, study / RESULTS)
 
 
-def test_the_report_is_a_page_with_every_figure(study):
-    snakemake(study, "report")
-    page = (study / RESULTS / "report.html").read_text(encoding="utf-8")
-    for figure in (study / RESULTS / "figures").glob("*.png"):
-        assert f'id="figure-{figure.stem}"' in page
-        assert base64.b64encode(figure.read_bytes()).decode() in page
-    # the study is not the paper's, and the page says in what
-    assert "<code>study.realizations</code>" in page
-    assert 'id="flow"' in page
-
-
-def test_snakemakes_report_shows_the_figures_with_their_captions(study):
-    snakemake(study, "--report", "snakemake.html")
-    assert "fig_5_closure" in (study / "snakemake.html").read_text(encoding="utf-8")
-
-
 def edited(folder: Path, *changes: tuple[str, str]) -> str:
     """Write the configuration with changes; its name."""
     text = TINY.read_text()
@@ -142,22 +125,7 @@ def test_editing_one_case_closes_that_case_alone(study):
     assert len(kept) == 9
 
 
-def test_another_rock_leaves_the_first_alone(study):
-    rock = "  dolerite: {max_normal_stress_MPa: 1, levels: {jrc: [6, 10]}}\n  slate:\n"
-    config = edited(study, ("rocks: [slate]", "rocks: [slate, dolerite]"), ("  slate:\n", rock))
-    kept, closed = files_kept(study, config)
-    assert {name.split("-")[0] for name in closed} == {"dolerite"}
-    assert len(kept) == 10
-
-
 def test_an_edit_of_the_statistics_reruns_what_reads_them_and_nothing_else(study):
     config = edited(study, ("bootstrap_resamples: 10", "bootstrap_resamples: 12"))
     intervals = {"find_indifference_intervals", "write_tables", "draw_figures"}
     assert set(planned(study, config=config)) == intervals | {"state_configuration"}
-
-
-def test_a_bad_configuration_is_refused_before_any_job(study):
-    (study / "bad.yaml").write_text("grid: {cells_x: 2, spcing_mm: 1}\n")
-    printed = snakemake(study, config="bad.yaml", fails=True)
-    assert "grid.cells_x = 2: must be at least 3" in printed
-    assert "grid.spcing_mm = 1: unknown key; did you mean spacing_mm?" in printed

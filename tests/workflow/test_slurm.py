@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from jointclosure.storage.logs import failed_log
 from tests.workflow.runs import ROOT, checkout, snakemake, studies_command
 
 PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
@@ -40,31 +39,6 @@ def on_slurm(folder: Path, *goals: str, config: str = "tiny.yaml") -> str:
 needs_slurm = pytest.mark.skipif(
     not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it"
 )
-
-
-def fails_once(folder: Path, block: str) -> None:
-    """Have the job that closes a block fail at its first try."""
-    script = folder / "workflow/scripts/close_block.py"
-    begin = "        make_missing("
-    text = script.read_text()
-    assert begin in text
-    lost = f"""        if snakemake.wildcards.block == {block!r} and not Path("tried").exists():
-            Path("tried").touch()
-            raise RuntimeError("the node was lost")
-"""
-    script.write_text(text.replace(begin, lost + begin))
-
-
-@needs_slurm
-def test_a_lost_slurm_job_is_recorded_and_repeated_while_others_go_on(tmp_path):
-    folder = checkout(tmp_path / "study")
-    shutil.copy(ROOT / "tests/workflow/tiny_global_sensitivity.yaml", folder)
-    fails_once(folder, "slate.8")
-    on_slurm(folder, "global_sensitivity", config="tiny_global_sensitivity.yaml")
-    results = folder / "results/tiny_global_sensitivity"
-    lost = failed_log(results / "logs/close_block/global_sensitivity/slate.8.log")
-    assert "the node was lost" in lost.read_text()
-    assert (results / "tables/global_sensitivity_indices.csv").exists()
 
 
 @needs_slurm
