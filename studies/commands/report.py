@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pandas as pd
 import xarray as xr
 
 from jointclosure.compilation.sources import ROOTS
@@ -22,7 +21,7 @@ from studies.frame.schema import json_schema
 
 if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.content import Material
-    from studies.paper.report.sheets import Picture
+    from studies.paper.report.page import Picture
 
 CAPTIONS = ROOTS["studies"] / "paper/report/texts"
 
@@ -71,14 +70,12 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         default=read_plain(DEFAULT),
         schema=json_schema(model()),
         pictures=_pictures(folder, sealed, json.loads(stated)),
-        benchmarks=read_benchmarks(folder / "benchmarks"),
     )
 
 
 def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
     """Return sealed figures that have a caption, in the order in which they were drawn."""
-    from studies.paper.report.page import read_caption
-    from studies.paper.report.sheets import Picture
+    from studies.paper.report.page import Picture, read_caption
 
     figures = [path for path in sealed if path.parent == folder / "figures"]
     return [
@@ -87,15 +84,3 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
         if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
         for text in [caption.read_text(encoding="utf-8")]
     ]
-
-
-def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """Read Snakemake's measurements below a folder: rule, job, s [s], max_rss [MB]."""
-    rows = [
-        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
-            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
-        )
-        for path in sorted(Path(folder).rglob("*.tsv"))
-    ]
-    columns = ["rule", "job", "s", "max_rss"]
-    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)

@@ -53,11 +53,7 @@ def cases_of(configuration: Configuration) -> list[Case]:
 
 
 def pool_of(configuration: Configuration) -> Configuration:
-    """Return the configuration of a study's pool: all its cases closed on common surfaces.
-
-    The surfaces differ from those of any study. They are named by the study, and their number is
-    ``study.pool`` (null: that of the study). The blocks of its jobs are as large as the study's.
-    """
+    """Return the configuration of a pool: all cases of a study on common surfaces of its own."""
     study = configuration.study
     return configuration._replace(
         study=study._replace(
@@ -86,11 +82,7 @@ def finest_of(configuration: Configuration, accuracy: Accuracy) -> Configuration
 
 
 def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
-    """Return the ensembles of a study by folder of their files.
-
-    They are "cases"; "finest", the same with the finest numerics and all effects of the
-    configuration, if an accuracy is requested; and "pool" if there is one.
-    """
+    """Return the ensembles of a study by folder of their files: its cases, finest, pool."""
     study = configuration.study
     finest = {"finest": finest_of(configuration, study.accuracy)} if study.accuracy else {}
     pool = {"pool": pool_of(configuration)} if study.pool is not None else {}
@@ -103,11 +95,7 @@ def dataset_of(ensemble: str) -> str:
 
 
 def wall_name(study: Study, case: Case) -> list[str]:
-    """Return the name from which the seeds of a case's surface pairs derive, without realisation.
-
-    It never contains an index of cases, so that adding, removing or reordering cases changes no
-    surface.
-    """
+    """Return the name, without any index, from which the seeds of a case's surface pairs derive."""
     name = [study.surfaces_of or study.name, case.rock]
     return [*name, case.parameter, case.level] if study.draws == "independent" else name
 

@@ -42,11 +42,7 @@ def close_block(
     walls: Path | None = None,
     pilot: Path | None = None,
 ) -> xr.Dataset:
-    """Close the joints of a case's block.
-
-    ``walls`` is the file of the scanned walls of its rock, and ``pilot`` that of the choice of its
-    effects, which closed some of the joints.
-    """
+    """Close the joints of a case's block; ``pilot`` is the file of the choice of its effects."""
     known = {}
     if pilot is not None:
         by_pilot = read_netcdf(pilot)
@@ -67,15 +63,10 @@ def choose_for_rock(
     report: Callable[[str], None] = lambda line: None,
     walls: Path | None = None,
 ) -> xr.Dataset:
-    """Make one selection of effects for all cases of a rock, which are compared with each other.
+    """Select effects for all cases of a rock (settings by label), where they matter most.
 
-    It is made in the case where effects matter most: that of the largest maximum stress over the
-    compressive strength, and the base case among equals. ``settings`` are those of each case by its
-    label; ``walls`` is the file of scanned walls.
-
-    The joints that were closed with the selected effects are returned as from `close_case`, with
-    the attributes ``case`` and ``chosen``: JSON of the ``effects``, their ``error``, and the
-    selection of the case.
+    That is the one of the largest maximum stress over the compressive strength. Joints closed with
+    these effects are returned as from `close_case`, with attributes ``case`` and ``chosen`` (JSON).
     """
 
     def order(label: str) -> tuple[float, bool]:
@@ -105,10 +96,7 @@ def choose_for_rock(
 
 
 class Ensemble:
-    """Cases of a study ("cases") or of its pool, and files of their joints in the study's folder.
-
-    ``study`` is the configuration of the whole study.
-    """
+    """Cases of a whole study, its pool or its finest numerics, and files of their joints."""
 
     def __init__(self, study: Configuration, name: str = "cases"):
         self._study, self.name = study, name

@@ -182,10 +182,7 @@ def written_out(keys: dict) -> dict:
 
 
 def configured(keys: dict) -> Configured:
-    """A configuration from merged keys, checked, and in SI.
-
-    `ConfigurationError` names every key that is wrong, its value, and what is allowed.
-    """
+    """Check merged keys, and read them in SI; `ConfigurationError` names each that is wrong."""
     keys = written_out(keys)
     configuration = resolved(keys)
     refuse(contradictions(configuration, keys))

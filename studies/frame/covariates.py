@@ -25,10 +25,9 @@ _REFERENCE_JRC = 10.0
 
 
 class Covariates(NamedTuple):
-    """Covariates (case, realization, covariate) [m per unit slope], and their known means.
+    """Covariates (case, realization, covariate) [m per unit slope], NaN for scans, and known means.
 
-    Values are NaN for scanned walls. ``tell_scatter`` says whether standard deviations are adjusted
-    too; adjustment makes those of later cycles less accurate (docs/accuracy.md).
+    ``tell_scatter``: deviations are adjusted too, which is less accurate on later cycles.
     """
 
     values: np.ndarray

@@ -110,10 +110,7 @@ def checked(keys: dict) -> Configured:
 
 
 def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:
-    """Return files of the cache by name: of the cases, pool, pilots (effects_of), or an experiment.
-
-    The cases depend on the effects that pilots chose, which are read if the folder is given.
-    """
+    """Return the files of an ensemble, of pilots (effects_of) or of an experiment by name."""
     if kind in sections():
         experiment = experiment_named(kind)
         entries = entries_of(kind, experiment.design(configured).jobs, experiment.quantities)

@@ -57,10 +57,7 @@ for _kind in ("int", "float"):
 def read_plain(path: str | Path) -> dict:
     """Read a configuration file as plain data, and refuse anything else.
 
-    Refused are YAML tags, keys given twice, numbers that are not decimal, aliases that refer to
-    themselves or expand to a very large file, and templates: Snakemake runs Python expressions in a
-    file that has ``__use_yte__``, so that a stranger's file should first be read by this function,
-    as `make` does.
+    A file with ``__use_yte__`` is refused, as Snakemake would run its Python expressions.
     """
 
     def refused(reason: str) -> ConfigurationError:

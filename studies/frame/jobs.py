@@ -1,12 +1,9 @@
 """Jobs of the workflow: their log, check of their inputs, and seals of the files that they wrote.
 
-A seal is a JSON file ``results/<study>/seals/<job>.json``, written after the files of its job:
-
-- ``files``: digests of the files that the job wrote, by their paths from the study's folder;
-- ``made_from``: digests of the sealed files that it read;
-- ``settings``: the digest of the rule's parameters, including the digest of its code.
-
-Snakemake compares times and its own notes, which a file from elsewhere may have too.
+A seal is a JSON file ``results/<study>/seals/<job>.json``: digests of the ``files`` that the job
+wrote and of the sealed ones that they were ``made_from``, by paths from the study's folder, and the
+digest of the rule's ``settings``, its code among them. Snakemake compares times and its own notes,
+which a file from elsewhere may have too.
 """
 
 import hashlib
@@ -24,10 +21,12 @@ from jointclosure.inputs import InputError
 from jointclosure.storage.files import END_DIGEST, atomically
 from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
 
+ENGINE = "JOINTCLOSURE_ENGINE"
+"""Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
+OTHER_SETTINGS = "the file was made with other settings, or by other code"
 _AGAIN = "delete it and start again; missing files are made again"
 _NEED_NO_SEAL = (".nc", ".txt")
 """Suffixes of files without a seal: files of a cache have their key, and notes are not read."""
-OTHER_SETTINGS = "the file was made with other settings, or by other code"
 
 
 class ForeignFileError(InputError):
@@ -40,6 +39,33 @@ class Seal(NamedTuple):
     settings: str
     files: dict[str, str]
     made_from: dict[str, str]
+
+
+@contextmanager
+def job(snakemake) -> Iterator[Logbook]:
+    """Open the log of a job of Snakemake, check its inputs, and seal its outputs."""
+    if engine := os.environ.get(ENGINE):
+        end_with_parent(int(engine))
+    log = Path(snakemake.log[0])
+    try:
+        with logging_to(log) as logbook, measured(snakemake.log.benchmark):
+            study = next(folder.parent for folder in log.parents if folder.name == "logs")
+            inputs = [path for path in snakemake.input if Path(path).is_relative_to(study.parent)]
+            check_inputs(inputs, study.parent)
+            yield logbook
+            if is_sealed(snakemake.output, snakemake.params):
+                seal = study / "seals" / log.relative_to(study / "logs").with_suffix(".json")
+                seal.parent.mkdir(parents=True, exist_ok=True)
+                write_seal(seal, snakemake.output, dict(snakemake.params), inputs)
+    except BaseException as error:
+        reason = f"{type(error).__name__}: {error}; its log is {log}"
+        print(f"{SHOWN}{snakemake.rule} failed: {reason}", file=sys.__stderr__, flush=True)
+        raise
+
+
+def is_sealed(output, params) -> bool:
+    """Return whether a job seals its outputs: notes are no input, a file of a cache has a key."""
+    return Path(str(output[0])).suffix != ".txt" and not params.get("key")
 
 
 def settings_digest(settings: Mapping) -> str:
@@ -63,8 +89,7 @@ def write_seal(
     """Write the seal, in the folder ``seals`` of a study, of files made of inputs."""
     folder = next(parent.parent for parent in Path(seal).parents if parent.name == "seals")
     read = [os.path.normpath(path) for path in inputs]
-    studies = _studies(read, folder.parent)
-    listed = {path: d for study in studies for path, d in sealed_files(study).items()}
+    listed = {p: d for study in _studies(read, folder.parent) for p, d in sealed_files(study)}
     content = {
         "settings": settings_digest(settings),
         "files": {os.path.relpath(path, folder): file_digest(path) for path in outputs},
@@ -78,31 +103,30 @@ def write_seal(
 
 def check_inputs(inputs: Iterable[str | Path], results: Path) -> None:
     """Raise `ForeignFileError` unless files of the studies in a folder match their seals."""
-    paths = [os.path.normpath(path) for path in inputs]
-    listed: dict[str, str] = {}
+    paths = {os.path.normpath(path) for path in inputs}
+    unlisted = {path for path in paths if Path(path).suffix not in _NEED_NO_SEAL}
     for study in _studies(paths, results):
-        listed |= sealed_files(study)
-        for _, _, reason in unmet_seals(study, among=set(paths)):
+        for _, _, reason in unmet_seals(study, among=paths):
             raise ForeignFileError(reason)
-    for path in paths:
-        if path not in listed and Path(path).suffix not in _NEED_NO_SEAL:
-            raise ForeignFileError(
-                f"{path}: no seal lists the file, so its origin is unknown: {_AGAIN}"
-            )
+        unlisted -= dict(sealed_files(study)).keys()
+    for path in sorted(unlisted):
+        raise ForeignFileError(
+            f"{path}: no seal lists the file, so its origin is unknown: {_AGAIN}"
+        )
 
 
 def unmet_seals(
-    folder: str | Path,
+    folder: Path,
     expected: Callable[[Seal], str] = lambda seal: "",
     among: Set[str] | None = None,
 ) -> Iterator[tuple[Path, Seal | None, str]]:
     """Generate seals of a study that do not match, with the reasons; None for what is no seal.
 
-    ``expected`` returns the `settings_digest` that a seal must have, empty to accept any. Where
-    paths are given, seals of none ``among`` them do not count: other jobs may write their files.
+    ``expected`` returns the `settings_digest` that a seal must have, empty to accept any. Seals of
+    no file ``among`` some do not count: other jobs may write their files.
     """
-    seals, listed = seals_in(Path(folder)), sealed_files(Path(folder))
-    for path, seal in seals.items():
+    listed = dict(sealed_files(folder))
+    for path, seal in seals_in(folder).items():
         if seal is None:
             yield path, None, f"{path}: is not a seal of jointclosure: {_AGAIN}"
         elif among is not None and not among & seal.files.keys():
@@ -111,23 +135,17 @@ def unmet_seals(
             yield path, seal, f"{reason}: {_AGAIN}"
 
 
-def sealed_files(folder: Path) -> dict[str, str]:
-    """Return digests of the files that the seals of a study list, by path."""
-    seals = [seal for seal in seals_in(folder).values() if seal]
-    return {path: digest for seal in seals for path, digest in seal.files.items()}
+def sealed_files(folder: Path) -> Iterator[tuple[str, str]]:
+    """Generate paths and digests of the files that the seals of a study list."""
+    for seal in seals_in(folder).values():
+        yield from seal.files.items() if seal else ()
 
 
-def check_folder(folder: str | Path) -> list[Path]:
-    """Return the sealed files of a study, job by job.
-
-    Raises
-    ------
-    ForeignFileError
-        Unless each of them exists and is as it was written.
-    """
+def check_folder(folder: Path) -> list[Path]:
+    """Return the sealed files of a study; `ForeignFileError` unless all are as they were made."""
     for _, _, reason in unmet_seals(folder):
         raise ForeignFileError(reason)
-    files = [Path(path) for path in sealed_files(Path(folder))]
+    files = [Path(path) for path, _ in sealed_files(folder)]
     for file in files:
         if not file.is_file():
             raise ForeignFileError(f"{file}: is missing, but a job wrote it: start again")
@@ -171,43 +189,7 @@ def _studies(paths: Iterable[str], results: Path) -> list[Path]:
     return sorted({results / path.relative_to(results).parts[0] for path in inside})
 
 
-ENGINE = "JOINTCLOSURE_ENGINE"
-"""Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
-
-
-@contextmanager
-def job(snakemake) -> Iterator[Logbook]:
-    """Open the log of a job, check its inputs, and seal its outputs; end with who started it.
-
-    ``snakemake`` is the object of this name in a script. Before the work, all results that the job
-    reads must be those listed by their seals.
-    """
-    if engine := os.environ.get(ENGINE):
-        end_with_parent(int(engine))
-    log = Path(snakemake.log[0])
-    try:
-        with logging_to(log) as logbook, measured(snakemake.log.benchmark):
-            study = next(folder.parent for folder in log.parents if folder.name == "logs")
-            results = study.parent
-            inputs = [path for path in snakemake.input if Path(path).is_relative_to(results)]
-            check_inputs(inputs, results)
-            yield logbook
-            if is_sealed(snakemake.output, snakemake.params):
-                seal = study / "seals" / log.relative_to(study / "logs").with_suffix(".json")
-                seal.parent.mkdir(parents=True, exist_ok=True)
-                write_seal(seal, snakemake.output, dict(snakemake.params), inputs)
-    except BaseException as error:
-        reason = f"{type(error).__name__}: {error}; its log is {log}"
-        print(f"{SHOWN}{snakemake.rule} failed: {reason}", file=sys.__stderr__, flush=True)
-        raise
-
-
-def is_sealed(output, params) -> bool:
-    """Return whether a job seals its outputs: notes are no input, a file of a cache has a key."""
-    return Path(str(output[0])).suffix != ".txt" and not params.get("key")
-
-
-def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None:
+def compile_all(kernels: list[list[Any]], report: Callable[[str], None]) -> None:
     """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them."""
     from jointclosure.compilation.kernels import cache_folder
     from jointclosure.joint.warmup import compile_kernels
@@ -216,9 +198,7 @@ def compile_all(kernels: list[list[str]], report: Callable[[str], None]) -> None
     report(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
-    names: Any
-    for names in kernels:
-        scene, peaks, bound, solver, breakage = names
+    for scene, peaks, bound, solver, breakage in kernels:
         choices = Choices(peaks=peaks, strength_bound=bound)
         compile_kernels(scene_of(scene), choices, solver, breakage)
 

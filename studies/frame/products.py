@@ -66,10 +66,7 @@ class Product(NamedTuple):
         outputs: Iterable[str],
         log: Callable[[str], object],
     ) -> None:
-        """Make the product and write it, each part in the format of its path.
-
-        A function returns the parts in the order of the files, or by the stems of their paths.
-        """
+        """Make the product and write its parts, by order or by stems of their paths."""
         hints, outputs = typing.get_type_hints(self.make, include_extras=True), list(outputs)
         with contextlib.ExitStack() as opened:
             read = {

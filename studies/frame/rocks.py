@@ -309,10 +309,7 @@ def curve_settings(configuration: "Configuration") -> dict[str, CurveSettings]:
 def measured_curves(
     settings: dict[str, CurveSettings], read: Callable[[str], str]
 ) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock; ``read`` returns the text of a file.
-
-    `InputError` if one is not valid; it names file, line and value, or the key of a missing file.
-    """
+    """Read and check measured curves by rock; ``read`` returns the text of a file."""
     curves = {}
     for rock, of_rock in settings.items():
         about, largest = of_rock.measured, of_rock.max_normal_stress

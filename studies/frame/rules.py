@@ -1,16 +1,14 @@
 """Defaults of the workflow's rules, and files of results that are made again.
 
-A rule names its input, output, parameters and script. `complete` adds the rest to all rules, once
-they are read: a log and a log ``benchmark`` of time and memory, in the folders ``logs`` and
-``benchmarks`` of the study's results, under the name of the rule and behind it the wildcards of its
-outputs; a parameter ``code``, the digest of its script and of all that this imports; and a message,
-the first line of its script's docstring, and its wildcards.
-
-It reads and sets attributes of Snakemake's rules, which Snakemake has no other place for.
+A rule names its input, output, parameters and script. `complete` adds the rest, once all are read:
+a log and a ``benchmark`` of time and memory in the folders ``logs`` and ``benchmarks`` of the
+study's results, under the name of the rule and the wildcards of its outputs; a parameter ``code``,
+the digest of its script and of all that this imports; and as message the first line of its script's
+docstring. It sets attributes of Snakemake's rules, which has no other place for them.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -46,17 +44,18 @@ def complete(rules: Iterable[Any], environment: str) -> None:
             rule.set_params(code=code_digest(str(script)))
         if not rule.message:
             named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
-            rule.message = _first_line(script) + (f" ({named})" if named else "")
+            text = script.read_text(encoding="utf-8").split('"""')[1]
+            rule.message = text.splitlines()[0].rstrip(".") + (f" ({named})" if named else "")
 
 
 def withdraw_unmet(rules: Iterable[Any], report: Callable[[str], None], remove: bool) -> None:
     """Remove sealed files that are not as jobs of these rules write them, and all made of them.
 
-    There is a line for each changed file, and one a folder for files of other settings. Without
+    A line tells of each changed file, and one a folder of files of other settings. Without
     ``remove`` they are only reported.
     """
     sealed = [rule for rule in rules if rule.script and is_sealed(rule.output, rule.params)]
-    for folder in sorted({_folder(rule) for rule in sealed}):
+    for folder in sorted({Path(_folder(rule)) for rule in sealed}):
         unmet = list(unmet_seals(folder, lambda seal: _expected(seal, sealed)))
         reasons = [reason.partition(": delete")[0] for _, _, reason in unmet]
         other = [reason for reason in reasons if OTHER_SETTINGS in reason]
@@ -64,14 +63,19 @@ def withdraw_unmet(rules: Iterable[Any], report: Callable[[str], None], remove: 
             report(f"jointclosure: {reason}")
         if len(other) > 1:
             report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
-        foreign = {file for _, seal, _ in unmet if seal for file in seal.files}
-        for file in _unlisted(Path(folder), sealed):
+        listed = dict(sealed_files(folder))
+        unlisted = {
+            path.as_posix()
+            for path in folder.rglob("*")
+            if path.is_file() and path.relative_to(folder).parts[0] not in _NO_RESULTS
+        } - listed.keys()
+        foreign = {file for file in unlisted if _producer(file, sealed)}
+        for file in sorted(foreign):
             report(f"jointclosure: {file}: no seal lists the file")
-            foreign.add(file)
         if remove:
             for path, _, _ in unmet:
                 path.unlink(missing_ok=True)
-            _remove(foreign, Path(folder))
+            _remove(foreign | {file for _, seal, _ in unmet if seal for file in seal.files}, folder)
 
 
 def _remove(files: set[str], folder: Path) -> None:
@@ -85,26 +89,13 @@ def _remove(files: set[str], folder: Path) -> None:
         files = {file for seal in made.values() for file in seal.files}
 
 
-def _unlisted(folder: Path, rules: list[Any]) -> Iterator[str]:
-    """Generate the files of a study that a rule makes, and that no seal lists."""
-    listed = sealed_files(folder)
-    for path in sorted(folder.rglob("*")):
-        file = path.as_posix()
-        inside = path.is_file() and path.relative_to(folder).parts[0] not in _NO_RESULTS
-        if inside and file not in listed and _producer(file, rules):
-            yield file
-
-
 def _producer(file: str, rules: list[Any]) -> Any:
     """Return the rule that makes a file, if any."""
     return next((rule for rule in rules if rule.is_producer(file)), None)
 
 
 def _expected(seal: Seal, rules: list[Any]) -> str:
-    """Return the digest of the settings that a seal must have.
-
-    Empty if this configuration has no such job, or parameters depend on inputs.
-    """
+    """Return the digest of settings that a seal must have; empty if no job of the rules has any."""
     file = next(iter(seal.files), "")
     if not (rule := _producer(file, rules)):
         return ""
@@ -112,7 +103,7 @@ def _expected(seal: Seal, rules: list[Any]) -> str:
     try:
         params = {n: v(wildcards) if callable(v) else v for n, v in rule.params.items()}
         return settings_digest(params)
-    except (LookupError, TypeError, ValueError):
+    except (LookupError, TypeError, ValueError):  # parameters that depend on inputs
         return ""
 
 
@@ -125,16 +116,7 @@ def _folder(rule: Any) -> str:
 
 
 def _file(rule: Any, kind: str, suffix: str) -> str:
-    """Return the pattern of a file that a rule writes besides its output.
-
-    Its name ends with the part of the first output from its first wildcard to its last.
-    """
+    """Return the pattern of a file besides a rule's output, named by its first to last wildcard."""
     match = re.search(r"\{.*\}", strip_wildcard_constraints(str(rule.output[0])))
     wildcards = f"/{match[0]}" if match else ""
     return f"{_folder(rule)}/{kind}/{rule.name}{wildcards}.{suffix}"
-
-
-def _first_line(script: Path) -> str:
-    """Return the first line of a script's docstring, without its full stop."""
-    text = script.read_text(encoding="utf-8")
-    return text.partition('"""')[2].partition('"""')[0].strip().splitlines()[0].rstrip(".")

@@ -21,10 +21,7 @@ def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd
 
 
 def mean_shown(name: str, values: np.ndarray) -> Estimate:
-    """Compute the mean of a quantity (n,) [SI] in the unit of tables; NaN are left out.
-
-    That of stiffnesses is the harmonic mean, which is the stiffness of the mean curve.
-    """
+    """Compute the mean (harmonic for stiffnesses) of a quantity (n,) [SI] in the unit of tables."""
     shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
     if QUANTITIES[name].harmonic:
         return harmonic_mean(shown)
@@ -43,13 +40,9 @@ def means(joints: pd.DataFrame, names: Sequence[str]) -> dict[str, float]:
 def summary(
     joints: pd.DataFrame, by: Sequence[str], names: Sequence[str], reference: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """Tabulate means over surfaces and their changes from a reference on the same surfaces.
+    """Tabulate means over surfaces, and their paired changes [%] from a reference.
 
-    ``joints`` are as from `jointclosure.engine.points.close_points`, ``by`` the columns that name a
-    point, and ``reference`` values of some of them, of the point that others are compared with.
-    Columns: ``by`` and ``cycle``, ``response`` (of the quantities ``names``), ``value`` with
-    ``error`` in the unit of tables, ``change_percent`` with its paired ``change_error``, and
-    ``samples`` of both points.
+    ``by`` are the columns that name a point, and ``reference`` values of some of them.
     """
     others = [name for name in (*by, "cycle") if name not in reference]
     here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)

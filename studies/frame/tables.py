@@ -62,10 +62,7 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
 
 
 def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
-    """Return gross or net closures (..., cycle) [m] where loading reaches the seating stress.
-
-    They count from first touch. Cycles start without stress, where both closures are equal.
-    """
+    """Return net or gross closures (..., cycle) [m] from first touch to the seating stress."""
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
     kind = "_net" if net else ""
     return start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"]
@@ -89,15 +86,10 @@ FEWEST = 2
 
 
 def band_table(case: xr.Dataset) -> pd.DataFrame:
-    """Tabulate closure, stiffness and apertures over stress for all successful joints.
+    """Tabulate closure, stiffness, apertures of the joints of a case by cycle, branch, stress.
 
-    ``case`` is one of a study, or an ensemble as from `jointclosure.simulate_ensemble`. For each
-    cycle, branch and stress: ``samples`` (the joints that reach the stress), and as columns
-    ``<name>_mean``, ``<name>_q05`` and so on, for the net and the gross closure:
-    ``closure_<kind>_since_seating_mm``, ``closure_<kind>_mm`` (from first touch) and
-    ``normal_stiffness_<kind>_MPa_per_mm`` (the chord of each joint to the next stress; NaN where
-    closure does not change, and beyond ``landing_stress``); for joints with flow also
-    ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``.
+    Each has a mean and quantiles (``<name>_mean``, ``<name>_q05``) of ``samples`` joints. A
+    stiffness is the chord to the next stress, NaN beyond ``landing_stress``.
     """
     good = case.where(succeeded(case))
     landing = (good.branch == LOADING) & (good.stress.shift(stress=-1) > good.landing_stress)
@@ -143,13 +135,7 @@ def _over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.Dat
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate apertures of every case over stress, for the successful realisations.
-
-    For each case, cycle, branch, direction and stress: ``samples``, the realisations that reach the
-    stress, ``blocked``, those of them without any flow, and mean and standard deviation of the
-    ``mean_aperture``, the ``hydraulic_aperture`` [mm], and the ``ratio`` of the latter to the
-    former. NaN if no realisation reaches the stress.
-    """
+    """Tabulate apertures [mm] over all coordinates of joints; ``blocked`` have no flow."""
     good = study.where(succeeded(study))
     apertures = xr.Dataset(
         {
@@ -173,11 +159,7 @@ def flow_table(study: xr.Dataset) -> pd.DataFrame:
 def check_results(
     study: xr.Dataset, numerics: Numerics, realizations: int, ensemble: str = "cases"
 ) -> pd.DataFrame:
-    """Check what must hold for every successful simulation of an ensemble.
-
-    ``realizations`` is the number of each case. Columns: ensemble, check, required, found (the
-    value in the results), passed.
-    """
+    """Check what must hold for every successful simulation of an ensemble."""
     good = succeeded(study)
     rows = []
 

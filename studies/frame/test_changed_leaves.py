@@ -18,7 +18,6 @@ from studies.frame.configuration import configured, merged_study
 from studies.frame.experiments import checked_design, experiments_in
 from studies.frame.files import read_plain
 from studies.frame.test_configuration import STUDIES
-from tests.studied import ROOT
 
 MOST = None if os.environ.get("JOINTCLOSURE_LEAVES") == "all" else 8
 BAD = [
@@ -68,18 +67,3 @@ def test_a_changed_leaf_is_read_or_refused(path, tmp_path):
             read(changed(keys, leaf, value), tmp_path / "changed.yaml")
         except Exception as error:
             pytest.fail(f"{'.'.join(map(str, leaf))} = {value!r}: {type(error).__name__}: {error}")
-
-
-@pytest.mark.parametrize(
-    ("study", "leaf", "value"),
-    [
-        ("size", ("size", "spacing_mm", 0), 5e-324),
-        ("size", ("size", "patch_mm", 0), 1e300),
-        ("assessment", ("assessment", "stress_MPa", 0), 0.1),
-        ("assessment", ("assessment", "within"), 1.5),
-    ],
-)
-def test_nested_settings_that_cannot_be_are_refused(study, leaf, value, tmp_path):
-    keys = read_plain(ROOT / f"studies/{study}/{study}.yaml")
-    assert leaf[:-1] in list(leaves(keys))
-    assert read(changed(keys, leaf, value), tmp_path / "changed.yaml")

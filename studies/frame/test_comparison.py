@@ -11,7 +11,6 @@ from studies.commands.compare import (
     by_rock,
     closure_changes,
     differences,
-    interval_changes,
     surfaces_sentence,
 )
 
@@ -85,11 +84,6 @@ def intervals(length):
     row = {"rock": "slate", "parameter": "jrc", "cycle": 1, "unit": "1", "status": "interval"}
     row["test"] = "paired"
     return pd.DataFrame([row | {"length": length, "length_low": 1.0, "length_high": 3.0}])
-
-
-def test_lengths_are_compared_by_rock_parameter_and_cycle():
-    assert interval_changes(intervals(2.0), intervals(3.0)).ratio.item() == 1.5
-    assert np.isnan(interval_changes(intervals(2.0), intervals(np.nan)).ratio.item())
 
 
 @pytest.fixture

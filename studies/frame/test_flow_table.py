@@ -6,11 +6,10 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine.joints import close_case
-from jointclosure.engine.quantities import OF_FLOW
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.history import crossing
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.tables import CURVES, check_results, flow_table, join_cases
+from studies.frame.tables import check_results, flow_table, join_cases
 from tests.studied import study_of
 
 TINY = {
@@ -37,18 +36,6 @@ def tiny_study(flow: bool) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def studies():
     return {flow: tiny_study(flow) for flow in (False, True)}
-
-
-def test_a_study_has_its_apertures_over_stress_with_units_and_all_else_unchanged(studies):
-    without, study = studies[False], studies[True]
-    added = set(study.data_vars) - set(without.data_vars)
-    assert added == set(OF_FLOW)
-    over = ("case", "realization", "direction", "cycle", "branch", "stress")
-    assert study.hydraulic_aperture.dims == over
-    assert all(study[name].attrs["units"] and study[name].attrs["long_name"] for name in added)
-    same = study.drop_vars([*added, "direction", "timing_simulation"])
-    xr.testing.assert_identical(same, without.drop_vars("timing_simulation"))
-    assert set(OF_FLOW) - set(CURVES) == {"largest_flow_imbalance"}
 
 
 @pytest.mark.parametrize("direction", ["x", "y"])

@@ -1,6 +1,7 @@
 """One run at a time in a folder that allows one; the lock of a killed run is nobody's."""
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -70,6 +71,31 @@ def test_a_run_that_ends_leaves_no_name(entered):
     with holder("ends") as run:
         assert run.wait() == 0
     assert LOCK.read_text() == ""
+
+
+@pytest.mark.parametrize("host", ["", "other"])
+@pytest.mark.parametrize("boot", ["", "other"])
+def test_what_a_run_left_behind_locks_only_if_it_may_be_at_work_elsewhere(entered, host, boot):
+    here = folder._this_process()
+    left = here | {"host": here["host"] + host, "boot": here["boot"] + boot}
+    LOCK.parent.mkdir()
+    LOCK.write_text(json.dumps(left))
+    if host and boot:
+        with pytest.raises(InputError, match=rf"on {left['host']}, since .* delete {LOCK}"):
+            enter_folder()
+        LOCK.unlink()
+    enter_folder()
+
+
+def test_without_locks_of_the_file_system_the_text_decides(entered, monkeypatch):
+    def flock(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr(folder.fcntl, "flock", flock)
+    enter_folder()
+    entered()
+    with pytest.raises(InputError, match="another run may be at work"):
+        enter_folder()
 
 
 @pytest.mark.parametrize("name", ["a{b", "a}b", "a\\b"])

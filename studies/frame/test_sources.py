@@ -106,24 +106,6 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
     assert {name for name in names if digest(f"functions:{name}") != before[name]} == moved
 
 
-def test_the_digest_of_an_unknown_function_is_an_error(copy):
-    with pytest.raises(KeyError, match="no function 'unknown'"):
-        digest("studies.paper.products:unknown")
-
-
-def test_an_import_inside_of_a_script_counts_and_its_folder_does_not(copy, tmp_path):
-    scripts = []
-    for folder in ("a", "z"):
-        (tmp_path / folder).mkdir()
-        scripts.append(tmp_path / folder / "script.py")
-        scripts[-1].write_text("def main():\n    from jointclosure.statistics import bootstrap\n")
-    assert [str(script) < str(copy) for script in scripts] == [True, False]
-    before = {digest(str(script)) for script in scripts}
-    assert len(before) == 1
-    edit(copy / "statistics/bootstrap.py", "import numpy as np", "import numpy as numpy_")
-    assert digest(str(scripts[0])) not in before
-
-
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = [
     (("../studies/frame/jobs.py",), set()),

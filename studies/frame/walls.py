@@ -28,13 +28,7 @@ def prepared_walls(
     jrc_relation: str,
     unusual_values: bool = False,
 ) -> xr.Dataset:
-    """Put scanned walls on the grid of the joint, in full size.
-
-    ``scans`` are by wall: "upper", "lower" or both; ``jrc_relation`` is that of the reported JRC.
-    ``unusual_values`` accepts walls that are probably wrong. The dataset has their heights (y, x)
-    [m] towards the other wall, with slope, Hurst exponent, JRC and share of missing cells.
-    `InputError` if walls cannot be put on the grid, or are probably wrong.
-    """
+    """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     together = settings.bring_together
     if together:
@@ -152,11 +146,9 @@ def described(walls: dict[str, xr.Dataset]) -> str:
 
 
 class Cutter:
-    """Cutter of the joints of a study, of ``shape`` (ny, nx), from the walls of `prepared_walls`.
+    """Cutter of joints of a ``shape`` (ny, nx) from the walls of `prepared_walls`.
 
-    ``order_seed`` is the seed of the order of windows. Realisation r has the r-th window, so that
-    realisations have different windows, and adding realisations does not change the others.
-    ``normalise`` is that of synthetic partners (`jointclosure.walls.synthesis.synthetic_wall`).
+    Realisation r has the r-th window in an order by seed, so that further ones change no others.
     """
 
     def __init__(
@@ -217,10 +209,7 @@ class Cutter:
 
 
 def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
-
-    `InputError` if there is none, with the largest size that fits.
-    """
+    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row."""
     offsets = _full_windows(wall, *shape)
     if not len(offsets):
         size = min(wall.shape)

@@ -64,9 +64,8 @@ def reached_table(
 ) -> pd.DataFrame:
     """Tabulate each requested result by two levels, its 95 % interval, and what is still needed.
 
-    ``value`` with ``low`` and ``high`` is the result, ``study_value`` that of the study's numerics
-    alone. ``least_percent`` is about the half-width if ``most`` surfaces were closed by both.
-    ``surface_core_minutes`` and ``difference_core_minutes`` are those of one more of all cases.
+    ``study_value`` is of the study's numerics alone, ``least_percent`` the half-width with ``most``
+    surfaces closed by both; minutes are those of one more surface of all cases.
     """
     costs = [part.timing_simulation.mean("realization").values for part in (study, finest)]
     reach = scipy.stats.t.ppf(0.975, accuracy.most - 1) / math.sqrt(accuracy.most)
@@ -97,10 +96,7 @@ def reached_table(
 
 
 def _means(study: xr.Dataset, finest: xr.Dataset, name: str) -> Iterator[tuple]:
-    """Generate means of all cases and cycles, without joints that lack the quantity.
-
-    Those of stiffnesses are harmonic.
-    """
+    """Generate means (harmonic of stiffnesses) of all cases and cycles that joints have."""
     quantity, pairs = QUANTITIES[name], finest.sizes["realization"]
     unit, scale = shown_unit(quantity.unit)
     good, fine_good = succeeded(study).values, succeeded(finest).values
@@ -182,10 +178,7 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
 
 
 def _log_length(response: Response, significance: float, surfaces: int) -> tuple[float, np.ndarray]:
-    """Return the logarithm of a length, NaN without one, and contributions (group, n) to it.
-
-    Groups are the levels where these have other surfaces.
-    """
+    """Return the logarithm of a length, NaN without one, and contributions (group, n) to it."""
     samples, n = response.samples, response.samples.shape[1]
     if response.paired:
         drawn = [samples, *(np.delete(samples, i, axis=1) for i in range(n))]
@@ -218,15 +211,7 @@ def _spread(contributions: np.ndarray) -> float:
 
 
 def start_counts(price: pd.DataFrame, accuracy: Accuracy) -> Counts:
-    """Return the counts to start with, fewer where the budget is small.
-
-    ``price`` has, by ensemble and rock, the number of cases and the seconds of a joint.
-
-    Raises
-    ------
-    InputError
-        If the budget does not suffice for two surfaces by both numerics.
-    """
+    """Return the counts to start with, fewer for a small budget; `InputError` if it buys no two."""
     joints = price.groupby("ensemble").seconds.max()
     minutes = (price.cases * price.seconds).groupby(price.ensemble).sum() / 60.0
     counts, budget = START, accuracy.budget_core_minutes
@@ -248,10 +233,7 @@ def _core_minutes(counts: Counts, surface: float, difference: float) -> float:
 
 
 def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Counts | None:
-    """Return the counts to continue with; None if all is met, `most` or the budget is reached.
-
-    They are at most doubled, because deviations of few surfaces are known only roughly.
-    """
+    """Return the counts to continue with, at most doubled; None if all is met or spent."""
     missing, most = table[~table.met], accuracy.most
     if missing.empty:
         return None

@@ -94,11 +94,9 @@ class Elasticities(NamedTuple):
 class Statement(NamedTuple):
     """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
-    ``margins`` (model, cycle, variable) are by name, ``finds`` (studies, rock, cycle, variable)
-    which studies (R,) confirm it. It is true if all margins exceed ``above``, or lie ``within``
-    +-``above``. ``alike``: largest difference that counts as none, for comparisons. ``before``: it
-    compares with the cycle before. ``of_elasticities``: it depends only on these and the rock's
-    values.
+    It is true if all ``margins`` exceed ``above``, or lie ``within`` it; ``finds`` are the studies
+    (R,) that confirm it. ``alike`` is the largest difference that counts as none; ``before``: it
+    compares with the cycle before; ``of_elasticities``: it needs only these and values of the rock.
     """
 
     number: str

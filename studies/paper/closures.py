@@ -58,10 +58,7 @@ def estimate_columns(name: str, estimate: Estimate, scale: float = 1.0) -> dict[
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors.
-
-    ``variation`` is S/mean; columns with ``adjusted`` are NaN without covariates.
-    """
+    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors."""
     good = succeeded(study).values
     rows = []
     for i, case in enumerate(study.case.values):
@@ -147,11 +144,7 @@ def _responses(
 
 
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors.
-
-    Errors are those of differences where surfaces are the same; ``adjusted`` as in maximum
-    closures.
-    """
+    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors."""
     rows = []
     for row, gross, net in _responses(ensemble, covariates):
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
@@ -185,11 +178,7 @@ _ADJUSTED = [f"adjusted_{name}" for name in ("length", "percent", "low", "high",
 def indifference_table(
     study: xr.Dataset, statistics: Statistics, root_seed: int, covariates: Covariates | None = None
 ) -> pd.DataFrame:
-    """Tabulate the indifference intervals of all rocks, parameters and cycles.
-
-    ``length`` is by ``test``, ``unpaired_length`` by the published test for any draws;
-    ``p_of_ends`` is of the difference between the lowest and the highest level.
-    """
+    """Tabulate indifference intervals by the study's test, and by the published one (unpaired)."""
     rows = []
     for row, gross, net in _responses(study, covariates):
         unit = PROPERTIES[gross.parameter]

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from jointclosure.joint.history import ATTRIBUTES
@@ -72,7 +71,6 @@ def material(study, configuration, default):
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
     claims, margins = judge_claims(Evidence(study, study, Design(), 100, 1, 3), paper)
     drawn = predictive(study, Design(), 100, 1, pools=3)
-    jobs = {"rule": ["close_surfaces"] * 2, "job": ["a", "b"], "s": [3.0, 5.0]}
     tables = {
         "max_closure": max_closure_table(study),
         "checks": check_results(study, resolved(configuration).numerics, JOINTS),
@@ -90,5 +88,4 @@ def material(study, configuration, default):
         default=default,
         schema=json_schema(model()),
         pictures=[],
-        benchmarks=pd.DataFrame(jobs | {"max_rss": [1, np.nan]}),
     )

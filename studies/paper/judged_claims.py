@@ -44,10 +44,7 @@ MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
-    """A study confirms claims, a pool (or the study itself) tells what is true.
-
-    ``design`` is that of repetitions, ``resampled_pools`` how many give the error due to the pool.
-    """
+    """A study confirms claims, a pool (or the study itself) tells what is true."""
 
     study: xr.Dataset
     pool: xr.Dataset
@@ -58,11 +55,7 @@ class Evidence(NamedTuple):
 
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Judge all claims by both criteria, and return the margins that decide them.
-
-    In a study of other rocks only, `OF_PAPER` and claims that cannot be judged are left out.
-    Intervals of margins are simultaneous for a claim; the smallest margin of a rock ``decides``.
-    """
+    """Judge all claims by both criteria; the smallest of the returned margins ``decides``."""
     samples, design = _samples(evidence.pool), evidence.design
     margins = {sample.rock: _margins(sample, design.critical_change) for sample in samples}
     often = _frequencies(evidence, samples)
@@ -310,10 +303,7 @@ class ClosedModel:
 def estimated(
     numbers: Callable[[np.ndarray], Mapping[Name, float]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Return numbers that depend on means, with standard errors to first order in those of means.
-
-    Contributions of a surface that are equal at all levels cancel in differences.
-    """
+    """Return numbers that depend on means, with errors to first order; what is common cancels."""
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)
     covariance = np.atleast_2d(np.cov(sample.values.reshape(targets * cases, n))) / n

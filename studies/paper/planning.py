@@ -58,8 +58,7 @@ def plan(
 ) -> pd.DataFrame:
     """Compute the surfaces per case that a goal needs, for every rock, parameter and cycle.
 
-    ``ensemble`` is a finished study or, better, its pool, of common surfaces if ``paired``;
-    ``low_68`` and ``high_68`` are the central 68 % over resampled surfaces.
+    ``low_68`` and ``high_68`` are the central 68 % over resampled surfaces of the ensemble.
     """
     _check(goal)
     check_significance(significance)

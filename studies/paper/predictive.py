@@ -137,11 +137,7 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 
 
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate each entry's distribution over repetitions, with the paper's value, as in Table 1.
-
-    Ends are infinite if too many repetitions have no root. ``p``: two-sided, of the paper's entry;
-    ``null_p``: probability of so short a length without any effect.
-    """
+    """Tabulate each entry's distribution over repetitions, with probabilities of the paper's."""
     published = _published(paper)
     rows = []
     for entry, lengths in lengths_of_studies.model[0].items():
@@ -184,9 +180,8 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
 def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
 
-    ``p``: share of repetitions that are equally or less likely, dashes included; ``null_p``: the
-    same for the null model. The scatter of ``p`` by repetitions is that of further repetitions of
-    the same pools, more than binomial as densities are estimated; that of ``null_p`` is binomial.
+    ``p`` is the share of repetitions that are equally or less likely, dashes included; it scatters
+    more than binomially, as densities are estimated. ``null_p`` is of the null model.
     """
     published = {
         entry: length * PROPERTIES[entry[1]].size

@@ -17,10 +17,7 @@ from studies.frame.tables import succeeded
 
 
 class Response(NamedTuple):
-    """Target (level, realization) [m] over one parameter of one rock, in SI, without failures.
-
-    ``paired``: a realisation is the same surface at all levels.
-    """
+    """Target (level, realization) [m] over a parameter; ``paired``: on the same surfaces."""
 
     rock: str
     parameter: str
@@ -59,10 +56,7 @@ class Levels(NamedTuple):
 
 
 class RockSample(NamedTuple):
-    """Targets (targets, cases, n) [m] of all cases of a rock, of realisations that have all.
-
-    ``names`` (targets): variable and cycle. ``levels``: varied parameters.
-    """
+    """Targets (targets, cases, n) [m] of a rock, of realisations that have all of them."""
 
     rock: str
     names: tuple[tuple[str, int], ...]

@@ -10,9 +10,8 @@ from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.text import read_csv
 from studies.frame.cases import pool_of
 from studies.frame.files import PAPER_TABLE_3
-from studies.paper.claims import CLAIMS, HERTZ_EXCESS, NEGLIGIBLE, TARGET, TOLERANCE
-from studies.paper.judged_claims import Evidence, as_found, judge_claims
-from studies.paper.responses import rock_sample
+from studies.paper.claims import HERTZ_EXCESS, NEGLIGIBLE, TOLERANCE
+from studies.paper.judged_claims import Evidence, judge_claims
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
 
@@ -117,17 +116,6 @@ def test_a_study_finds_what_is_plainly_true(table, number, stated):
     assert table.found_share[number] < 0.9
 
 
-def test_the_share_that_finds_a_claim_is_that_of_studies_made_anew():
-    share = judged(study_of(ONE), repetitions=1000).found_share["5b"]
-    made, (claim,) = [], [one for one in CLAIMS if one.number == "5b"]
-    for number in range(50):
-        study = world(study_of(ONE, {"study": {"name": f"again_{number}"}}))
-        sample = rock_sample(study, "dolerite", {TARGET: study[TARGET]})
-        made.append(claim.found_in(as_found([sample], 0.05))[0])
-    # three binomial errors, and that of a pool of 30
-    assert abs(np.mean(made) - share) < 0.2
-
-
 def test_the_papers_own_table_is_judged_by_the_same_rules():
     table = judged(study_of({"study": {"pool": 10}}), repetitions=100)
     found = table.paper_finds.dropna()
@@ -151,13 +139,6 @@ def test_failed_realisations_never_enter(true_world):
     assert one[0].equals(other[0])
     assert one[1].equals(other[1])
     assert one[1].equals(without[1])
-
-
-def test_without_a_pool_the_study_itself_is_asked():
-    common = world(study_of(ONE, {"study": {"draws": "common", "pool": None}}))
-    assert both_tables(common, common, 100)[0].verdict["2a"] == "stands"
-    independent = world(study_of(ONE))
-    assert both_tables(independent, independent, 100)[0].verdict["6a"] == "stands"
 
 
 def test_other_rocks_are_asked_without_the_papers_figures():

@@ -12,7 +12,6 @@ from studies.paper.closures import (
     correlation_table,
     elasticity_table,
     indifference_table,
-    max_closure_table,
 )
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.planning import GOALS, Goal, plan, power_of_ends
@@ -87,22 +86,6 @@ def test_elasticities_are_the_worlds_within_their_errors(pool):
     assert (np.abs(table.elasticity - truth) < 3.5 * error).all()
     np.testing.assert_allclose(table.elasticity_net, table.elasticity, rtol=1e-9)
     assert " ± " in table.elasticity_shown[0]
-
-
-def test_errors_of_means_and_coefficients_are_those_of_studies_made_anew():
-    means, slopes, errors = [], [], []
-    for number in range(40):
-        study = world(study_of(ONE, {"study": {"name": f"again_{number}"}}))
-        closures = max_closure_table(study)
-        fits = correlation_table(study).set_index(["parameter", "cycle"])
-        means.append(closures.max_closure_mean_mm[0])
-        slopes.append(fits.d_s["jrc", 1])
-        errors.append(
-            (closures.max_closure_mean_mm_standard_error[0], fits.d_s_standard_error["jrc", 1])
-        )
-    known = np.mean(errors, axis=0)
-    scatter = np.std([means, slopes], axis=1, ddof=1)
-    np.testing.assert_allclose(scatter, known, rtol=0.4)
 
 
 def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(pool):

@@ -75,18 +75,3 @@ def test_every_formula_and_every_joint_is_a_row_that_holds(measured):
     assert rows.holds.all()
     assert rows.loc["interaction_paper_grid", "largest_error"] == 2e-11
     assert "2 loads, on 1 of which" in rows.loc["interaction_paper_grid", "hard"]
-
-
-@pytest.mark.parametrize("subject", FORMULAS)
-def test_a_formula_that_loses_digits_or_is_not_measured_does_not_hold(measured, subject):
-    ours = measured.series.str.startswith("jointclosure") & (measured.subject == subject)
-    worse = measured.assign(error=measured.error.where(~ours, 1e-9))
-    for spoilt in (worse, measured[~ours]):
-        rows = pd.DataFrame(formula_rows(spoilt, LOADS)).set_index("name")
-        assert rows.index[~rows.holds].tolist() == [subject.replace(" ", "_")]
-        assert rows.loc[subject.replace(" ", "_"), "failed"]
-
-
-def test_a_load_that_is_not_solved_does_not_hold(measured):
-    rows = pd.DataFrame(formula_rows(measured, LOADS.assign(fast_residual=[1e-9, 0.0, np.nan])))
-    assert rows.set_index("name").holds.tolist() == [True, True, True, False, False]

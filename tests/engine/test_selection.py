@@ -159,12 +159,6 @@ def test_what_frozen_walls_do_not_show_is_left_out_after_many_pairs_only(names):
         assert pilot.test(names, ALL, 0.3)[0] is left_out
 
 
-def test_what_saves_little_time_is_kept():
-    for seconds, left_out in ((0.95, False), (0.5, True)):
-        pilot = MadeUp([0.0] * 20, 10_000, seconds=seconds)
-        assert pilot.test(("soft_peaks",), ALL, 0.2)[0] is left_out
-
-
 def test_soft_peaks_are_tested_only_where_walls_are_crushed():
     for bulk, tested in ((0.9 * CRUSHED, False), (1.1 * CRUSHED, True)):
         choice = choose_among(MadeUp([0.0] * 20, 10_000, (0.5, 0.01), bulk), 0.2)

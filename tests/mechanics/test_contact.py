@@ -7,8 +7,10 @@ from hypothesis import given
 from jointclosure.mechanics.contact import (
     asperity_compliance,
     cube_root,
+    equivalent_modulus,
     force_of_overlap,
     overlap_of_force,
+    plane_strain_modulus,
     substrate_compliance,
 )
 
@@ -92,6 +94,12 @@ def test_slope_is_the_derivative_of_the_force(overlap, curvature):
 @pytest.mark.parametrize("overlap", [0.0, -0.0, -1e-6, float("nan")])
 def test_walls_apart_carry_nothing(overlap):
     assert force_of_overlap(overlap, 1e-9, 1e-9) == (0.0, 0.0)
+
+
+def test_moduli_of_equal_walls_halve():
+    modulus = plane_strain_modulus(78e9, 0.2)
+    assert modulus == pytest.approx(81.25e9)
+    assert equivalent_modulus(modulus, modulus) == pytest.approx(modulus / 2)
 
 
 @given(st.floats(1e-200, 1e200), st.integers(-100, 100))

@@ -86,16 +86,6 @@ def test_the_library_does_without_the_extras(program):
     assert re.search(r"InputError: .* not installed: pip install '.*\[figures\]'", plot.stderr)
 
 
-def test_help_and_doctor_do_without_a_clone(program, tmp_path):
-    for words in ([], ["simulate"], ["roughness"], ["doctor"]):
-        done = run(program, *words, "--help", cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout.startswith("usage: jointclosure")
-    done = run(program, "doctor", cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "no problems" in done.stdout
-
-
 def test_after_the_compilation_for_close_nothing_is_left_to_compile(program, tmp_path):
     python = program.with_name("python")
     done = run(python, "-m", "jointclosure.joint.warmup", "close", cwd=tmp_path)

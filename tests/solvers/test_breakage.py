@@ -80,15 +80,6 @@ def test_at_rest_every_contact_holds_or_is_locked_in_equilibrium_and_no_volume_i
         assert after.max() <= before.max()
 
 
-def test_locked_contacts_are_counted_where_they_bear_force(solver, small_joint):
-    joint, _ = settled(solver, small_joint)
-    unloaded = solver_named(METHODS[solver].solver).settle(joint, 0.75 * CLOSURES[-1], 5e-6)
-    locked = oracle.locked(joint.upper, joint.lower)
-    bearing = np.count_nonzero(locked & (joint.force > 0.0))
-    assert unloaded.locked_contacts == bearing < np.count_nonzero(locked)
-    assert unloaded.contacts == np.count_nonzero(joint.force)
-
-
 def test_nothing_overlaps_at_last_touch_whatever_was_broken():
     """A difference of heights, of which a rounding must not leave an overlap."""
     random, left = np.random.default_rng(1), []

@@ -21,7 +21,6 @@ from jointclosure.storage.netcdf import (
     write_netcdf_regions,
 )
 from jointclosure.storage.text import read_csv, write_csv
-from studies.commands.report import read_benchmarks
 
 
 def some_dataset(rows: int = 20) -> xr.Dataset:
@@ -170,20 +169,6 @@ def test_the_file_of_a_running_writer_is_left_alone_by_another(tmp_path):
     assert (orphan.returncode, printed) == (0, "")
     assert path.read_text() == "slow"
     assert os.listdir(tmp_path) == ["study.nc"]
-
-
-def test_benchmarks_are_named_by_their_rule(tmp_path):
-    (tmp_path / "close_surfaces").mkdir()
-    head = "s\th:m:s\tmax_rss\tcpu_time\n"
-    (tmp_path / "close_surfaces/slate-base.tsv").write_text(f"{head}2.5\t0:00:02\t245.5\t2.0\n")
-    (tmp_path / "aggregate.tsv").write_text(f"{head}0.01\t0:00:00\t-\t-\n")
-    found = read_benchmarks(tmp_path)
-    assert found[["rule", "job", "s"]].to_numpy().tolist() == [
-        ["aggregate", "aggregate", 0.01],
-        ["close_surfaces", "slate-base", 2.5],
-    ]
-    np.testing.assert_array_equal(found.max_rss, [np.nan, 245.5])
-    assert list(read_benchmarks(tmp_path / "absent").columns) == list(found.columns)
 
 
 def some_files(*names):

@@ -204,26 +204,6 @@ def test_a_run_without_open_files_or_room_is_refused_in_a_line(project, limit, m
     assert len(done.stderr.splitlines()) == 2
 
 
-def test_a_snakemake_that_is_refused_leaves_the_seals_of_the_run_at_work(project):
-    seal = project / "results/tiny/seals/close_study.json"
-    seal.parent.mkdir(parents=True, exist_ok=True)
-    seal.write_text("not a seal that is met")
-    holds = (
-        "from studies.frame.folder import enter_folder; enter_folder(); print(flush=True); input()"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", holds],
-        cwd=project,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-    ) as first:
-        first.stdout.readline()
-        refused = snakemake(project, fails=True)
-        first.communicate(b"\n")
-    assert f"another run is at work in this folder (process {first.pid} on" in refused
-    assert seal.exists()
-
-
 def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
     folder = tmp_path / "a'b \"c $d `e` & (f)\n*;"
     shutil.copytree(project, folder, symlinks=True, ignore=shutil.ignore_patterns(".snakemake"))

@@ -36,11 +36,7 @@ UNCHECKED = (2,)
 def scaled_to(
     length: float, jrc: float, strength: float, reference_length: float
 ) -> tuple[float, float]:
-    """Scale JRC and JCS [Pa] to a joint of another length.
-
-    Barton & Bandis 1982: JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and JCS_n = JCS_0 (L_n/L_0)^(-0.03
-    JRC_0).
-    """
+    """Scale JRC and JCS [Pa] to a joint of another length (Barton & Bandis 1982)."""
     ratio = length / reference_length
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 

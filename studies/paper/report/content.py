@@ -25,7 +25,7 @@ from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.report import tables
-from studies.paper.report.sheets import Picture, Sheet, sheet
+from studies.paper.report.page import Picture, Sheet, sheet
 
 FIRST_PICTURES = {
     "independent": ("closure_since_seating", "table_3_intervals"),
@@ -45,11 +45,7 @@ _LEFT_OUT = ("assessment",)
 
 
 class Material(NamedTuple):
-    """Dataset of a study, whose curves are read case by case, its tables by name, and all else.
-
-    ``paper``: the paper's Table 3; ``default`` and ``schema``: its configuration, descriptions of
-    keys; ``benchmarks``: times of jobs.
-    """
+    """Dataset of a study and its tables by name, the paper's Table 3 and configuration, figures."""
 
     study: xr.Dataset
     tables: Mapping[str, pd.DataFrame]
@@ -57,7 +53,6 @@ class Material(NamedTuple):
     default: dict
     schema: dict
     pictures: list[Picture]
-    benchmarks: pd.DataFrame
 
 
 def content(material: Material) -> dict:
@@ -88,7 +83,6 @@ def content(material: Material) -> dict:
         "pictures": material.pictures,
         "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
-        "job_time": duration(float(material.benchmarks.s.sum())),
         "sheets": {sheet.name: sheet for sheet in (*_sheets(material, titles, rows), numbers)},
     }
 
@@ -121,26 +115,21 @@ def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> I
     compared = bool(of_paper)
     yield tables.status_sheet(study, titles)
     yield tables.failure_sheet(study)
-    yield tables.simulation_time_sheet(study, titles)
-    yield tables.job_time_sheet(material.benchmarks)
     yield setting_sheet(rows)
     if "claim_margins" in known:
         yield tables.evidence_sheet(known["claims"], known["claim_margins"], titles, compared)
     intervals = known.get("table_3_indifference", pd.DataFrame())
     if len(intervals) and "percent" in intervals:
         yield tables.layout_sheet(intervals, titles, of_paper)
-        yield tables.interval_sheet(intervals, titles, of_paper)
     made: list[tuple] = [
         ("max_closure", tables.closure_sheet, titles),
         ("checks", tables.check_sheet),
         ("claims", tables.claim_sheet, compared),
         ("conclusions", tables.conclusion_sheet),
-        ("conclusions", tables.moved_sheet),
         ("hydraulic_aperture", tables.flow_sheet, titles),
         ("measured_fit", tables.measured_sheet, titles),
         ("table_3_predictive", tables.predictive_sheet, titles, compared),
         ("table_3_joint_tests", tables.joint_sheet),
-        ("elasticities", tables.ranking_sheet, titles),
         ("elasticities", tables.elasticity_sheet, titles),
         ("assessment", tables.assessment_sheet),
         ("hardness", tables.hardness_sheet),

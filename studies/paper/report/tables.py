@@ -13,8 +13,8 @@ from jointclosure.statistics.standard_errors import percent, rounded
 from studies.frame.tables import succeeded
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import COUNTS, FOUND
-from studies.paper.layout import is_paired, table_3, test_name
-from studies.paper.report.sheets import Cell, Sheet, cell, given, headings, sheet
+from studies.paper.layout import table_3, test_name
+from studies.paper.report.page import Cell, Sheet, cell, headings, sheet
 
 Titles = dict[str, str]
 """Titles of the rocks of a study, in order."""
@@ -84,24 +84,6 @@ def flow_sheet(flow: pd.DataFrame, titles: Titles) -> Sheet:
     return sheet("flow", caption, _titled(at, titles), columns)
 
 
-def ranking_sheet(elasticities: pd.DataFrame, titles: Titles) -> Sheet:
-    """Elasticities of each rock and cycle, the largest first."""
-    rows = []
-    for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
-        order = part.elasticity.abs().sort_values(ascending=False).index
-        ranked = [
-            f"{_PROPERTY[row.parameter]} {rounded(row.elasticity, row.elasticity_standard_error)}"
-            for row in part.loc[order].itertuples()
-        ]
-        rows.append({"rock": titles[rock], "cycle": cycle, "ranked": ", ".join(ranked)})
-    caption = (
-        "Elasticities of the mean maximum closure, with standard errors: change in % for a change "
-        "of the property by 1 %. The claims state which differences are significant"
-    )
-    columns = _heads("rock", "cycle") | {"ranked": "Elasticities, the largest first"}
-    return sheet("ranking", caption, pd.DataFrame(rows), columns)
-
-
 def layout_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
     """Table 3 in the paper's layout, with the paper's lengths below those of the study."""
     ours = table_3(intervals, titles)
@@ -120,32 +102,6 @@ def layout_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) ->
     beside = ", the paper's (unpaired) below" if of_paper else ""
     caption = f"Table 3: length of indifference intervals, {test_name(intervals)}{beside}"
     return Sheet("table-3", caption, ["Parameter", "Cycle", *titles.values()], rows)
-
-
-def interval_sheet(intervals: pd.DataFrame, titles: Titles, of_paper: set[str]) -> Sheet:
-    """Every indifference interval with its confidence interval, and the paper's."""
-    table = _titled(intervals, titles, _WITH_UNITS).assign(base=intervals.base.map(given))
-    columns = _heads("rock", "parameter", "cycle", "samples") | {"base": "The rock's value"}
-    columns |= {"length": "Length", "length_low": "From", "length_high": "To"}
-    columns |= {"percent": "% of the rock's value", "length_net": "Net of bulk indentation"}
-    paired = is_paired(intervals)
-    if paired:
-        columns["unpaired_length"] = "By the unpaired t test"
-    if of_paper:
-        none = {True: Cell("no real root", ""), False: cell(None)}
-        table["paper"] = [
-            none[row.rock in of_paper] if pd.isna(row.paper_length) else given(row.paper_length)
-            for row in intervals.itertuples()
-        ]
-        columns["paper"] = "The paper's length (unpaired)"
-        if not paired:  # no ratio of lengths by different tests
-            table["ratio"] = intervals.length / intervals.paper_length
-            columns["ratio"] = "This study over the paper"
-    caption = (
-        f"Indifference intervals, {test_name(intervals)}, with their bootstrap confidence "
-        "intervals (from, to)"
-    )
-    return sheet("intervals", caption, table, columns | {"status": "Remark"})
 
 
 def measured_sheet(fits: pd.DataFrame, titles: Titles) -> Sheet:
@@ -225,23 +181,6 @@ def _tried(counts: list[float]) -> str:
     if pd.isna(counts[0]):
         return NOT_TRIED
     return ", ".join(f"{count:.0f}" for count in counts) if sum(counts) else "none"
-
-
-def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
-    """Readings and inputs that change the verdict on claims."""
-    widest = conclusions.jrc_half_width.max()
-    columns = _heads("number") | {"verdict": "As configured"}
-    columns |= {
-        "opposed_by": "Contradicted by the reading",
-        "opened_by": "Left open by the readings",
-        "moved_by": "Over the open choices it varies most with",
-        "jrc_found": f"Studies that find it, JRC known to ±{widest:g}",
-    }
-    filled = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
-    moved = filled[(filled.opposed_by + filled.opened_by + filled.moved_by) != ""]
-    shown = moved.assign(jrc_found=[found_text(row, "jrc_") for row in moved.to_dict("records")])
-    caption = "Causes of a changed verdict: readings, and the input with most effect on a margin"
-    return sheet("moved", caption, shown, columns)
 
 
 def probability(value: float, error: float) -> Cell:
@@ -411,26 +350,3 @@ def failure_sheet(study: xr.Dataset) -> Sheet:
     if len(failed) > MOST_FAILURES:
         caption += f", the first {MOST_FAILURES} of {len(failed)}"
     return sheet("failures", caption, pd.DataFrame(rows, columns=list(columns)), columns)
-
-
-def simulation_time_sheet(study: xr.Dataset, titles: Titles) -> Sheet:
-    """Wall-clock time of the simulations of each rock."""
-    columns = {"rock": "Rock", "count": "Simulations", "median": "Median (s)"}
-    columns |= {"least": "Least (s)", "low": "5 % (s)", "high": "95 % (s)", "most": "Most (s)"}
-    columns["total"] = "In all (s)"
-    rows = []
-    for rock, title in titles.items():
-        seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
-        quantiles = np.quantile(seconds, (0.5, 0.0, 0.05, 0.95, 1.0))
-        rows.append((title, seconds.size, *quantiles, seconds.sum()))
-    frame = pd.DataFrame(rows, columns=list(columns))
-    return sheet("simulation-times", "Time of a simulation", frame, columns)
-
-
-def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
-    """Time and memory of the workflow's jobs, by rule."""
-    seconds = benchmarks.groupby("rule", sort=False).s.agg(["size", "median", "max", "sum"])
-    memory = benchmarks.groupby("rule", sort=False).max_rss.max()
-    columns = {"rule": "Rule", "size": "Jobs", "median": "Median (s)", "max": "Longest (s)"}
-    columns |= {"sum": "In all (s)", "memory": "Largest memory (MB)"}
-    return sheet("jobs", "Time of the jobs", seconds.assign(memory=memory).reset_index(), columns)
