@@ -13,6 +13,7 @@ from jointclosure.joint.flow import (
     FLOWS,
     NOT_SOLVED,
     flow_along,
+    largest_hydraulic,
 )
 from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
@@ -60,9 +61,18 @@ def test_a_random_field_lies_between_strips_that_do_not_mix_and_sections_that_mi
     field = random_field(seed, contact=0.0) + 1e-6
     cubes = along_first_axis(field, direction) ** 3
     low = np.mean(1.0 / np.mean(1.0 / cubes, axis=0)) ** (1.0 / 3.0)
-    high = (1.0 / np.mean(1.0 / np.mean(cubes, axis=1))) ** (1.0 / 3.0)
+    high = largest_hydraulic(field, direction)
     found = flow_along(field, direction).hydraulic_aperture
     assert 1.001 * low < found < 0.999 * high
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_a_blocked_field_has_an_upper_bound_unless_a_whole_line_is_shut(direction):
+    field = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((2, 2)))  # joined at corners only
+    assert flow_along(field, direction).status == BLOCKED
+    assert largest_hydraulic(field, direction) == pytest.approx(0.5 ** (1.0 / 3.0))
+    along_first_axis(field, direction)[3] = 0.0
+    assert largest_hydraulic(field, direction) == 0.0
 
 
 def test_a_smooth_gap_converges_with_the_square_of_the_spacing():

@@ -13,12 +13,11 @@ docs/two_scans.md is a tutorial.
 
 import argparse
 import time
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import write_exports
+from jointclosure.cli.exports import export_files
 from jointclosure.engine.progress import duration
 from jointclosure.engine.scanned_joint import RESOLVED, ClosedJoint, close
 from jointclosure.engine.uncertainty import VARIED
@@ -62,12 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     kept = results.kept_stresses(arguments, stated["max_normal_stress"])
     joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)
-    print(results.summary(joint.history, joint.budget))
+    print(results.summary(joint.history, joint.laws, joint.budget))
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
     files = _files(joint, scans, results.attributes(scans | stated), title)
-    exports = partial(write_exports, joint.history, title)
-    wrote = results.write_folder(arguments.output, "close", files, exports)
+    wrote = results.write_folder(arguments.output, "close", files)
     warned = len(cautions(joint.pair.report))
     above = f"; warnings above: {warned}" if warned else ""
     spent = duration(time.perf_counter() - start)
@@ -100,7 +98,7 @@ def _files(
     from jointclosure.plotting.snapshots import snapshot_figure
     from jointclosure.plotting.walls import pair_figure, range_figure
 
-    history, budget = joint.history, joint.budget
+    history, budget, laws = joint.history, joint.budget, joint.laws
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
     files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
@@ -112,12 +110,14 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    return files
+    curves = budget and budget.curves
+    return files | export_files(history, title, curves, laws.by_cycle)
 
 
 def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
     """Return the results with units in their names."""
-    pair, history, budget = joint.pair, joint.history, joint.budget
+    pair, history, budget, laws = joint.pair, joint.history, joint.budget, joint.laws
+    beside = {"results": results.law_texts(history, laws)}
     cycles = cycle_table(history).drop(columns="cycle")
     per_cycle = {name: results.finite(values) for name, values in cycles.items()}
     for name in ("residual_closure", "max_bulk_indentation"):
@@ -144,6 +144,7 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
         "per_cycle": per_cycle,
+        "barton_bandis": {"jrc": laws.jrc, "jcs_MPa": 1e-6 * laws.strength, **beside},
         "range": budget.record() if budget else [],
-        "about_range": budget.sentences() if budget else [],
+        "about_range": [*(budget.sentences() if budget else []), laws.sentence()],
     }

@@ -1,27 +1,25 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.results import FIGURES, failed, write
+from jointclosure.cli.results import FIGURES, failed
 from jointclosure.inputs import InputError
+from jointclosure.joint.barton_bandis import BartonBandis
 from jointclosure.joint.curves import (
-    closures_at,
     curve_table,
     cycle_table,
     has_flow,
-    mean_hydraulic,
+    members,
     spacing_of,
-    stiffness_table,
-    stress_levels,
+    stress_table,
 )
-from jointclosure.joint.history import branch_of, read_along
-from jointclosure.joint.laws import describe_law, fitted_laws, parameter
+from jointclosure.joint.history import branch_of
+from jointclosure.joint.laws import LAWS, describe_law, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
 OPENING_SLOPE = 0.95
@@ -40,28 +38,40 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
 """
 _NET = (
     "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
-    "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
+    "the half-spaces; answer.csv, curves.csv and cycles.csv have gross values too"
 )
 
 
-def write_exports(history: xr.Dataset, title: str, folder: Path) -> None:
-    """Write `EXPORTS` and their figure of a joint that did not fail; print laws and refusals."""
+def export_files(
+    history: xr.Dataset,
+    title: str,
+    curves: pd.DataFrame | None = None,
+    laws: Mapping[int, BartonBandis] = {},
+) -> dict[str, Any]:
+    """Return the files of a joint that did not fail by name; print its laws and refusals.
+
+    ``curves`` are bands of `stress_table`, and ``laws`` those of Barton and Bandis since seating.
+    """
     if failed(history):
-        return
+        return {}
     from jointclosure.plotting.joint import engineering_figure
 
-    notes, fits = [_NET], fitted_laws(history)
-    notes += [describe_law(fits, cycle, LOADING) for cycle in cycle_table(history).cycle]
-    for names, export in EXPORTS.items():
-        files = [folder / name for name in names.split()]
+    curves = stress_table(history) if curves is None else curves
+    fits, cycles = fitted_laws(history), cycle_table(history)
+    notes = [_NET, *(describe_law(fits, cycle, LOADING) for cycle in cycles.cycle)]
+    tables = {"curves": curve_table(history), "cycles": cycles, "answer": curves, "laws": fits}
+    files: dict[str, Any] = {
+        f"{name}.csv": table.to_csv(index=False, float_format=f"%.{FIGURES}g")
+        for name, table in tables.items()
+    }
+    for export in (itasca_tables, porepy_files, geos_files, fracture_mesh):
         try:
-            contents = export(history)
-            for file, content in zip(files, contents if files[1:] else [contents], strict=True):
-                write(content, file, FIGURES)
+            files |= export(history, curves)
         except InputError as error:  # the files of other programs are still written
             notes.append(f"not written: {error}")
-    write(engineering_figure(history, title), folder / "engineering.png")
+    files["engineering.png"] = engineering_figure(history, title, curves, laws)
     print("\n".join(f"- {note}" for note in notes))
+    return files
 
 
 def _last_from_seating(history: xr.Dataset, program: str) -> int:
@@ -74,55 +84,96 @@ def _last_from_seating(history: xr.Dataset, program: str) -> int:
     raise InputError(f"{program}: no loading begins at or below the seating stress, {seating:g} Pa")
 
 
-def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
-    """Compute the solid constants of PorePy's Barton-Bandis fracture for the last loading.
+def _loading(
+    history: xr.Dataset, curves: pd.DataFrame, program: str
+) -> tuple[int, pd.DataFrame, dict[str, str]]:
+    """Return the last loading from seating: cycle, rows that are known, and endings of columns.
+
+    Endings are by those of files: the median, and the low and the high end of a band.
+    """
+    cycle = _last_from_seating(history, program)
+    rows = curves[(curves.cycle == cycle) & (curves.branch == LOADING)]
+    rows = rows.dropna(subset=members(curves, "closure_net_since_seating_mm"))
+    names = members(curves, "")
+    return cycle, rows, dict(zip(("", "_low", "_high")[: len(names)], names, strict=True))
+
+
+def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Return the solid constants of PorePy's Barton-Bandis fracture for the last loading.
 
     ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m], Vm; and
-    ``residual_aperture`` [m], the mean aperture at seating less Vm. They refer to the net closure,
-    because PorePy computes the deformation of the rock itself.
+    ``residual_aperture`` [m], the mean aperture at seating less Vm, at least 0. They refer to the
+    net closure, because PorePy computes the deformation of the rock itself.
     """
-    cycle = _last_from_seating(history, "PorePy")
-    fits, cycles = fitted_laws(history), cycle_table(history).set_index("cycle")
-    stiffness, largest = (
-        parameter(fits, cycle, LOADING, name) for name in ("kni_MPa_per_mm", "vm_mm")
-    )
-    aperture = float(cycles.mean_aperture_at_seating_mm[cycle])
-    if not (stiffness > 0.0 and 0.0 < largest < aperture):
-        raise InputError(
-            f"PorePy: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm = "
-            f"{largest:g} mm at a mean aperture of {aperture:g} mm: kni must be positive, and Vm "
-            "positive and below the aperture"
-        )
-    return {
-        "fracture_normal_stiffness": 1e9 * stiffness,
-        "maximum_elastic_fracture_opening": 1e-3 * largest,
-        "residual_aperture": 1e-3 * (aperture - largest),
-    }
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    cycle, rows, endings = _loading(history, curves, "PorePy")
+    files = {}
+    for ending, member in endings.items():
+        closure = rows[f"closure_net_since_seating_mm{member}"].to_numpy()
+        law, stress = LAWS["hyperbolic"], rows.normal_stress_MPa.to_numpy()
+        stiffness, largest = fit_law(law, stress, closure, seating)[0]
+        aperture = float(rows[f"mean_aperture_mm{member}"].iloc[0])
+        if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
+            raise InputError(
+                f"PorePy: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm = "
+                f"{largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive"
+            )
+        files[f"porepy{ending}.json"] = {
+            "fracture_normal_stiffness": 1e9 * stiffness,
+            "maximum_elastic_fracture_opening": 1e-3 * largest,
+            "residual_aperture": 1e-3 * max(aperture - largest, 0.0),
+        }
+    return files
 
 
-def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Return normal gaps and apertures [m] of the last loading from seating on, as GEOS takes them.
+def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
+    """Return gaps and apertures of the last loading from seating on as GEOS reads them.
 
-    Gaps are the negative net closure since seating, ascending to 0. Apertures are hydraulic (the
-    geometric mean of both directions), or mean ones of a history without flow. If the last slope is
-    larger than `OPENING_SLOPE`, a point just before the end reduces it to this value.
+    Gaps [m] are the negative net closure since seating, ascending to 0. Apertures [m] are hydraulic
+    (the geometric mean of both directions; where flow is blocked, its upper bound), or mean ones of
+    a history without flow.
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    cycle = _last_from_seating(history, "GEOS")
-    closure = closures_at(history, stress_levels(history, cycle=cycle))[cycle - 1, 0]
-    if not (np.isfinite(closure).all() and (np.diff(closure) > 0.0).all()):
+    cycle, rows, endings = _loading(history, curves, "GEOS")
+    closure = 1e-3 * rows[members(curves, "closure_net_since_seating_mm")[0]].to_numpy()
+    if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
         raise InputError(f"GEOS: the loading of cycle {cycle} {must}")
-    of_cycle = (history.cycle.values == cycle) & (history.branch.values == LOADING)
-    net = read_along(history)[of_cycle]
-    order = np.argsort(net)
-    known = mean_hydraulic(history) if has_flow(history) else history.mean_aperture.values
-    aperture = np.interp(closure, net[order], known[of_cycle][order])
-    if not (aperture > 0.0).all():
-        kind, least = "hydraulic" if has_flow(history) else "mean", 1e3 * aperture.min()
-        must = f"must be positive, its least value is {least:.2g} mm"
-        raise InputError(f"GEOS: the {kind} aperture {must}")
+    kind = "hydraulic" if has_flow(history) else "mean"
+    files = {"geos.xml": _GEOS}
+    for ending, member in endings.items():
+        aperture = 1e-3 * rows[f"{kind}_aperture_mm{member}"].to_numpy()
+        if has_flow(history):
+            aperture = bounded(aperture, 1e-3 * rows[f"largest_hydraulic_mm{member}"].to_numpy())
+        if ending and not (aperture > 0.0).all():
+            continue  # the end of a band where no void is left
+        if not (aperture > 0.0).all():
+            first = rows.normal_stress_MPa.iloc[int(np.argmin(aperture > 0.0))]
+            raise InputError(
+                f"GEOS: the {kind} aperture must be positive, and is not from {first:.3g} MPa on, "
+                "where no void is left that could flow"
+            )
+        gap, values = with_opening(closure, aperture)
+        for name, numbers in (("geos_gap.csv", gap), (f"geos_aperture{ending}.csv", values)):
+            files[name] = "".join(f"{value:.9e}\n" for value in numbers)
+    return files
+
+
+def bounded(hydraulic: np.ndarray, largest: np.ndarray) -> np.ndarray:
+    """Return hydraulic apertures (n,) at rising stresses, upper bounds where flow is blocked.
+
+    It falls with stress, so that no aperture exceeds those before.
+    """
+    return np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
+
+
+def with_opening(closure: np.ndarray, aperture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return gaps and apertures [m] as GEOS takes them, from closures since seating (n,) [m].
+
+    If the last slope is larger than `OPENING_SLOPE`, a point just before the end reduces it to this
+    value.
+    """
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
     values = aperture[::-1]
@@ -133,53 +184,39 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return gap, values
 
 
-def geos_files(history: xr.Dataset) -> tuple[str, str, str]:
-    """Return gaps and apertures of `geos_aperture_table` as GEOS reads them, and their element."""
-    gap, aperture = (
-        "".join(f"{value:.9e}\n" for value in values) for values in geos_aperture_table(history)
-    )
-    return gap, aperture, _GEOS
-
-
-def itasca_tables(history: xr.Dataset) -> str:
+def itasca_tables(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Write commands of 3DEC 7 that define tables over normal stress [Pa], by cycle and branch.
 
-    They are of net normal stiffness [Pa/m], without the chords of landings (`stiffness_table`), and
-    with flow of the geometric mean of the hydraulic apertures [m].
+    They are of net normal stiffness [Pa/m], and with flow of the geometric mean of the hydraulic
+    apertures [m]; names of the low and the high end of a band end so.
     """
-    chords = stiffness_table(history)
-    chords = chords[~chords.landing]
-    values = 1e9 * chords.normal_stiffness_net_MPa_per_mm
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
-    lines += _tables("kn", chords.assign(value=values))
+    lines += _tables("kn", curves, "normal_stiffness_net_MPa_per_mm", 1e9)
     if has_flow(history):
-        rows = curve_table(history)
-        values = 1e-3 * np.sqrt(rows.hydraulic_aperture_x_mm * rows.hydraulic_aperture_y_mm)
-        rows = rows.assign(value=values).sort_values("normal_stress_MPa", kind="stable")
         lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")
-        lines += _tables("aperture", rows)
-    return "\n".join(lines) + "\n"
+        lines += _tables("aperture", curves, "hydraulic_aperture_mm", 1e-3)
+        lines.append("; its upper bound (m), as a cell in contact is shut whole")
+        lines += _tables("aperture-bound", curves, "largest_hydraulic_mm", 1e-3)
+    return {"joint_stiffness.dat": "\n".join(lines) + "\n"}
 
 
-def _tables(name: str, rows: pd.DataFrame) -> list[str]:
-    """Return a command for each cycle and branch that defines known values over stresses."""
+def _tables(name: str, curves: pd.DataFrame, column: str, scale: float) -> list[str]:
+    """Return a command for each cycle, branch and end of a band that defines known values."""
     lines = []
-    for (cycle, branch), part in rows.groupby(["cycle", "branch"]):
-        known = part[np.isfinite(part.value)]
-        pairs = zip(1e6 * known.normal_stress_MPa, known.value, strict=True)
-        text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
-        lines.append(f"table '{name}-cycle-{cycle}-{branch}' add {text}")
+    for member, ending in zip(members(curves, column), ("", "-low", "-high"), strict=False):
+        for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
+            pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
+            text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
+            lines.append(f"table '{name}-cycle-{cycle}-{branch}{ending}' add {text}")
     return lines
 
 
-def fracture_mesh(
-    history: xr.Dataset,
-) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+def fracture_mesh(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     """Triangulate the midplane of the joint at its end, where the walls just touch.
 
-    Returns points (n, 3) [m], triangles (m, 3), two between four neighbouring cells, and fields of
-    triangles: ``aperture`` [m], the mean of the corners, ``contact``, 1 if one of them is in
-    contact, otherwise 0, and ``MaterialIDs``, 0.
+    The file has points (n, 3) [m], triangles (m, 3), two between four neighbouring cells, and
+    fields of triangles: ``aperture`` [m], the mean of the corners, ``contact``, 1 if one of them is
+    in contact, otherwise 0, and ``MaterialIDs``, 0.
     """
     upper, lower = history.upper_final.values, history.lower_final.values
     opening, spacing = float((upper + lower).max()), spacing_of(history)
@@ -197,17 +234,4 @@ def fracture_mesh(
         "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
         "MaterialIDs": np.zeros(len(triangles), np.int32),
     }
-    return points, triangles, fields
-
-
-EXPORTS: dict[str, Callable[[xr.Dataset], Any]] = {
-    "curves.csv": curve_table,
-    "cycles.csv": cycle_table,
-    "stiffness.csv": stiffness_table,
-    "laws.csv": fitted_laws,
-    "joint_stiffness.dat": itasca_tables,
-    "porepy.json": porepy_parameters,
-    "geos_gap.csv geos_aperture.csv geos.xml": geos_files,
-    "fracture.vtu": fracture_mesh,
-}
-"""Functions of a history by the files that their results are written to."""
+    return {"fracture.vtu": (points, triangles, fields)}

@@ -2,73 +2,102 @@
 
 import argparse
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine.budget import Budget, results_of, table_of
+from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
-from jointclosure.joint.curves import curve_table, cycle_table, has_flow
-from jointclosure.joint.history import with_snapshots
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.curves import cycle_table, has_flow
+from jointclosure.joint.history import branch_of, with_snapshots
+from jointclosure.joint.protocol import FAILURE, UNLOADING
+from jointclosure.statistics.standard_errors import significant
 from jointclosure.storage.figures import save_animation, save_figure, write_vtu
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.storage.text import write_csv, write_text
 
-if TYPE_CHECKING:
-    from jointclosure.engine.budget import Budget
-
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
 neighbouring steps."""
-_SHOWN = {
-    "max_closure_seated_net_mm": "net {since}",
-    "residual_closure_seated_net_mm": "residual net",
-    "max_closure_seated_mm": "gross {since}",
-    "max_closure_mm": "gross from its start",
-}
-_APERTURES = {
-    "mean_aperture_mm": "mean aperture",
-    "hydraulic_aperture_x_mm": "hydraulic along x",
-    "hydraulic_aperture_y_mm": "along y",
-}
+_BLOCKED = (
+    "a cell in contact is shut whole, although contacts are smaller than cells; at most: as if the "
+    "open cells of every line across the flow were connected"
+)
 
 
-def summary(closed: xr.Dataset, budget: "Budget | None" = None) -> str:
+def summary(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> str:
     """Format the results of each cycle as lines of text, with their range if it is known."""
-    since = f"since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     cycles = cycle_table(closed)
+    since = f"closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+    about = "gross closure contains the elastic indentation of the half-spaces, net does not"
+    lines, beside = [f"{about}; {since}"], law_texts(closed, laws)
     if budget is None:
-        titles = {name: title.format(since=since) for name, title in _SHOWN.items()}
-        about = "gross contains the elastic indentation of the half-spaces, net does not"
-        lines = [f"closure (mm); {about}", _table(cycles, titles)]
+        lines.append(plain_table(closed, beside).to_string())
     else:
-        about = "gross closure contains the elastic indentation of the half-spaces, net does not"
-        ranges = "in brackets the range of 9 in 10 random sets of the inputs that are not known"
-        lines = [f"{about}; closures {since}; {ranges}", str(budget)]
+        lines[0] += (
+            "; in brackets the range of 9 in 10 random sets of the inputs that are not known"
+        )
+        lines.append(budget.table(beside).to_string())
+        lines += [f"- {line}" for line in budget.sentences()]
+    lines.append(f"- {laws.sentence()}")
     full = cycles[cycles.mean_aperture_at_max_mm <= 0.0]
     for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
         lines.append(
             f"warning: the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the "
             "walls overlap by more than the void that is left, and the model does not hold there"
         )
-    if has_flow(closed):
-        curves = curve_table(closed)
-        at_maximum = curves.loc[curves.groupby("cycle").normal_stress_MPa.idxmax()]
-        lines += ["at the maximum (mm)", _table(at_maximum, _APERTURES)]
-    return "\n".join(lines)
+    return "\n".join(lines + (_flow_lines(closed) if has_flow(closed) else []))
 
 
-def _table(frame: pd.DataFrame, titles: Mapping[str, str]) -> str:
-    """Format columns [mm] of a frame with a row per cycle under other names."""
-    shown = frame[list(titles)].rename(columns=titles)
-    shown.index = [f"cycle {number}" for number in frame.cycle]
-    return shown.to_string(float_format="{:.5f}".format)
+def plain_table(closed: xr.Dataset, beside: Mapping[str, Mapping[str, str]]) -> pd.DataFrame:
+    """Return the results of a joint without ranges as text, and texts beside them."""
+    results = results_of(closed, float(closed.normal_stress.max())).set_index("cycle")
+    return table_of(results.index, lambda cycle, name: f"{results.loc[cycle, name]:.4g}", beside)
+
+
+def law_texts(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, str]]:
+    """Return what the laws of Barton and Bandis give for the results of a joint, as text."""
+    largest = float(closed.normal_stress.max())
+    texts = {}
+    for cycle, law in laws.by_cycle.items():
+        half, whole = law.closure(np.array([0.5, 1.0]) * largest - laws.seating)
+        values = {
+            "max_closure_seated_net_mm": 1e3 * whole,
+            "stiffness_net_MPa_per_mm": 0.5e-9 * largest / (whole - half),
+            "kni_net_MPa_per_mm": 1e-9 * law.initial_stiffness,
+            "vm_net_mm": 1e3 * law.largest_closure,
+        }
+        texts[f"Barton-Bandis, cycle {cycle}"] = {k: significant(v, 2) for k, v in values.items()}
+    return texts
+
+
+def _flow_lines(closed: xr.Dataset) -> list[str]:
+    """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
+    about = closed.flow_status.attrs
+    words = dict(zip(about["flag_values"], about["flag_meanings"].split(), strict=True))
+    lines, blocked = ["hydraulic aperture at the maximum (mm), and flow_status"], False
+    for cycle in cycle_table(closed).cycle:
+        step = branch_of(closed, cycle, UNLOADING)[:1]
+        parts = []
+        for direction in closed.direction.values if step.size else ():
+            value, bound, status = (
+                closed[name].sel(direction=direction).values[step[0]]
+                for name in ("hydraulic_aperture", "largest_hydraulic", "flow_status")
+            )
+            status = words[int(status)]
+            parts.append(f"along {direction} {1e3 * value:.3g} ({status})")
+            if status != "flows":
+                parts[-1] += f", at most {1e3 * bound:.2g}"
+                blocked = True
+        lines.append(f"cycle {cycle}: {'; '.join(parts)}")
+    return [*lines, f"({_BLOCKED})"] if blocked else lines
 
 
 def failed(closed: xr.Dataset) -> bool:
@@ -122,7 +151,7 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
     return with_snapshots(closed, getattr(arguments, "snapshots", ()))
 
 
-def write(content: Any, path: Path, figures: int | None = None) -> None:
+def write(content: Any, path: Path) -> None:
     """Write a dataset, table, figure, mesh, text or record for JSON in the form of its type."""
     if path.suffix == ".vtu":
         points, triangles, fields = content
@@ -130,7 +159,7 @@ def write(content: Any, path: Path, figures: int | None = None) -> None:
     elif isinstance(content, xr.Dataset):
         write_netcdf(content, path)
     elif isinstance(content, pd.DataFrame):
-        write_csv(content, path, figures)
+        write_csv(content, path)
     elif hasattr(content, "savefig"):
         save_figure(content, path)
     else:
@@ -138,18 +167,12 @@ def write(content: Any, path: Path, figures: int | None = None) -> None:
         write_text(text, path)
 
 
-def write_folder(
-    folder: Path,
-    command: str,
-    files: Mapping[str, Any],
-    further: Callable[[Path], None] = lambda folder: None,
-) -> str:
+def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:
     """Replace the files of a command's earlier run, and return the line that names them."""
 
     def fill(place: Path) -> None:
         for name, content in files.items():
             write(content, place / name)
-        further(place)
 
     names = replace_files(folder, command, fill)
     return f"wrote {folder}: {', '.join(names) or 'no file'}"

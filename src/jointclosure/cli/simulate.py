@@ -15,13 +15,13 @@ examples:
 
 import argparse
 import time
-from functools import partial
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import write_exports
+from jointclosure.cli.exports import export_files
 from jointclosure.engine.progress import closing_bar, duration
 from jointclosure.inputs import InputError
+from jointclosure.joint.barton_bandis import laws_of_joint
 from jointclosure.joint.conditions import Conditions, describe_load
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
@@ -75,7 +75,9 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.perf_counter()
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
-    print(results.summary(closed))
+    strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
+    laws = laws_of_joint(jrc, strength, closed.attrs["seating_stress_Pa"], cycles)
+    print(results.summary(closed, laws))
     print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")
     closed.attrs |= {"joint": title} | results.attributes(about | stated)
     closed = results.write_animation(closed, arguments, title)
@@ -88,6 +90,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exports = partial(write_exports, closed, title)
-        print(results.write_folder(arguments.tables, "simulate", {}, exports))
+        exports = export_files(closed, title, laws=laws.by_cycle)
+        print(results.write_folder(arguments.tables, "simulate", exports))
     return int(results.failed(closed))

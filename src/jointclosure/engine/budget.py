@@ -11,14 +11,19 @@ is divided among the sources by their squared changes, up and down.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy
+import xarray as xr
 
 from jointclosure.engine.measured_joints import measured_range
-from jointclosure.engine.quantities import HEADINGS
+from jointclosure.engine.quantities import CURVES, HEADINGS
+from jointclosure.joint.curves import cycle_table, net_responses, with_transmissivity
+from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.joint.protocol import LOADING
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 
@@ -30,13 +35,13 @@ QUANTITIES = {
         "residual_closure_seated_net_mm",
         CLOSURE_GROSS,
         "stiffness_net_MPa_per_mm",
+        "kni_net_MPa_per_mm",
+        "vm_net_mm",
         "mean_aperture_at_max_mm",
         "contact_at_max",
     )
 }
-"""Headings of results with a range, by column: of `cycle_table`, and the net stiffness of
-`jointclosure.joint.curves.net_responses`."""
-
+"""Headings of results with a range, by column of `results_of`."""
 TOGETHER = "together"
 """Share of a range that no source has alone."""
 TITLES = {
@@ -108,11 +113,13 @@ class Budget(NamedTuple):
     ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``median``,
     ``low`` and ``high`` of joints with random values, of which 9 in 10 lie between the latter; and
     the share of each source, which sum to 1. Sources without a stated range are ``omitted``.
+    ``curves`` is the `stress_table` of the joint, with median, low and high of each of `CURVES`.
     """
 
     results: pd.DataFrame
     ranges: pd.DataFrame
     omitted: tuple[str, ...]
+    curves: pd.DataFrame = pd.DataFrame()
 
     def __str__(self) -> str:
         return "\n".join([self.table().to_string(), *(f"- {line}" for line in self.sentences())])
@@ -194,13 +201,9 @@ class Budget(NamedTuple):
             for (cycle, quantity), row in rows.iterrows()
         ]
 
-    def table(self) -> pd.DataFrame:
-        """Return the results as text, quantities over cycles."""
-        cycles = self.ranges.index.unique("cycle")
-        return pd.DataFrame(
-            {f"cycle {cycle}": [self.text(cycle, name) for name in QUANTITIES] for cycle in cycles},
-            index=list(QUANTITIES.values()),
-        )
+    def table(self, beside: Mapping[str, Mapping[str, str]] = {}) -> pd.DataFrame:
+        """Return the results as text, quantities over cycles, and texts beside them."""
+        return table_of(self.ranges.index.unique("cycle"), self.text, beside)
 
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
@@ -248,6 +251,29 @@ def _two_digits(value: float) -> str:
     return significant(value, 2)
 
 
+def results_of(history: xr.Dataset, largest: float) -> pd.DataFrame:
+    """Return cycles and `QUANTITIES` of a joint that did not fail, loaded to a stress [Pa]."""
+    table, laws = cycle_table(history), fitted_laws(history, ["hyperbolic"], [LOADING])
+    stiffness = net_responses(history, largest)["stiffness_net"]
+    table["stiffness_net_MPa_per_mm"] = 1e-9 * stiffness[table.cycle - 1]
+    for column, name in (("kni_net_MPa_per_mm", "kni_MPa_per_mm"), ("vm_net_mm", "vm_mm")):
+        table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]
+    return table[["cycle", *QUANTITIES]]
+
+
+def table_of(
+    cycles: Iterable[int],
+    text: Callable[[int, str], str],
+    beside: Mapping[str, Mapping[str, str]] = {},
+) -> pd.DataFrame:
+    """Arrange texts of results, quantities over cycles, and further columns by their titles."""
+    columns = {f"cycle {cycle}": [text(cycle, name) for name in QUANTITIES] for cycle in cycles}
+    columns |= {
+        title: [texts.get(name, "") for name in QUANTITIES] for title, texts in beside.items()
+    }
+    return pd.DataFrame(columns, index=list(QUANTITIES.values()))
+
+
 def ranges_of(
     results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
 ) -> pd.DataFrame:
@@ -260,27 +286,69 @@ def ranges_of(
     for cycle, of_cycle in results.groupby("cycle"):
         for quantity in QUANTITIES:
             values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
-            best = float(values.pop("")[0])
-            known = np.concatenate([[best], *values.values()])
-            factors = bool(np.all(known[np.isfinite(known)] > 0.0))
-            changes = {
-                name: np.log(of_source / best) if factors else of_source - best
-                for name, of_source in values.items()
-            }
-            drawn = changes.pop(ALL)
-            sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
-            middle, apart = _quantiles(drawn, *sums)
-            numbers = best * np.exp(middle) if factors else best + middle
-            numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
-            rows[cycle, quantity] = dict(zip(NUMBERS, (best, *numbers), strict=True))
-            alone = shares_of(changes)
-            rows[cycle, quantity] |= {n: (1.0 - apart) * share for n, share in alone.items()}
-            rows[cycle, quantity][TOGETHER] = apart
+            rows[cycle, quantity] = _range_of(values, sources, shares, further)
         net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
         for end in NUMBERS[1:]:  # of every joint the net closure is the smaller one
             net[end], gross[end] = sorted((net[end], gross[end]))
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
+
+
+def _range_of(
+    values: dict[str, np.ndarray],
+    sources: Mapping[str, Source],
+    shares: np.ndarray,
+    further: np.ndarray,
+    least: float | None = None,
+) -> dict[str, float]:
+    """Return a row of `Budget.ranges` from the results of the variants of each source.
+
+    Changes are factors if the ``least`` result, by default of the variants, is positive.
+    """
+    best = float(values.pop("")[0])
+    known = np.concatenate([[best], *values.values()])
+    factors = bool((np.nanmin(known) if least is None else least) > 0.0)
+    changes = {
+        name: np.log(of_source / best) if factors else of_source - best
+        for name, of_source in values.items()
+    }
+    drawn = changes.pop(ALL)
+    sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
+    middle, apart = _quantiles(drawn, *sums)
+    numbers = best * np.exp(middle) if factors else best + middle
+    numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
+    alone = shares_of(changes)
+    row = dict(zip(NUMBERS, (best, *numbers), strict=True))
+    row |= {name: (1.0 - apart) * share for name, share in alone.items()}
+    return row | {TOGETHER: apart}
+
+
+def bands_of(
+    curves: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
+) -> pd.DataFrame:
+    """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`."""
+    places, rows = ["cycle", "branch", "normal_stress_MPa"], []
+    shown = [name for name in CURVES if name in curves]
+    above = curves.normal_stress_MPa > curves.normal_stress_MPa.min()  # where closures begin
+    least = {True: curves.loc[above, shown].min(), False: dict.fromkeys(shown)}
+    for (_, _, stress), here in curves.groupby(places, sort=False):
+        row, of_source = here[here.source == ""].iloc[0].drop("source"), here.groupby("source")
+        for name in shown:
+            values = of_source[name].apply(np.array).to_dict()
+            known = np.isfinite(row[name])
+            about = sources, shares, further, least[stress > curves.normal_stress_MPa.min()][name]
+            numbers = _range_of(values, *about) if known else {}
+            for number in NUMBERS[1:]:
+                row[f"{name}_{number}"] = numbers.get(number, np.nan)
+        rows.append(row)
+    bands = pd.DataFrame(rows).infer_objects().reset_index(drop=True)
+    for name, rises in [(f"{name}_{n}", CURVES[name][1]) for name in shown for n in NUMBERS[1:]]:
+        for _, column in bands.groupby(places[:2])[name]:
+            known = column.dropna()
+            if len(known):
+                fit = scipy.optimize.isotonic_regression(known, increasing=rises)
+                bands.loc[known.index, name] = fit.x
+    return with_transmissivity(bands)
 
 
 def _sums(

@@ -218,10 +218,10 @@ QUANTITIES: dict[str, Quantity] = {
         "net normal compliance", "m/Pa", CYCLE, lambda joint: 1.0 / joint.net["stiffness_net"],
         r"c_\mathrm{n}", {"comment": "one over the net normal stiffness"}),
     "kni_net": Quantity(
-        "initial net stiffness", "Pa/m", CYCLE,
+        "initial net stiffness kni", "Pa/m", CYCLE,
         lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"), r"k_\mathrm{ni}", _OF_LAW),
     "vm_net": Quantity(
-        "largest net closure", "m", CYCLE, lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
+        "largest net closure Vm", "m", CYCLE, lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
         r"V_\mathrm{m}", _OF_LAW),
     "rms_height": Quantity(
         "rms of the summed heights", "m", (), lambda joint: float(np.std(joint.summed)), "R_q"),
@@ -275,6 +275,16 @@ HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.
     for name, (title, unit) in COORDINATES.items()
 }
 """Headings of tables and labels of axes, by column."""
+CURVES = {
+    "closure_net_since_seating_mm": ("net closure since seating (mm)", True),
+    "normal_stiffness_net_MPa_per_mm": ("net normal stiffness kn (MPa/mm)", True),
+    "mean_aperture_mm": ("mean aperture (mm)", False),
+    "hydraulic_aperture_mm": ("hydraulic aperture (mm)", False),
+    "largest_hydraulic_mm": ("hydraulic aperture at most (mm)", False),
+    "transmissivity_m2_per_s": ("transmissivity of water at 20 °C (m2/s)", False),
+}
+"""Headings of curves over stress (`jointclosure.joint.curves.stress_table`), by column, and whether
+they rise with stress; the others fall."""
 
 
 def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:

@@ -15,6 +15,7 @@ from jointclosure.engine.progress import bar, closing_bar
 from jointclosure.engine.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.joint.barton_bandis import JointLaws, laws_of_joint
 from jointclosure.joint.conditions import (
     Conditions,
     conditions_from,
@@ -26,8 +27,9 @@ from jointclosure.joint.history import with_snapshots
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import close_walls
-from jointclosure.parameters import Numerics
+from jointclosure.parameters import Numerics, both_walls
 from jointclosure.walls.measured import FLAT, Cloud, Scan
+from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.scans import read_scan
 
@@ -79,6 +81,14 @@ class ClosedJoint(NamedTuple):
     def __str__(self) -> str:
         """Return the line of `repr`, and below it the range of all results and its reasons."""
         return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
+
+    @property
+    def laws(self) -> JointLaws:
+        """Laws of Barton and Bandis for the JRC of the walls and the strength of the weaker one."""
+        jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
+        strength = min(wall.compressive_strength for wall in both_walls(self.conditions.rock))
+        seating = float(self.history.attrs["seating_stress_Pa"])
+        return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count)
 
     def _closure(self, column: str, table: pd.DataFrame) -> list[str]:
         """Format a closure of each cycle, with its range if that is known."""

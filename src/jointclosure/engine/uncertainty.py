@@ -13,10 +13,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import ALL, QUANTITIES, TITLES, Budget, Source, ranges_of
+from jointclosure.engine.budget import (
+    ALL,
+    QUANTITIES,
+    TITLES,
+    Budget,
+    Source,
+    bands_of,
+    ranges_of,
+    results_of,
+)
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import cycle_table, net_responses
+from jointclosure.joint.curves import stress_levels, stress_table
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
@@ -40,6 +49,8 @@ sources that are always there, 0.34 with those of the rock; medians of all seeds
 that sources are not confounded."""
 FURTHER = 10_000
 """Number of further joints with random values whose results are estimated for the range."""
+FEWER = 10
+"""Part of the further joints that bands of curves are estimated from."""
 _UNMOVED = (0, 0)
 _SHIFTS = (_UNMOVED, (0, 1), (0, -1), (1, 0), (-1, 0))
 
@@ -186,11 +197,13 @@ def uncertainty_budget(
     ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
     and the name of the next variant.
     """
-    conditions = conditions._replace(flow=False).checked()
+    conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges)
     variants = list(variants_of(conditions, sources))
     closed = close_walls(upper, lower, conditions) if closed is None else closed
     parts = [result_rows(Variant("", "", conditions), closed)]
+    levels = stress_levels(closed)
+    curves = [stress_table(closed, levels).assign(source="")]
     for number, variant in enumerate(variants):
         report(number / len(variants), TITLES.get(variant.source, variant.source))
         try:
@@ -198,10 +211,15 @@ def uncertainty_budget(
         except InputError:  # such as more steps than the numerics allow
             joint = None
         parts.append(result_rows(variant, joint, parts[0].cycle))
+        table = curves[0][["cycle", "branch", "normal_stress_MPa"]]
+        if joint is not None and int(joint.status) < FAILURE:
+            table = stress_table(joint, levels)
+        curves.append(table.assign(source=variant.source))
     results = pd.concat(parts, ignore_index=True)
     omitted = tuple(name for name in OF_ROCK if name not in ranges)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
-    return Budget(results, ranges_of(results, sources, shares, further), omitted)
+    bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
+    return Budget(results, ranges_of(results, sources, shares, further), omitted, bands)
 
 
 def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
@@ -260,7 +278,5 @@ def result_rows(
         status = -1 if joint is None else int(joint.status)
         failed = pd.DataFrame({"cycle": [1] if cycles is None else cycles})
         return failed.assign(**about, status=status, **dict.fromkeys(QUANTITIES, np.nan))
-    table = cycle_table(joint)
-    stiffness = net_responses(joint, variant.conditions.largest_stress)["stiffness_net"]
-    table["stiffness_net_MPa_per_mm"] = 1e-9 * stiffness[table.cycle - 1]
-    return table[["cycle", *QUANTITIES]].assign(**about, status=int(joint.status))
+    table = results_of(joint, variant.conditions.largest_stress)
+    return table.assign(**about, status=int(joint.status))

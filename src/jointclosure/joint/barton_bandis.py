@@ -18,6 +18,14 @@ class BartonBandis(NamedTuple):
         asymptote = self.initial_stiffness * self.largest_closure
         return stress * self.largest_closure / (asymptote + stress)
 
+    def since(self, normal_stress: float) -> "BartonBandis":
+        """Return the same law with stress and closure counted from a normal stress [Pa]."""
+        rise = 1.0 + normal_stress / (self.initial_stiffness * self.largest_closure)
+        left = self.largest_closure - float(self.closure(normal_stress))
+        return self._replace(
+            initial_stiffness=self.initial_stiffness * rise**2, largest_closure=left
+        )
+
 
 # A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]. Those of cycle 3 stand in `bartonBandis`
 # of the MATLAB Reservoir Simulation Toolbox too; those of cycle 2 are quoted from memory, and no
@@ -60,3 +68,35 @@ def barton_bandis(
     largest = a + b * jrc + c * (wall_strength / aperture) ** d
     stiffness = -7.15 + 1.75 * jrc + 0.02 * wall_strength / aperture
     return BartonBandis(aperture * 1e-3, largest * 1e-3, stiffness * 1e9)
+
+
+class JointLaws(NamedTuple):
+    """Laws of a joint by cycle since its seating stress [Pa], of its JRC and JCS [Pa]."""
+
+    jrc: float
+    strength: float
+    seating: float
+    by_cycle: dict[int, BartonBandis]
+
+    def sentence(self) -> str:
+        """Describe the laws, and their constants from zero stress."""
+        if not self.by_cycle:
+            return f"Barton-Bandis: has no positive constants for JRC {self.jrc:.2g}"
+        first = barton_bandis(self.jrc, self.strength, 1.0, 1)
+        range_ = "" if law_holds(self.jrc) else ", outside of its range of 5 to 15"
+        return (
+            f"Barton-Bandis: empirical law of mated joints for JRC {self.jrc:.2g}{range_} and JCS "
+            f"{1e-6 * self.strength:.3g} MPa, the strength, from {1e-6 * self.seating:g} MPa on; "
+            f"from 0 MPa on its first cycle has kni {1e-9 * first.initial_stiffness:.2g} MPa/mm "
+            f"and Vm {1e3 * first.largest_closure:.2g} mm"
+        )
+
+
+def laws_of_joint(jrc: float, strength: float, seating: float, cycles: int) -> JointLaws:
+    """Return the laws of a joint of a strength [Pa] whose walls are not weathered."""
+    laws = {}
+    for cycle in range(1, cycles + 1 if jrc > 0.0 else 1):
+        law = barton_bandis(jrc, strength, 1.0, min(cycle, max(CYCLES)))
+        if min(law) > 0.0:
+            laws[cycle] = law.since(seating)
+    return JointLaws(jrc, strength, seating, laws)

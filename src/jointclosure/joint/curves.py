@@ -23,7 +23,11 @@ def area_of(history: xr.Dataset) -> float:
 
 
 LEVELS = 20
-"""Number of stresses of a table of stiffness, evenly spaced from seating to the maximum."""
+"""Number of stresses of a table, evenly spaced from seating to the maximum."""
+POINTS = 60
+"""Number of intervals of stress by which the slope of a curve is computed."""
+WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
+"""Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
 KINDS = {"net": NET, "gross": GROSS}
 """Kinds of closure in names of columns, and their names for `read_along`."""
 
@@ -49,11 +53,7 @@ def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray
         since = closures[kind] - seat_of(history, cycle, LOADING, of)
         columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
     columns |= {f"closure_{kind}_mm": 1e3 * closure for kind, closure in closures.items()}
-    for kind, closure in closures.items():
-        columns[f"normal_stiffness_{kind}_MPa_per_mm"] = 1e-9 * _chords(closure, stress)
-    beyond = np.append(stress[1:], stress[-1]) > landing_stress(history, cycle)
     columns |= {
-        "landing": (branch == LOADING) & beyond,
         "mean_aperture_mm": 1e3 * aperture,
         "void_volume_mm3": 1e9 * area * aperture,
         "contact_area_mm2": 1e6 * area * contact,
@@ -67,9 +67,9 @@ def has_flow(history: xr.Dataset) -> bool:
     return "hydraulic_aperture" in history
 
 
-def mean_hydraulic(history: xr.Dataset) -> np.ndarray:
+def mean_hydraulic(history: xr.Dataset, of: str = "hydraulic_aperture") -> np.ndarray:
     """Return the geometric mean (n,) of the hydraulic apertures along x and y [m]."""
-    return np.sqrt(history.hydraulic_aperture.prod("direction", skipna=False).values)
+    return np.sqrt(history[of].prod("direction", skipna=False).values)
 
 
 def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray]:
@@ -142,14 +142,6 @@ def hysteresis(closed: xr.Dataset) -> np.ndarray:
             back = -np.trapezoid(stress[unloading], closure[unloading])
             shares[index] = 1.0 - back / given
     return shares
-
-
-def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Return the slope [Pa/m] at each step (n,) by the chord of its neighbours, or NaN."""
-    steps = np.arange(closure.size)
-    before, after = np.maximum(steps - 1, 0), np.minimum(steps + 1, closure.size - 1)
-    run, rise = closure[after] - closure[before], stress[after] - stress[before]
-    return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run != 0.0)
 
 
 def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
@@ -227,28 +219,78 @@ def secant_stiffness(
     return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
 
 
-def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
-    """Compute normal stiffness by chords between evenly spaced stresses, by cycle and branch."""
-    levels = stress_levels(history, count)
-    net, gross = (_between_levels(levels, closures_at(history, levels, of)) for of in (NET, GROSS))
-    rows = []
-    for index, side in np.ndindex(net.shape[:2]):
-        columns = {
-            "cycle": index + 1,
-            "branch": (LOADING, UNLOADING)[side],
-            "from_MPa": 1e-6 * levels[:-1],
-            "to_MPa": 1e-6 * levels[1:],
-            "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
-            "normal_stiffness_net_MPa_per_mm": 1e-9 * net[index, side],
-            "normal_stiffness_gross_MPa_per_mm": 1e-9 * gross[index, side],
-            "landing": (side == 0) & (levels[1:] > landing_stress(history, index + 1)),
-        }
-        rows.append(pd.DataFrame(columns))
-    return pd.concat(rows, ignore_index=True)
+def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
+    """Compute the stiffness (cycles, 2, levels) [Pa/m] at stresses [Pa], which rises with them.
+
+    It is the slope of the concave curve nearest to the closure over stress: where contacts break,
+    the slope of the closure itself goes up and down with every step. Landings are left out.
+    """
+    fine = np.linspace(levels[0], levels[-1], POINTS + 1)
+    closures = closures_at(history, fine, of)
+    stiffness = np.full((*closures.shape[:2], levels.size), np.nan)
+    for index, side in np.ndindex(closures.shape[:2]):
+        closure = closures[index, side]
+        end = np.inf if side else landing_stress(history, index + 1)
+        known = np.isfinite(closure) & (fine <= end)
+        at, closure = fine[known], closure[known]
+        if at.size < 2:
+            continue
+        run = np.diff(at)
+        fit = scipy.optimize.isotonic_regression(
+            np.diff(closure) / run, weights=run, increasing=False
+        )
+        middle = 0.5 * (at[fit.blocks[:-1]] + at[fit.blocks[1:]])
+        slope = fit.x[fit.blocks[:-1]]
+        rising = slope > 0.0
+        if rising.any():
+            inside = (levels >= at[0]) & (levels <= at[-1])
+            values = np.interp(levels[inside], middle[rising], 1.0 / slope[rising])
+            stiffness[index, side, inside] = values
+    return stiffness
 
 
-def _between_levels(levels: np.ndarray, closures: np.ndarray) -> np.ndarray:
-    """Return stiffness (..., levels - 1) [Pa/m] from closures (..., levels) [m] at stresses."""
-    run = np.diff(closures)
-    rise = np.broadcast_to(np.diff(levels), run.shape)
-    return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)
+def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
+    """Tabulate closure, stiffness and aperture at stresses [Pa], by cycle and branch."""
+    levels = stress_levels(history) if levels is None else levels
+    columns: dict[str, np.ndarray] = {}
+    begun = int(history.cycle.max())
+    for kind, of in KINDS.items():
+        seats = np.array([seat_of(history, cycle + 1, LOADING, of) for cycle in range(begun)])
+        since = closures_at(history, levels, of) - seats[:, None, None]
+        columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
+    for kind, of in KINDS.items():
+        stiffness = 1e-9 * normal_stiffness(history, levels, of)
+        columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
+    columns["mean_aperture_mm"] = 1e3 * closures_at(history, levels, "mean_aperture")
+    if has_flow(history):
+        means = {"largest_hydraulic": mean_hydraulic(history, "largest_hydraulic")}
+        known = mean_hydraulic(history)
+        means["hydraulic_aperture"] = np.where(
+            np.isfinite(known), known, means["largest_hydraulic"]
+        )
+        flows = history.assign({f"{name}_mean": ("step", mean) for name, mean in means.items()})
+        read = {name: closures_at(flows, levels, f"{name}_mean") for name in means}
+        columns |= {f"{name}_mm": 1e3 * values for name, values in read.items()}
+    index = pd.MultiIndex.from_product(
+        [range(1, begun + 1), (LOADING, UNLOADING), 1e-6 * levels],
+        names=["cycle", "branch", "normal_stress_MPa"],
+    )
+    flat = {name: values.ravel() for name, values in columns.items()}
+    return with_transmissivity(pd.DataFrame(flat, index).reset_index())
+
+
+def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
+    """Add the transmissivity of every hydraulic aperture in `stress_table`, or in its bands."""
+    name, words = "hydraulic_aperture_mm", "transmissivity_m2_per_s"
+    known = [*members(curves, name), name] if name in curves else []
+    return curves.assign(**{c.replace(name, words): WATER * (1e-3 * curves[c]) ** 3 for c in known})
+
+
+def members(curves: pd.DataFrame, name: str) -> list[str]:
+    """Return the columns of a quantity's median, low and high curve, or of its only curve.
+
+    Without a name these are the endings of columns.
+    """
+    if f"{name or 'closure_net_since_seating_mm'}_median" in curves:
+        return [f"{name}_{member}" for member in ("median", "low", "high")]
+    return [name]

@@ -195,6 +195,12 @@ _VARIABLES = (
         "m",
         "aperture of parallel plates that pass as much, 0 where flow is blocked",
     ),
+    (
+        "largest_hydraulic",
+        "m",
+        "upper bound of the hydraulic aperture",
+        "as if the open cells of every line across the flow were connected",
+    ),
     ("flow_imbalance", "1", "sum of the cells' mass balances over the inflow"),
 )
 ATTRIBUTES: dict[str, dict[str, Any]] = {

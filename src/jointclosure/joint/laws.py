@@ -7,7 +7,7 @@ Closure D is net and counts from the seating stress s, as in laboratories:
 - power (Swan 1983): D = c (sigma - s)^m.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,8 @@ from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
 """Number of evenly spaced stresses at which a law is fitted, with equal weights."""
+_STRAIGHT = 1e3
+"""Largest closure of a hyperbola over that of a curve that does not bend as one does."""
 FAILS = 0.05
 """Largest error of a law within its range, over the largest closure."""
 
@@ -58,6 +60,8 @@ def _power(stress: np.ndarray, seating: float, c: float, m: float) -> np.ndarray
 def _guess_hyperbola(stress, closure, seating) -> tuple[float, ...]:
     # (sigma - s)/D = kni + (sigma - s)/Vm is a straight line
     known = (stress > seating) & (closure > 0.0)
+    if known.sum() < 2:
+        raise ValueError("too few points")
     above = stress[known] - seating
     slope, kni = np.polyfit(above, above / closure[known], 1)
     return max(kni, 1e-9), 1.0 / max(slope, 1e-9)
@@ -111,13 +115,18 @@ def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, n
     return curves
 
 
-def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
-    """Fit the laws by least squares of closure, for each cycle and branch."""
+def fitted_laws(
+    history: xr.Dataset,
+    laws: Sequence[str] = tuple(LAWS),
+    branches: Sequence[str] = (LOADING, UNLOADING),
+) -> pd.DataFrame:
+    """Fit laws by least squares of closure, for each cycle and branch."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     rows = []
     for (cycle, branch), (stress, closure) in law_curves(history).items():
-        for name, law in LAWS.items():
-            values, errors, fit = _fit(law, stress, closure, seating)
+        for name in laws if branch in branches else ():
+            law = LAWS[name]
+            values, errors, fit = fit_law(law, stress, closure, seating)
             about = {"cycle": cycle, "branch": branch, "law": name}
             rows += [
                 about | {"parameter": parameter, "value": value, "standard_error": error} | fit
@@ -126,8 +135,8 @@ def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=_COLUMNS)
 
 
-def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
-    """Return parameters, their errors, and the quality of the fit of a law."""
+def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
+    """Return parameters, their errors, and the quality of the fit of a law [MPa, mm]."""
 
     def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
         return law.closure(stress, seating, *parameters)
@@ -136,6 +145,10 @@ def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     try:
         start = law.guess(stress, closure, seating)
         fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, maxfev=20_000)
+        if law.closure is _hyperbola and min(fitted[0]) <= 0.0:  # straighter than any hyperbola
+            bounds = np.zeros(2), np.array([np.inf, _STRAIGHT * closure.max()])
+            start = tuple(np.clip(start, 1e-9, 0.5 * bounds[1]))
+            fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, bounds=bounds)
     except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
         nothing = np.full(len(law.parameters), np.nan)
         return nothing, nothing, dict.fromkeys(names, np.nan)

@@ -1,5 +1,7 @@
 """Figures of a joint: closure, stiffness, laws and apertures, and the fit to a measured curve."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 import seaborn as sns
@@ -8,9 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, leading
-from jointclosure.joint.curves import curve_table, has_flow, stiffness_table
+from jointclosure.engine.quantities import CURVES
+from jointclosure.joint.barton_bandis import BartonBandis
+from jointclosure.joint.curves import WATER, has_flow, members, stress_table
 from jointclosure.joint.history import GROSS, NET, branch_of, read_along, seat_of
-from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, law_words
+from jointclosure.joint.laws import LAWS, fit_law
 from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
@@ -78,102 +82,98 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
         axes.legend(frameon=False)
 
 
-def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
-    """Draw net normal stiffness by chords against stress; chords of the landing as open circles."""
-    table = stiffness_table(closed)
-    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
-        colour, order = f"C{cycle - 1}", above(cycle, branch)
-        for landing, part in rows.groupby("landing"):
-            label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
-            axes.plot(
-                part.normal_stress_MPa, part.normal_stiffness_net_MPa_per_mm,
-                "" if landing else BRANCH_LINES[branch], label=label, color=colour, zorder=order,
-                marker="o", ms=3, mfc="none" if landing else colour,
-            )  # fmt: skip
-    axes.set(xlabel="normal stress (MPa)", ylabel="net normal stiffness (MPa/mm)")
-    axes.set(yscale="log", xlim=0.0)
+def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
+    """Draw net normal stiffness over stress from `stress_table`, or from bands of it."""
+    _draw_along(axes, curves, "normal_stiffness_net_MPa_per_mm")
+    axes.set(yscale="log")
     decimal_ticks(axes.yaxis)
-    axes.legend(frameon=False, fontsize=9)
+
+
+def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = False) -> None:
+    """Draw a column over stress by cycle and branch, with the band of loadings if it is known.
+
+    ``across``: stress over the column.
+    """
+    middle = members(curves, name)[0]
+    fill = axes.fill_betweenx if across else axes.fill_between
+    for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
+        order, colour = above(cycle, branch), f"C{cycle - 1}"
+        stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
+        if middle != name and branch == LOADING:
+            low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
+            fill(stress, low, high, color=colour, alpha=0.2, lw=0.0)
+        at = (rows[middle], stress) if across else (stress, rows[middle])
+        axes.plot(*at, BRANCH_LINES[branch], color=colour, label=label, zorder=order)
+    axes.set(xlabel="normal stress (MPa)", ylabel=CURVES[name][0], xlim=0.0)
 
 
 @styled
-def engineering_figure(history: xr.Dataset, title: str) -> Figure:
-    """Draw net closure since seating with the fitted laws, net stiffness and apertures.
+def engineering_figure(
+    history: xr.Dataset,
+    title: str,
+    curves: pd.DataFrame | None = None,
+    laws: Mapping[int, BartonBandis] = {},
+) -> Figure:
+    """Draw net closure since seating, its laws, net stiffness and aperture, with their bands.
 
-    For a history with flow there is a further panel of hydraulic apertures.
+    With flow there is a further panel of transmissivity. ``curves`` are bands of `stress_table`,
+    ``laws`` are those of Barton and Bandis since seating, by cycle.
     """
+    curves = stress_table(history) if curves is None else curves
     shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
     figure, panels = subplots(*shape, figsize=size)
     panels = panels.ravel()
-    _draw_closure(panels[0], history)
-    draw_stiffness(panels[1], history)
-    panels[1].set_title("normal stiffness, by chords")
-    _draw_aperture(panels[2], history)
+    _draw_closure(panels[0], history, curves, laws)
+    draw_stiffness(panels[1], curves)
+    panels[1].set_title("normal stiffness")
+    _draw_along(panels[2], curves, "mean_aperture_mm")
+    panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow(history):
-        _draw_flow(panels[3], history)
-        panels[3].set_ylim(0.0, max(axes.get_ylim()[1] for axes in panels[2:]))
-        panels[2].set_ylim(panels[3].get_ylim())
-    figure.suptitle(title, parse_math=False)
+        _draw_flow(panels[3], curves)
+    banded = members(curves, "")[0] != ""
+    about = f"{title}: medians, and nine in ten of the joints that inputs allow"
+    figure.suptitle(about if banded else title, parse_math=False)
     for axes in panels:
         sns.despine(ax=axes)
+        axes.legend(frameon=False, fontsize=8)
     return figure
 
 
-def _draw_closure(axes, history: xr.Dataset) -> None:
-    """Draw loading of each cycle from its seating, and the fitted laws."""
+def _draw_closure(
+    axes, history: xr.Dataset, curves: pd.DataFrame, laws: Mapping[int, BartonBandis]
+) -> None:
+    """Draw loading of each cycle from its seating, fitted hyperbolas, and Barton and Bandis."""
+    loading = curves[curves.branch == LOADING]
+    _draw_along(axes, loading, "closure_net_since_seating_mm", across=True)
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
-    fits = fitted_laws(history)
-    styles = dict(zip(LAWS, (":", "-.", "--"), strict=True))
-    for (cycle, branch), (stress, closure) in law_curves(history).items():
-        if branch != LOADING:
-            continue
-        axes.plot(closure, stress, color=f"C{cycle - 1}", lw=2.2, label=f"cycle {cycle}")
-        for name, style in styles.items():
-            rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.law == name)]
-            law = LAWS[name].closure(stress, seating, *rows.value)
-            axes.plot(law, stress, style, color="0.25", lw=1.0)
-    for name, style in styles.items():
-        axes.plot([], [], style, color="0.25", lw=1.0, label=law_words(name))
-    axes.set(title="loading, and laws fitted to it", ylim=0.0, ylabel="normal stress (MPa)")
+    stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
+    middle, law = members(curves, "closure_net_since_seating_mm")[0], LAWS["hyperbolic"]
+    for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
+        known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
+        fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
+        label = None if number else "hyperbolas fitted"
+        axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
+        if cycle in laws:
+            empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
+            style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
+            axes.plot(empirical, stress, "-.", color=f"C{cycle - 1}", **style)
+    axes.set(title="loading", ylim=0.0, ylabel="normal stress (MPa)", xlim=(None, None))
     axes.set(xlabel=f"net closure since {seating:g} MPa (mm)")
-    axes.legend(frameon=False, fontsize=9)
 
 
-def _draw_aperture(axes, history: xr.Dataset) -> None:
-    """Draw mean aperture over stress from seating on, which leaves out the first contacts."""
-    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
-    table = curve_table(history)
-    top = 0.0
-    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
-        axes.plot(
-            rows.normal_stress_MPa, rows.mean_aperture_mm, BRANCH_LINES[branch],
-            color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
-            zorder=above(cycle, branch),
-        )  # fmt: skip
-        loaded = rows[rows.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
-        top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
-    axes.set(
-        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top or None),
-        xlabel="normal stress (MPa)", ylabel="mean aperture (mm)",
-    )  # fmt: skip
-    axes.legend(frameon=False, fontsize=9)
-
-
-def _draw_flow(axes, history: xr.Dataset) -> None:
-    """Draw hydraulic apertures over stress by direction: loading thick, unloading thin."""
-    for (cycle, branch), rows in curve_table(history).groupby(["cycle", "branch"], sort=False):
-        for direction, style in (("x", "-"), ("y", ":")):
-            label = f"cycle {cycle}, along {direction}" if branch == LOADING else None
-            axes.plot(
-                rows.normal_stress_MPa, rows[f"hydraulic_aperture_{direction}_mm"], style,
-                color=f"C{cycle - 1}", label=label, lw=2.2 if branch == LOADING else 0.9,
-                zorder=above(cycle, branch),
-            )  # fmt: skip
-    axes.set(
-        title="hydraulic aperture (unloading thin)", xlim=0.0,
-        xlabel="normal stress (MPa)", ylabel="hydraulic aperture (mm)",
-    )  # fmt: skip
-    axes.legend(frameon=False, fontsize=9)
+def _draw_flow(axes, curves: pd.DataFrame) -> None:
+    """Draw transmissivity over stress; its upper bound dotted, as flow may be blocked."""
+    name = "transmissivity_m2_per_s"
+    _draw_along(axes, curves, name)
+    for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
+        bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
+        label = "at most, cells in contact let water pass" if cycle == 1 else None
+        axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
+    axes.set(title="transmissivity")
+    known = curves[members(curves, name)[0]]
+    if (known > 0.0).any():
+        top = 3.0 * known.max()
+        axes.set(yscale="log", ylim=(1e-9 * top, None))
 
 
 @styled

@@ -11,6 +11,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.inputs.extras import needs
+from jointclosure.joint.curves import stress_table
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map, state_map
@@ -83,9 +84,9 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
-    """Draw net normal stiffness kn [MPa/mm] over stress, by chords between even stresses."""
+    """Draw net normal stiffness kn [MPa/mm] over stress."""
     axes = _axes(axes)
-    draw_stiffness(axes, _history(joint))
+    draw_stiffness(axes, stress_table(_history(joint)))
     return axes
 
 

@@ -3,14 +3,14 @@
 Means over cells are resampled by tiles; measures of long waves scatter as synthetic walls do.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.roughness import RELATIONS, Relation
+from jointclosure.walls.roughness import RELATIONS, Relation, jrc_of_z2, rms_slope
 from jointclosure.walls.synthesis import synthetic_wall
 
 TILES = 6
@@ -219,6 +219,13 @@ def _lag(relation: Relation, spacing: float) -> int:
     """Return the relation's interval in cells, or 0 if it is not a whole number of cells."""
     ratio = relation.interval / spacing
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
+
+
+def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
+    """Return the mean JRC of the walls (y, x) [m] of a joint; NaN if all are flat."""
+    rough = [wall for wall in walls if rms_slope(wall, spacing) > 0.0]
+    jrcs = [jrc_of_z2(rms_slope(wall, spacing), spacing, hurst_of(wall)) for wall in rough]
+    return float(np.mean(jrcs)) if jrcs else float("nan")
 
 
 def _jrc(
