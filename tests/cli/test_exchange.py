@@ -14,11 +14,11 @@ from jointclosure.cli import main as cli
 from jointclosure.cli.exports import (
     OPENING_SLOPE,
     fracture_mesh,
-    geos_aperture_table,
+    geos_files,
     itasca_tables,
-    porepy_parameters,
+    porepy_files,
 )
-from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.curves import cycle_table, stress_table
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.storage.figures import write_vtu
 from jointclosure.storage.netcdf import read_netcdf
@@ -40,35 +40,81 @@ def history(folder):
     return read_netcdf(folder / "joint.nc")
 
 
+def exported(export, history):
+    """What an export writes of a joint without a band."""
+    return export(history, stress_table(history))
+
+
+def geos_table(history):
+    files = exported(geos_files, history)
+    return [np.array(files[f"geos_{name}.csv"].split(), float) for name in ("gap", "aperture")]
+
+
+def itasca_table(text, name):
+    """Stresses and values of a table."""
+    (line,) = re.findall(rf"^table '{name}' add (.*)$", text, re.M)
+    return np.array(re.findall(r"\(([^,]+),([^)]+)\)", line), dtype=float).T
+
+
 def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
     text = (folder / "t/joint_stiffness.dat").read_text()
-    table = pd.read_csv(folder / "t/stiffness.csv").dropna()
-    table = table[~table.landing]
-    found = dict(re.findall(r"^table '([\w-]+)' add (.*)$", text, re.M))
-    assert set(found) == {f"kn-cycle-{c}-{b}" for c in (1, 2) for b in ("loading", "unloading")}
+    table = pd.read_csv(folder / "t/answer.csv").dropna()
     for (cycle, branch), own in table.groupby(["cycle", "branch"]):
-        pairs = re.findall(r"\(([^,]+),([^)]+)\)", found[f"kn-cycle-{cycle}-{branch}"])
-        read = np.array(pairs, dtype=float)
-        np.testing.assert_allclose(read[:, 0], 1e6 * own.normal_stress_MPa, rtol=1e-6)
-        np.testing.assert_allclose(read[:, 1], 1e9 * own.normal_stiffness_net_MPa_per_mm, rtol=1e-6)
-        assert (np.diff(read[:, 0]) > 0.0).all()
+        stress, values = itasca_table(text, f"kn-cycle-{cycle}-{branch}")
+        np.testing.assert_allclose(stress, 1e6 * own.normal_stress_MPa, rtol=1e-6)
+        np.testing.assert_allclose(values, 1e9 * own.normal_stiffness_net_MPa_per_mm, rtol=1e-6)
+        assert (np.diff(stress) > 0.0).all()
+        assert (np.diff(values) >= 0.0).all()
 
 
-def test_itasca_tables_of_flow_hold_the_geometric_mean_of_both_directions(history):
+def with_flow(history, share=1.0):
+    """A history whose hydraulic apertures are the mean one, and four times it, and bounds."""
     aperture = history.mean_aperture.values
-    along = (("direction", "step"), np.stack([aperture, 4.0 * aperture]))
-    flow = history.assign_coords(direction=["x", "y"]).assign(hydraulic_aperture=along)
-    line = itasca_tables(flow).split("'aperture-cycle-1-loading' add ")[1].splitlines()[0]
-    read = np.array(re.findall(r"\(([^,]+),([^)]+)\)", line), dtype=float)
-    here = (history.cycle.values == 1) & (history.branch.values == "loading")
-    np.testing.assert_allclose(np.sort(read[:, 1]), np.sort(2.0 * aperture[here]), rtol=1e-6)
-    assert (np.diff(read[:, 0]) >= 0.0).all()
+    along = np.stack([aperture, 4.0 * aperture])
+    flow = {"hydraulic_aperture": share * along, "largest_hydraulic": 2.0 * along}
+    over = ("direction", "step")
+    flow = {name: (over, values) for name, values in flow.items()}
+    return history.assign_coords(direction=["x", "y"]).assign(flow)
+
+
+def test_tables_of_flow_hold_the_geometric_mean_of_both_directions_and_a_bound(history):
+    flow = with_flow(history)
+    files, table = exported(itasca_tables, flow), stress_table(flow)
+    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    for name, factor in (("aperture", 2.0), ("aperture-bound", 4.0)):
+        _, values = itasca_table(files["joint_stiffness.dat"], f"{name}-cycle-1-loading")
+        np.testing.assert_allclose(values, factor * 1e-3 * first.mean_aperture_mm, rtol=1e-6)
+    blocked = with_flow(history, share=0.0)
+    np.testing.assert_allclose(geos_table(blocked)[1], 2.0 * geos_table(flow)[1], rtol=1e-4)
+
+
+def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history):
+    curves = stress_table(history)
+    names = [name for name in curves if name not in ("cycle", "branch", "normal_stress_MPa")]
+    ends = {"median": 1.1, "low": 1.0, "high": 1.3}
+    band = curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
+    text = itasca_tables(history, band)["joint_stiffness.dat"]
+    plain = exported(itasca_tables, history)["joint_stiffness.dat"]
+    known = itasca_table(plain, "kn-cycle-2-loading")[1]
+    solids, one = porepy_files(history, band), exported(porepy_files, history)["porepy.json"]
+    for ending, factor in (("", 1.1), ("-low", 1.0), ("-high", 1.3)):
+        values = itasca_table(text, f"kn-cycle-2-loading{ending}")[1]
+        np.testing.assert_allclose(values, factor * known, rtol=1e-6)
+        solid = solids[f"porepy{ending.replace('-', '_')}.json"]
+        for name, value in one.items():
+            power = -1.0 if name == "fracture_normal_stiffness" else 1.0
+            assert solid[name] == pytest.approx(factor**power * value, rel=1e-3)
+    files = geos_files(history, band)
+    apertures = [files[f"geos_aperture{end}.csv"].split() for end in ("_low", "", "_high")]
+    low, middle, high = (np.array(values, float) for values in apertures)
+    assert (low < middle).all()
+    assert (middle < high).all()
 
 
 def test_porepy_closes_as_the_joint_does(folder, history):
     """Its fracture closes from the elastic opening by Bandis' hyperbola."""
     solid = json.loads((folder / "t/porepy.json").read_text())
-    assert solid == porepy_parameters(history)
+    assert solid == exported(porepy_files, history)["porepy.json"]
     stiffness, opening = (
         solid[name] for name in ("fracture_normal_stiffness", "maximum_elastic_fracture_opening")
     )
@@ -81,19 +127,19 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     aperture = solid["residual_aperture"] + opening - closes
     assert aperture == pytest.approx(1e-3 * cycle.mean_aperture_at_max_mm, rel=0.01)
     fits = fitted_laws(history)
-    assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
+    fitted = 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
+    assert stiffness == pytest.approx(fitted, rel=0.02)  # at fewer stresses
 
 
 def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):
     """Softer half-spaces change no number of theirs: what they take is net."""
     history = history.assign_attrs(numerics="{}")  # no landing, whose steps are gross
     softer = on_softer_half_spaces(history)
-    one, other = porepy_parameters(history), porepy_parameters(softer)
+    one, other = (exported(porepy_files, each)["porepy.json"] for each in (history, softer))
     assert other == pytest.approx(one, rel=1e-4)
-    np.testing.assert_allclose(
-        geos_aperture_table(softer), geos_aperture_table(history), rtol=1e-6, atol=1e-12
-    )
-    tables = [re.findall(r"[\d.]+e[+-]\d+", itasca_tables(each)) for each in (history, softer)]
+    np.testing.assert_allclose(geos_table(softer), geos_table(history), rtol=1e-6, atol=1e-12)
+    texts = (exported(itasca_tables, each)["joint_stiffness.dat"] for each in (history, softer))
+    tables = [re.findall(r"[\d.]+e[+-]\d+", text) for text in texts]
     np.testing.assert_allclose(*(np.array(table, float) for table in tables), rtol=1e-6)
 
 
@@ -102,11 +148,11 @@ def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_take
     about = {"spacing": SPACING, "rock": DOLERITE, "seating_stress": 0.5e6}
     joint = jc.simulate(*walls, **about, max_normal_stress=[4e6, 0.0, 4e6, 1e6, 4e6])
     before = joint.sel(step=joint.cycle <= 2)
-    assert porepy_parameters(joint) == porepy_parameters(before)
-    np.testing.assert_array_equal(geos_aperture_table(joint), geos_aperture_table(before))
+    assert exported(porepy_files, joint) == exported(porepy_files, before)
+    np.testing.assert_array_equal(geos_table(joint), geos_table(before))
     above = joint.sel(step=joint.cycle == 3)
     with pytest.raises(jc.InputError, match="no loading begins at or below the seating stress"):
-        porepy_parameters(above)
+        exported(porepy_files, above)
 
 
 def test_geos_takes_the_table(folder, history):
@@ -134,7 +180,7 @@ def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_sa
         *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, effects=alone,
         seating_stress=0.2e6,
     )  # fmt: skip
-    gap, aperture = geos_aperture_table(history)  # without interaction the slope is 1
+    gap, aperture = geos_table(history)  # without interaction the slope is 1
     slopes = np.diff(aperture) / np.diff(gap)
     assert slopes[-1] == pytest.approx(OPENING_SLOPE, rel=1e-6)
     np.testing.assert_allclose(slopes[:-2], 1.0, rtol=1e-6)
@@ -147,8 +193,8 @@ def test_a_table_of_a_blocked_joint_is_refused_in_a_line(small_joint):
         *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6
     )
     blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
-    with pytest.raises(jc.InputError, match="mean aperture must be positive"):
-        geos_aperture_table(blocked)
+    with pytest.raises(jc.InputError, match=r"mean aperture must be positive, and is not from 0.2"):
+        exported(geos_files, blocked)
 
 
 def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
@@ -157,7 +203,8 @@ def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     opening = float((upper + lower).max())
     axes = {name: SPACING * np.arange(n) for name, n in zip("yx", upper.shape, strict=True)}
     walls = {"upper_final": (("y", "x"), upper), "lower_final": (("y", "x"), lower)}
-    write_vtu(*fracture_mesh(xr.Dataset(walls, axes)), tmp_path / "a.vtu")
+    (mesh,) = fracture_mesh(xr.Dataset(walls, axes), pd.DataFrame()).values()
+    write_vtu(*mesh, tmp_path / "a.vtu")
     read = meshio.read(tmp_path / "a.vtu")
     ny, nx = upper.shape
     triangles = read.cells_dict["triangle"]

@@ -111,7 +111,7 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
     for ending, member in endings.items():
         closure = rows[f"closure_net_since_seating_mm{member}"].to_numpy()
         law, stress = LAWS["hyperbolic"], rows.normal_stress_MPa.to_numpy()
-        stiffness, largest = fit_law(law, stress, closure, seating)[0]
+        stiffness, largest = fit_law(law, stress, closure - closure[0], seating)[0]
         aperture = float(rows[f"mean_aperture_mm{member}"].iloc[0])
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             raise InputError(
@@ -141,7 +141,7 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         must = "must close monotonically from seating to its maximum"
         raise InputError(f"GEOS: the loading of cycle {cycle} {must}")
     kind = "hydraulic" if has_flow(history) else "mean"
-    files = {"geos.xml": _GEOS}
+    apertures: dict[str, np.ndarray] = {}
     for ending, member in endings.items():
         aperture = 1e-3 * rows[f"{kind}_aperture_mm{member}"].to_numpy()
         if has_flow(history):
@@ -154,10 +154,13 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
                 f"GEOS: the {kind} aperture must be positive, and is not from {first:.3g} MPa on, "
                 "where no void is left that could flow"
             )
-        gap, values = with_opening(closure, aperture)
-        for name, numbers in (("geos_gap.csv", gap), (f"geos_aperture{ending}.csv", values)):
-            files[name] = "".join(f"{value:.9e}\n" for value in numbers)
-    return files
+        apertures[f"geos_aperture{ending}.csv"] = aperture
+    gap, tables = with_opening(closure, np.stack(list(apertures.values())))
+    written = {"geos_gap.csv": gap} | dict(zip(apertures, tables, strict=True))
+    texts = {
+        name: "".join(f"{value:.9e}\n" for value in values) for name, values in written.items()
+    }
+    return texts | {"geos.xml": _GEOS}
 
 
 def bounded(hydraulic: np.ndarray, largest: np.ndarray) -> np.ndarray:
@@ -168,19 +171,20 @@ def bounded(hydraulic: np.ndarray, largest: np.ndarray) -> np.ndarray:
     return np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
 
 
-def with_opening(closure: np.ndarray, aperture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return gaps and apertures [m] as GEOS takes them, from closures since seating (n,) [m].
+def with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return gaps and apertures (tables, n) [m] as GEOS takes them, from closures since seating.
 
-    If the last slope is larger than `OPENING_SLOPE`, a point just before the end reduces it to this
+    If a last slope is larger than `OPENING_SLOPE`, points just before the end reduce it to this
     value.
     """
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
-    values = aperture[::-1]
-    if (values[-1] - values[-2]) / (gap[-1] - gap[-2]) > OPENING_SLOPE:
+    values = apertures[:, ::-1]
+    slopes = (values[:, -1] - values[:, -2]) / (gap[-1] - gap[-2])
+    if slopes.max() > OPENING_SLOPE:
         before = _END * gap[-2]
-        gap = np.insert(gap, -1, before)
-        values = np.insert(values, -1, values[-1] + OPENING_SLOPE * before)
+        opened = values[:, -1] + np.minimum(slopes, OPENING_SLOPE) * before
+        gap, values = np.insert(gap, -1, before), np.insert(values, -1, opened, axis=1)
     return gap, values
 
 

@@ -232,21 +232,27 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
         closure = closures[index, side]
         end = np.inf if side else landing_stress(history, index + 1)
         known = np.isfinite(closure) & (fine <= end)
-        at, closure = fine[known], closure[known]
-        if at.size < 2:
-            continue
-        run = np.diff(at)
-        fit = scipy.optimize.isotonic_regression(
-            np.diff(closure) / run, weights=run, increasing=False
-        )
-        middle = 0.5 * (at[fit.blocks[:-1]] + at[fit.blocks[1:]])
-        slope = fit.x[fit.blocks[:-1]]
-        rising = slope > 0.0
-        if rising.any():
-            inside = (levels >= at[0]) & (levels <= at[-1])
-            values = np.interp(levels[inside], middle[rising], 1.0 / slope[rising])
-            stiffness[index, side, inside] = values
+        if known.sum() > 2:
+            inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])
+            slopes = _rising_slopes(fine[known], closure[known], levels[inside])
+            stiffness[index, side, inside] = slopes
     return stiffness
+
+
+def _rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """Return the slopes of stress over the concave curve nearest to closures, at levels."""
+    run = np.diff(stress)
+    fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
+    middle = 0.5 * (stress[fit.blocks[:-1]] + stress[fit.blocks[1:]])
+    compliance = fit.x[fit.blocks[:-1]]
+    middle, slopes = middle[compliance > 0.0], 1.0 / compliance[compliance > 0.0]
+    if slopes.size < 2:
+        return np.full(levels.size, slopes[0] if slopes.size else np.nan)
+    rise = np.diff(slopes)[[0, -1]] / np.diff(middle)[[0, -1]]
+    ends = slopes[[0, -1]] + rise * (stress[[0, -1]] - middle[[0, -1]])
+    ends = np.clip(ends, slopes[[0, -1]] * [0.5, 1.0], slopes[[0, -1]] * [1.0, 2.0])
+    at, values = np.r_[stress[0], middle, stress[-1]], np.r_[ends[0], slopes, ends[1]]
+    return np.interp(levels, at, values)
 
 
 def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
