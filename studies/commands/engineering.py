@@ -6,7 +6,7 @@ closed again.
 import argparse
 from pathlib import Path
 
-from jointclosure.cli.options import add_file, check_folder
+from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
         for name in asked:
             if name not in known:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
-        check_folder(folder).mkdir(exist_ok=True)
+        writable((), folder).mkdir(exist_ok=True)
         for name in asked:
             table = band_table(study.sel(case=name).load())
             write_csv(table, folder / f"{name}.csv", FIGURES)

@@ -19,7 +19,7 @@ from jointclosure.joint.curves import (
     stress_table,
 )
 from jointclosure.joint.history import branch_of
-from jointclosure.joint.laws import LAWS, describe_law, fit_law, fitted_laws
+from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
 OPENING_SLOPE = 0.95
@@ -48,7 +48,7 @@ def export_files(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> dict[str, Any]:
-    """Return the files of a joint that did not fail by name; print its laws and refusals.
+    """Return the files of a joint that did not fail by name; print what is not written.
 
     ``curves`` are bands of `stress_table`, and ``laws`` those of Barton and Bandis since seating.
     """
@@ -57,9 +57,15 @@ def export_files(
     from jointclosure.plotting.joint import engineering_figure
 
     curves = stress_table(history) if curves is None else curves
-    fits, cycles = fitted_laws(history), cycle_table(history)
-    notes = [_NET, *(describe_law(fits, cycle, LOADING) for cycle in cycles.cycle)]
-    tables = {"curves": curve_table(history), "cycles": cycles, "answer": curves, "laws": fits}
+    notes, tables = (
+        [_NET],
+        {
+            "curves": curve_table(history),
+            "cycles": cycle_table(history),
+            "answer": curves,
+            "laws": fitted_laws(history),
+        },
+    )
     files: dict[str, Any] = {
         f"{name}.csv": table.to_csv(index=False, float_format=f"%.{FIGURES}g")
         for name, table in tables.items()
@@ -74,16 +80,6 @@ def export_files(
     return files
 
 
-def _last_from_seating(history: xr.Dataset, program: str) -> int:
-    """Return the last cycle whose loading begins below the seating stress."""
-    seating = float(history.attrs["seating_stress_Pa"])
-    for cycle in np.unique(history.cycle.values)[::-1]:
-        here = branch_of(history, cycle, LOADING)
-        if here.size > 1 and history.normal_stress.values[here].min() <= seating:
-            return int(cycle)
-    raise InputError(f"{program}: no loading begins at or below the seating stress, {seating:g} Pa")
-
-
 def _loading(
     history: xr.Dataset, curves: pd.DataFrame, program: str
 ) -> tuple[int, pd.DataFrame, dict[str, str]]:
@@ -91,10 +87,16 @@ def _loading(
 
     Endings are by those of files: the median, and the low and the high end of a band.
     """
-    cycle = _last_from_seating(history, program)
-    rows = curves[(curves.cycle == cycle) & (curves.branch == LOADING)]
-    rows = rows.dropna(subset=members(curves, "closure_net_since_seating_mm"))
-    names = members(curves, "")
+    known = curves.dropna(subset=members(curves, "closure_net_since_seating_mm"))
+    seating = float(history.attrs["seating_stress_Pa"])
+    begins = {c: branch_of(history, c, LOADING) for c in np.unique(known.cycle)}
+    stress = history.normal_stress.values
+    cycles = [c for c, here in begins.items() if here.size > 1 and stress[here].min() <= seating]
+    if not cycles:
+        must = f"no loading begins at or below the seating stress, {seating:g} Pa"
+        raise InputError(f"{program}: {must}")
+    cycle, names = int(cycles[-1]), members(curves, "")
+    rows = known[(known.cycle == cycle) & (known.branch == LOADING)]
     return cycle, rows, dict(zip(("", "_low", "_high")[: len(names)], names, strict=True))
 
 

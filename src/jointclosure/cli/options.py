@@ -140,32 +140,25 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
     return values[0] if single and len(values) == 1 else tuple(values)
 
 
-def _file(suffixes: tuple[str, ...], text: str) -> Path:
-    """Refuse a file that could not be written, before anything is computed."""
+def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
+    """Refuse a file, or without suffixes a folder, that could not be written."""
     path = Path(text)
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
+    if not suffixes and path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file, must be a folder")
     if not path.parent.is_dir():
         raise InputError(f"{path}: folder {path.parent} not found")
+    if not suffixes:
+        check_record(path)
     return path
-
-
-def check_folder(folder: str | Path) -> Path:
-    """Refuse a folder of results that cannot be written, before anything is computed."""
-    folder = Path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, must be a folder")
-    if not folder.parent.is_dir():
-        raise InputError(f"{folder}: folder {folder.parent} not found")
-    check_record(folder)
-    return folder
 
 
 def add_file(
     group: argparse._ActionsContainer, option: str, text: str, *suffixes: str, **changes: Any
 ) -> None:
     """Declare a file of results with one of some suffixes; without any it is a folder."""
-    kind = partial(read, _file, suffixes) if suffixes else partial(read, check_folder)
+    kind = partial(read, writable, suffixes)
     metavar = f"FILE{suffixes[0]}" if suffixes else "FOLDER"
     group.add_argument(option, help=text, type=kind, metavar=metavar, **changes)
 

@@ -175,22 +175,3 @@ def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
     """Return a parameter of `fitted_laws` by its name, NaN if it was not fitted."""
     rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
     return float(rows.value.iloc[0]) if len(rows) else float("nan")
-
-
-def describe_law(fits: pd.DataFrame, cycle: int, branch: str) -> str:
-    """Describe the best law of a branch in a line."""
-    rows = fits[(fits.cycle == cycle) & (fits.branch == branch)]
-    if not rows.rms_mm.notna().any():
-        return f"cycle {cycle}, {branch}: no law could be fitted"
-    best = rows[rows.rms_mm == rows.rms_mm.min()]
-    first = best.iloc[0]
-    described = LAWS[first.law].parameters
-    parts = [
-        f"{described[name][0]} = {value:.4g} {described[name][1]}".strip()
-        for name, value in zip(best.parameter, best.value, strict=True)
-    ]
-    return (
-        f"cycle {cycle}, {branch}: {law_words(first.law)} ({', '.join(parts)}), rms error "
-        f"{first.rms_mm:.2g} mm, valid from {first.holds_from_MPa:.3g} to "
-        f"{first.holds_to_MPa:.3g} MPa"
-    )
