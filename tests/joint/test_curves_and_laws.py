@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.joint.barton_bandis import CYCLES, barton_bandis, laws_of_joint
 from jointclosure.joint.curves import (
     area_of,
     closures_at,
@@ -216,3 +217,13 @@ def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
         peak = closed.isel(step=int(np.argmax(closed.normal_stress.values)))
         state = joints.balanced(walls, float(peak.closure))
         assert float(peak.mean_aperture) == pytest.approx(-float(state.overlap.mean()))
+
+
+def test_the_law_of_barton_and_bandis_since_seating_is_the_same_curve():
+    laws = laws_of_joint(9.0, 150e6, 0.5e6, 5)
+    assert set(laws.by_cycle) == set(CYCLES)
+    for cycle, since in laws.by_cycle.items():
+        law, stress = barton_bandis(9.0, 150e6, 1.0, cycle), np.linspace(0.5e6, 20e6, 9)
+        closed = law.closure(stress) - law.closure(0.5e6)
+        np.testing.assert_allclose(since.closure(stress - 0.5e6), closed, atol=1e-15)
+    assert not laws_of_joint(float("nan"), 150e6, 0.5e6, 2).by_cycle

@@ -95,8 +95,8 @@ class JointLaws(NamedTuple):
 def laws_of_joint(jrc: float, strength: float, seating: float, cycles: int) -> JointLaws:
     """Return the laws of a joint of a strength [Pa] whose walls are not weathered."""
     laws = {}
-    for cycle in range(1, cycles + 1 if jrc > 0.0 else 1):
-        law = barton_bandis(jrc, strength, 1.0, min(cycle, max(CYCLES)))
+    for cycle in CYCLES[: cycles if jrc > 0.0 else 0]:
+        law = barton_bandis(jrc, strength, 1.0, cycle)
         if min(law) > 0.0:
             laws[cycle] = law.since(seating)
     return JointLaws(jrc, strength, seating, laws)
