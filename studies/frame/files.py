@@ -87,11 +87,6 @@ def read_plain(path: str | Path) -> dict:
     return settings
 
 
-def value_of(text: str) -> object:
-    """Return a value as in a configuration: a number, a word, a list."""
-    return _parsed(text, repr(text))
-
-
 def _parsed(text: str, path: str | Path) -> object:
     try:
         return yaml.load(text, Loader=_Loader)

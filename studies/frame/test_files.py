@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.frame.files import ConfigurationError, read_plain, value_of
+from studies.frame.files import ConfigurationError, read_plain
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{later}: &{later} [{', '.join(9 * ['*' + earlier])}]\n"
@@ -58,11 +58,3 @@ def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
         "b": {"x": 1, "y": 2.5e-3},
         "c": {"x": 1, "y": -3},
     }
-
-
-def test_a_value_on_the_command_line_is_read_as_in_a_file():
-    texts = ("5", "-0.5", "1.0e-3", "fast", "null", "[1, 2]")
-    assert [value_of(text) for text in texts] == [5, -0.5, 1e-3, "fast", None, [1, 2]]
-    for text in ("1:30", "{a: 1, a: 2}", "[1"):
-        with pytest.raises(ConfigurationError):
-            value_of(text)

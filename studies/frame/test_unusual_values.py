@@ -1,9 +1,10 @@
 """Numbers that are none, or that look like a slip of units, are refused before anything runs."""
 
 import pytest
+import yaml
 
 import jointclosure as jc
-from studies.frame.files import ConfigurationError, value_of
+from studies.frame.files import ConfigurationError
 from tests.studied import study_of
 
 USUAL = {"spacing": 0.25e-3, "rock": jc.Rock(78e9, 0.2, 165e6), "max_normal_stress": 1e6}
@@ -22,7 +23,7 @@ FINITE = (
     [*((key, ".nan") for key in FINITE), *((FINITE[0], written) for written in NO_NUMBERS[1:])],
 )
 def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
-    value = [60, value_of(written)] if "levels" in key else value_of(written)
+    value = [60, yaml.safe_load(written)] if "levels" in key else yaml.safe_load(written)
     for part in reversed(key.split(".")):
         value = {part: value}
     with pytest.raises(ConfigurationError) as error:
