@@ -86,6 +86,7 @@ def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
     """Draw net normal stiffness over stress from `stress_table`, or from bands of it."""
     _draw_along(axes, curves, "normal_stiffness_net_MPa_per_mm")
     axes.set(yscale="log")
+    axes.legend(frameon=False, fontsize=8)
     decimal_ticks(axes.yaxis)
 
 
