@@ -117,7 +117,7 @@ class WallKeys(Section):
     )
     shift: Literal[SHIFTS] | None = entry(  # type: ignore[valid-type]
         "Where walls are brought together: scanned (left where they were) or mated (the upper one "
-        "moved to where they fit best); null: scanned in a common frame, else mated.",
+        "rotated and moved to where they fit best); null: mated.",
         None,
     )
     spikes: Literal["keep", "cut"] = entry(

@@ -6,10 +6,9 @@ import pytest
 import jointclosure as jc
 from jointclosure.walls.mating import (
     Mismatch,
-    best_shift,
     mating,
     measured_mismatch,
-    slope_correlation_over_shifts,
+    slope_correlations,
 )
 from tests.joints import SPACING
 
@@ -95,24 +94,23 @@ def test_correlations_over_shifts_are_those_of_the_definition():
     rng = np.random.default_rng(3)
     fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
     fixed[2, 3] = moved[4, 1] = np.nan
-    found = slope_correlation_over_shifts(fixed, moved, 0.5)
+    found = slope_correlations(fixed, moved.shape, 0.5)(moved)
     slopes = [
-        [np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]] for field in (fixed, moved)
+        np.diff(field, axis=1)[:-1] + 1j * np.diff(field, axis=0)[:, :-1]
+        for field in (fixed, moved)
     ]
-    known = [np.isfinite(fields[0]).sum() for fields in slopes]
+    least = 0.5 * min(np.isfinite(field).sum() for field in slopes)
+    one, other = slopes
     for down in range(-3, 4):
         for right in range(-3, 4):
-            sums = np.zeros(3)
-            for one, other in zip(*slopes, strict=True):
-                pairs = np.array([
-                    (one[y, x], other[y - down, x - right])
-                    for y in range(one.shape[0]) for x in range(one.shape[1])
-                    if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
-                ])  # fmt: skip
-                pairs = pairs[np.isfinite(pairs).all(axis=1)]
-                a, b = (pairs - pairs.mean(axis=0)).T
-                sums += [a @ b, a @ a, b @ b]
-            if len(pairs) >= 0.5 * min(known):
-                expected = sums[0] / np.sqrt(sums[1] * sums[2])
+            pairs = np.array([
+                (one[y, x], other[y - down, x - right])
+                for y in range(one.shape[0]) for x in range(one.shape[1])
+                if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
+            ])  # fmt: skip
+            a, b = pairs[np.isfinite(pairs).all(axis=1)].T
+            if len(a) >= least:
+                expected = (a @ b.conj()).real / np.sqrt((a @ a.conj() * (b @ b.conj())).real)
                 assert found[down, right] == pytest.approx(expected, abs=1e-12)
-    assert best_shift(np.where(np.isfinite(found), found, -2.0))[1] == np.nanmax(found)
+            else:
+                assert np.isnan(found[down, right])

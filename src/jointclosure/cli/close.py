@@ -133,8 +133,8 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,
         "slope_correlation": {fit.orientation: fit.correlation for fit in pair.fits},
-        "shift_mm_y_x": results.finite(pair.shift, 1e3),
-        "mating_shift_mm_y_x": results.finite(pair.mating_shift, 1e3),
+        "motion": pair.motion.record(),
+        "best_fit": pair.mated and pair.mated.record(),
         "correlation": pair.correlation,
         "mating": {
             "wavelength_mm": (1e3 * pair.mating.wavelengths).tolist(),

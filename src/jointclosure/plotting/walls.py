@@ -10,7 +10,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import Increments
-from jointclosure.walls.registration import CLEAR, RegisteredPair
+from jointclosure.walls.motion import CLEAR
+from jointclosure.walls.registration import RegisteredPair
 
 
 def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) -> AxesImage:

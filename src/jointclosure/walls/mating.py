@@ -4,6 +4,7 @@ Brown (1995) uses one sharp length, Glover et al. (1998) a gradual decrease.
 """
 
 import itertools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -138,57 +139,37 @@ def _profile(
     return best
 
 
-def slope_correlation_over_shifts(
-    fixed: np.ndarray, moved: np.ndarray, least_overlap: float
-) -> np.ndarray:
-    """Correlation of slopes of fields (y, x) for shifts of one, ordered as in a Fourier transform.
+def slope_correlations(
+    fixed: np.ndarray, shape: tuple[int, int], least_overlap: float
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a function of a field of a shape (y, x): the correlation of slopes over its shifts.
 
-    NaN below ``least_overlap`` of the smaller one. Masked cross-correlation (Padfield 2012).
+    Shifts are ordered as in a Fourier transform. NaN below ``least_overlap`` of the smaller field.
     """
-    pairs = zip(_slopes(fixed), _slopes(moved), strict=True)
-    sums: Any = sum(np.array(_masked_moments(*pair, least_overlap)) for pair in pairs)
-    cross, fixed_power, moved_power = sums
-    with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = cross / np.sqrt(fixed_power * moved_power)
-    return np.where(np.isfinite(correlation), correlation, np.nan)
-
-
-def best_shift(correlation: np.ndarray) -> tuple[tuple[int, int], float]:
-    """Return the shift (y, x) [cells] with the largest value of an array, and this value or NaN."""
-    if not np.isfinite(correlation).any():
-        return (0, 0), float("nan")
-    place = np.unravel_index(int(np.nanargmax(correlation)), correlation.shape)
-    y, x = (int(i - n if i > n // 2 else i) for i, n in zip(place, correlation.shape, strict=True))
-    return (y, x), float(correlation[place])
-
-
-def _slopes(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    return np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]
-
-
-def _masked_moments(fixed: np.ndarray, moved: np.ndarray, least_overlap: float) -> Any:
-    """Return sums of products and of squares, less their means, where both fields are known."""
     size = [
-        scipy.fft.next_fast_len(a + b - 1, True)
-        for a, b in zip(fixed.shape, moved.shape, strict=True)
+        scipy.fft.next_fast_len(a + b - 2, True) for a, b in zip(fixed.shape, shape, strict=True)
     ]
-    known = [np.isfinite(field).astype(float) for field in (fixed, moved)]
-    fields = [
-        np.where(mask > 0.0, field, 0.0) for mask, field in zip(known, (fixed, moved), strict=True)
-    ]
-    ones, ones_moved = (scipy.fft.rfft2(mask, size) for mask in known)
-    first, first_moved = (scipy.fft.rfft2(field, size) for field in fields)
-    square, square_moved = (scipy.fft.rfft2(field**2, size) for field in fields)
 
-    def met(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        return scipy.fft.irfft2(one * other.conj(), size)
+    def waves(field: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """Transform slopes, their squares, and which are known."""
+        slopes = np.diff(field, axis=1)[:-1] + 1j * np.diff(field, axis=0)[:, :-1]
+        known = np.isfinite(slopes)
+        slopes = np.where(known, slopes, 0.0)
+        real = (np.abs(slopes) ** 2, known.astype(float))
+        return scipy.fft.fft2(slopes, size), *(scipy.fft.rfft2(r, size) for r in real), known.sum()
 
-    count = np.round(met(ones, ones_moved))
-    allowed = count >= max(least_overlap * min(mask.sum() for mask in known), 4.0)
-    count = np.where(allowed, count, np.nan)
-    sums, sums_moved = met(first, ones_moved), met(ones, first_moved)
-    return (
-        met(first, first_moved) - sums * sums_moved / count,
-        met(square, ones_moved) - sums**2 / count,
-        met(ones, square_moved) - sums_moved**2 / count,
-    )
+    slopes, squares, ones, count = waves(fixed)
+
+    def over_shifts(moved: np.ndarray) -> np.ndarray:
+        others, other_squares, other_ones, other_count = waves(moved)
+        both, power, other_power = (
+            scipy.fft.irfft2(one * other.conj(), size)
+            for one, other in ((ones, other_ones), (squares, other_ones), (ones, other_squares))
+        )
+        cross = scipy.fft.ifft2(slopes * others.conj()).real
+        allowed = np.round(both) >= max(least_overlap * min(count, other_count), 4.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            correlation = np.where(allowed, cross / np.sqrt(power * other_power), np.nan)
+        return np.where(np.isfinite(correlation), correlation, np.nan)
+
+    return over_shifts

@@ -87,6 +87,18 @@ def gaps(known: np.ndarray) -> np.ndarray:
     return (between(known, 0) | between(known, 1)) & ~known
 
 
+def holes(known: np.ndarray) -> np.ndarray:
+    """Return the `gaps` (y, x) that are at least three cells wide; narrower ones are dropouts."""
+    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3)))
+
+
+def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
+    """Fill the missing cells between known ones of a wall (y, x), except in holes, linearly."""
+    known = np.isfinite(wall)
+    dropouts = gaps(known) & ~hole
+    return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
+
+
 def point_distance(scan: Scan | Cloud) -> float:
     """Distance of neighbouring points [m]: the larger spacing of a grid, the mean of a cloud."""
     if isinstance(scan, Scan):
@@ -244,7 +256,7 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
         first + np.arange(int(np.floor((n - 1 - first) / ratio + 1e-9)) + 1) * ratio
         for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
     ]
-    wall = scipy.interpolate.RectBivariateSpline(*axes, _nearest(heights))(*wanted)
+    wall = scipy.interpolate.RectBivariateSpline(*axes, nearest_filled(heights))(*wanted)
     nodes = np.meshgrid(*wanted, indexing="ij")
     missing = (~np.isfinite(heights)).astype(float)
     touched = scipy.ndimage.map_coordinates(missing, nodes, order=1, mode="nearest")
@@ -271,7 +283,7 @@ def filled(
             f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
             "(largest_filled_share); choose missing: avoid, or crop the scan"
         )
-    near = _nearest(wall)
+    near = nearest_filled(wall)
     if missing == "nearest":
         return near
     rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
@@ -281,7 +293,7 @@ def filled(
     return result
 
 
-def _nearest(heights: np.ndarray) -> np.ndarray:
+def nearest_filled(heights: np.ndarray) -> np.ndarray:
     """Replace missing heights by the nearest known height."""
     holes = ~np.isfinite(heights)
     if not holes.any():

@@ -4,6 +4,7 @@ Holes are taken out of contact: closures of 14 joints were 0.94 to 1.03 times th
 filled between their rims, 0.95 to 1.8 times, as the fill lacks waves that the walls share.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ class Overlap(NamedTuple):
 
     ``shares`` of both scans; ``inclination`` of the plane and ``relative`` one of the walls
     [degrees]; ``holes`` (wall, y, x) out of contact, ``cut`` cells of holes left out; corners (x,
-    y) of the ``box``.
+    y) of the ``box``, and place (x, y) of the ``first`` cell.
     """
 
     upper: np.ndarray
@@ -35,6 +36,7 @@ class Overlap(NamedTuple):
     holes: np.ndarray
     cut: int
     box: tuple[np.ndarray, np.ndarray]
+    first: np.ndarray
 
     def doubts(self) -> list[str]:
         """Describe the holes, in sentences."""
@@ -57,11 +59,19 @@ class Overlap(NamedTuple):
 
 
 def overlap_of(
-    clouds: list[np.ndarray], spacing: float, distances: list[float], largest_filled_share: float
+    clouds: list[np.ndarray],
+    spacing: float,
+    distances: list[float],
+    largest_filled_share: float,
+    upper_at: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Overlap:
-    """Find the largest rectangle in which both clouds (n, 3) [m] are known, with few holes."""
+    """Find the largest rectangle in which both clouds (n, 3) [m] are known, with few holes.
+
+    Its nodes are those of the lower wall; ``upper_at`` gives heights of a scanned grid there.
+    """
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
+    low = corners[1][0] + spacing * np.ceil((low - corners[1][0]) / spacing - 1e-6)
     shape = measured.node_counts(low, high, spacing)
     _check_size((max(shape[0], 0), max(shape[1], 0)), spacing)
     nodes = measured.grid_nodes(low, shape, spacing)
@@ -73,12 +83,17 @@ def overlap_of(
             f"{measured.LARGEST_TILT:g}; turn the scans so that it is about horizontal"
         )
     walls, holes = [], []
-    for cloud, distance in zip(clouds, distances, strict=True):
-        level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
-        wall = measured.heights_between(cloud[:, :2], level, nodes, measured.REACH * distance)
-        scattered = np.isfinite(cloud[:, 2]).all()
-        walls.append(wall)
-        holes.append(_holes(wall, measured.REACH * distance / spacing if scattered else 0.0))
+    common = nodes[..., 0] * plane[0] + nodes[..., 1] * plane[1] + plane[2]
+    for cloud, distance, at in zip(clouds, distances, (upper_at, None), strict=True):
+        if at is None:
+            level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
+            wall = measured.heights_between(cloud[:, :2], level, nodes, measured.REACH * distance)
+        else:
+            wall = at(nodes) - common
+        scattered = np.isfinite(cloud[:, 2]).all() and at is None
+        hole = _holes(wall, measured.REACH * distance / spacing if scattered else 0.0)
+        walls.append(np.where(hole, np.nan, measured.without_dropouts(wall, hole)))
+        holes.append(hole)
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
     rectangle = largest_rectangle(covered)
@@ -92,7 +107,8 @@ def overlap_of(
     slopes = [_slope(wall) for wall in walls]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
     both = float(shares[0]), float(shares[1])
-    return Overlap(walls[0], walls[1], both, inclination, relative, kept, cut, (low, high))
+    first = nodes[rectangle[0].start, rectangle[1].start]
+    return Overlap(walls[0], walls[1], both, inclination, relative, kept, cut, (low, high), first)
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
@@ -141,10 +157,9 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     """Return the cells (y, x) in holes of a wall; of scattered points also those within a reach."""
     known = np.isfinite(wall)
-    holes = measured.gaps(known)
+    holes = measured.holes(known)
     if reach > 0.0:
-        enclosed = scipy.ndimage.binary_fill_holes(known) & ~known
-        holes = enclosed | scipy.ndimage.binary_opening(holes, np.ones((3, 3)))
+        holes |= scipy.ndimage.binary_fill_holes(known) & ~known
         if holes.any():
             holes |= scipy.ndimage.distance_transform_edt(~holes) <= reach
     return holes

@@ -9,27 +9,35 @@ from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.walls import measured, plausibility
-from jointclosure.walls.mating import (
-    CONFIDENCE,
-    Mating,
-    Mismatch,
-    best_shift,
-    mating,
-    measured_mismatch,
-    slope_correlation_over_shifts,
+from jointclosure.walls.mating import CONFIDENCE, Mating, Mismatch, mating, measured_mismatch
+from jointclosure.walls.measured import FLAT, Cloud, Scan
+from jointclosure.walls.motion import (
+    BLOCKS,
+    CLEAR,
+    LEAST_OVERLAP,
+    Motion,
+    Surface,
+    candidates,
+    fitted,
+    heights_after,
+    on_nodes,
+    surface_of,
+    unmoved,
 )
-from jointclosure.walls.measured import FLAT, LARGEST_FILLED_SHARE, Cloud, Scan
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
 
-LEAST_OVERLAP = 0.5
-"""Smallest share of the smaller wall that must overlap; other shifts are not tried."""
-COMPARED_CELLS = 64
-"""Smallest number of cells along the shorter side in the comparison of orientations."""
-CLEAR = 1.5
-"""Ratio of the best correlation of slopes to the second from which an orientation is clear: none of
-900 pairs of independent walls was (64 to 128 cells, H 0.5 to 1), with 1.4 seven were."""
+ON_NODES = 0.02
+"""Distance [cells] within which a scan is laid on the nodes of the other one, so that its heights
+need not be interpolated; or twice the error of the fit, up to half a cell."""
+LARGEST_HOLES = 0.15
+"""Largest share of cells in holes of either scan that is taken out of contact by default."""
+MOST_CELLS = 500
+"""Largest number of cells along a side of walls that are registered at the spacing of the scans."""
+IN_PLACE = 0.02
+"""Distance of the corners from their scanned place, over half of the longer side, up to which both
+scans may be in one frame, whose heights tell which wall is the upper one."""
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
 """Unusual inclinations of the common plane and of the walls to each other [degrees]."""
 _FAR = 1.5
@@ -41,58 +49,42 @@ SHIFTS = ("scanned", "mated")
 _SIDES = ("upper", "lower")
 
 
-class Orientation(NamedTuple):
-    """Frame of the upper scan: sign of its heights, -1 towards the lower wall, reversed (y, x)."""
-
-    sign: int
-    mirrored: tuple[bool, bool]
-    meaning: str
-
-    def grid(self, wall: np.ndarray) -> np.ndarray:
-        """Return the heights (y, x) of a wall in the frame of the lower one."""
-        y, x = (slice(None, None, -1 if reverse else 1) for reverse in self.mirrored)
-        return self.sign * wall[y, x]
-
-    def points(self, points: np.ndarray, placed: "_Placed", spacing: float) -> np.ndarray:
-        """Reverse points (n, 3) like the grid of their wall, about the middle of the grid."""
-        turned = points * np.array([1.0, 1.0, self.sign])
-        for axis, column in ((0, 1), (1, 0)):
-            if self.mirrored[axis]:
-                across = (placed.wall.shape[axis] - 1) * spacing
-                turned[:, column] = 2.0 * placed.low[axis] + across - turned[:, column]
-        return turned
-
-
 ORIENTATIONS = {
-    "common_frame": Orientation(1, (False, False), "both scans in one frame, z upwards"),
-    "rotated": Orientation(1, (True, True), "z upwards, turned by 180 degrees in the plane"),
-    "turned_about_x": Orientation(-1, (True, False), "the wall was turned over about x"),
-    "turned_about_y": Orientation(-1, (False, True), "the wall was turned over about y"),
-    "towards": Orientation(-1, (False, False), "heights towards the lower wall, plan as it lies"),
-    "towards_rotated": Orientation(-1, (True, True), "as towards, turned by 180 degrees"),
-    "mirrored_x": Orientation(1, (False, True), "z upwards, x reversed"),
-    "mirrored_y": Orientation(1, (True, False), "z upwards, y reversed"),
+    "common_frame": "z upwards on both scans",
+    "turned_over": "the wall was turned over",
+    "towards": "heights towards the lower wall, plan as it lies",
+    "mirrored": "z upwards, mirrored",
 }
-"""Orientations of the upper wall's scan that are compared."""
+"""Orientations of the upper wall's scan, each compared over the full circle."""
+_FLIPS = {
+    name: np.diag(signs)
+    for name, signs in zip(
+        ORIENTATIONS, ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)),
+        strict=True,
+    )
+}  # fmt: skip
 
 
 class Fit(NamedTuple):
-    """Fit of the walls in an orientation: correlation of slopes at the best shift (y, x) [m]."""
+    """Best fit of an orientation: correlation of slopes on blocks, at an angle [degrees]."""
 
     orientation: str
     correlation: float
-    shift: tuple[float, float]
+    angle: float
+
+    def __str__(self) -> str:
+        return f"{self.orientation} {self.correlation:.2f} at {self.angle:g} degrees"
 
 
 class RegisteredPair(NamedTuple):
-    """Two registered walls on a grid of ``spacing`` [m]; places and shifts are (y, x).
+    """Two registered walls on a grid of ``spacing`` [m]; places are (y, x).
 
     ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` is their
     distance at ``first_touch``, ``holes`` are cells taken out of contact because a scan has no
-    height there. ``fits`` are those of all `ORIENTATIONS`, the best first; ``shift`` [m] was
-    applied to the upper wall, ``mating_shift`` is that of best fit. ``correlation`` is that of
-    heights, ``mating`` by wavelength, ``overlap`` the share of the smaller scan, ``report`` the
-    results in sentences.
+    height there. ``fits`` are those of all `ORIENTATIONS`, the best first; ``motion`` was applied
+    to the upper wall, ``mated`` is that of best fit, or None. ``correlation`` is
+    that of heights, ``mating`` by wavelength, ``overlap`` the share of the smaller scan, ``first``
+    the place (x, y) of the first cell in the lower scan, ``report`` the results in sentences.
     """
 
     upper: np.ndarray
@@ -102,13 +94,14 @@ class RegisteredPair(NamedTuple):
     first_touch: tuple[int, int]
     orientation: str
     fits: list[Fit]
-    shift: tuple[float, float]
-    mating_shift: tuple[float, float]
+    motion: Motion
+    mated: Motion | None
     correlation: float
     mating: Mating
     mismatch: Mismatch
     overlap: float
     holes: np.ndarray
+    first: np.ndarray
     report: list[str]
 
     @property
@@ -132,7 +125,7 @@ def registered(
     orientation: str | None = None,
     shift: str | None = None,
     cut_spikes: bool = True,
-    largest_filled_share: float = LARGEST_FILLED_SHARE,
+    largest_filled_share: float = LARGEST_HOLES,
     unusual_values: bool = False,
 ) -> RegisteredPair:
     """Register two scans of the walls of one joint.
@@ -148,10 +141,10 @@ def registered(
         multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
     orientation : str, optional
         Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
-        correlation of the walls' slopes, if it is clear.
+        correlation of the walls' slopes over all rotations, if it is clear.
     shift : {"scanned", "mated"}, optional
-        Leave the walls in their scanned position, or move the upper one to the best fit: by default
-        "scanned" in a common frame, otherwise "mated".
+        Leave the walls in their scanned position, or move the upper one to the best fit, the
+        default. Walls that do not mate need "scanned" and their orientation.
     cut_spikes : bool
         Whether to leave out spikes, points that differ from all but one of their neighbours
         (`jointclosure.walls.outliers.without_spikes`).
@@ -164,10 +157,11 @@ def registered(
     Raises
     ------
     InputError
-        If no orientation is clear and none is stated, or if the walls are inclined too much or
-        do not overlap. Unless ``unusual_values``, also if both scans are the same or copies, the
-        walls are interchanged, another orientation than the stated one is clear, or spacing or
-        size are not those of a wall.
+        If the fit is ambiguous and orientation and shift are not stated, or if the walls are
+        inclined too much or do not overlap. Unless ``unusual_values``, also if both scans are the
+        same or copies, the walls are interchanged, another orientation than the stated one is
+        clear, walls in their scanned position are turned to each other, or spacing or size are not
+        those of a wall.
     """
     if orientation is not None:
         check_one_of("orientation", orientation, tuple(ORIENTATIONS))
@@ -188,39 +182,49 @@ def registered(
         if side != flat and cut_spikes:
             scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
-    scans = _not_finer(scans, spacing, report)
+    (fine, finest), scans = scans, _not_finer(scans, spacing, report)
     clouds = [measured.points_of(scan, missing=True) for scan in scans]
-    placed = _placed(clouds[0], spacing), _placed(clouds[1], spacing)
+    name, mated = orientation or "common_frame", None
     fits: list[Fit] = []
-    name, mated, moved = orientation or "common_frame", (0.0, 0.0), False
     if flat:
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
     else:
-        fits = _compared(*placed, spacing)
-        name = _chosen(fits, orientation, unusual_values, report)
-        fit = next(fit for fit in fits if fit.orientation == name)
-        mated = _refined(*placed, spacing, fit, all(isinstance(scan, Scan) for scan in scans))
-        moved = shift == "mated" or (shift is None and name != "common_frame")
-        by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
-        report.append(
-            f"the upper wall was moved by {by}, to the position of best fit"
-            if moved
-            else "the walls were left in their scanned position; best fit with the upper moved by "
-            f"{by}"
+        # finer than the joint where that is not too much, as short waves mate least
+        sides = [np.ptp(points[:, :2], axis=0).max() for points in clouds]
+        cell = distance if max(sides) < MOST_CELLS * distance else spacing
+        surfaces = [
+            surface_of(measured.points_of(scan, missing=True), cell)
+            for scan in ((fine, finest) if cell == distance else scans)
+        ]
+        name, fits, mated = _fitted(
+            surfaces[0], surfaces[1], orientation, shift, unusual_values, report
         )
-    applied = mated if moved else (0.0, 0.0)
-    turned = ORIENTATIONS[name].points(clouds[0], placed[0], spacing)
-    clouds[0] = turned + np.array([applied[1], applied[0], 0.0])
-    distances = [measured.point_distance(scan) for scan in scans]
-    overlap = overlap_of(clouds, spacing, distances, largest_filled_share)
+    motion = unmoved(clouds[0], _FLIPS[name])
+    reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
+    in_place = mated is None or mated.apart(motion, reach) < IN_PLACE * reach.max()
+    if shift == "scanned":
+        report.append("the walls were left in their scanned position")
+        if mated is not None and np.isfinite(mated.covariance).all():
+            _check_unturned(mated, motion, reach, spacing, unusual_values, report)
+    elif mated is not None:
+        report.append(f"the upper wall was {mated}, to the position of best fit")
+        motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
+        if isinstance(fine, Scan):
+            most = min(max(ON_NODES * spacing, 2.0 * mated.error(reach)), 0.5 * spacing)
+            motion = on_nodes(motion, fine, clouds[1][:, :2].min(axis=0), most)
+    clouds[0] = _moved(measured.points_of(fine, missing=True), motion)
+    distances = [measured.point_distance(scan) for scan in (fine, scans[1])]
+    upper_at = heights_after(fine, motion) if isinstance(fine, Scan) else None
+    overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
     if flat:
         overlap = _flattened(overlap, flat)
-    for side, cloud, holes in zip(_SIDES, clouds, overlap.holes, strict=True):
+    for side, cloud, hole in zip(_SIDES, clouds, overlap.holes, strict=True):
         if side != flat:
-            known = np.where(holes, np.nan, getattr(overlap, side))
+            known = np.where(hole, np.nan, getattr(overlap, side))
             lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
             report += _named(side, lost)
-    pair = _described(overlap, spacing, name, fits, applied, mated, report)
+    in_frame = name == "common_frame" and not flat and (in_place or shift == "scanned")
+    pair = _described(overlap, spacing, name, fits, motion, mated, in_frame, report)
     walls = {"upper": pair.upper, "lower": pair.lower}
     contradictions, unlike_rock = plausibility.unit_doubts(walls, spacing)
     if not unusual_values:
@@ -228,8 +232,13 @@ def registered(
         if impossible or contradictions:
             problems = contradictions or unlike_rock or impossible
             raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
-        common_frame = name == "common_frame" and not flat
-        plausibility.check_pair(overlap.upper - overlap.lower, pair.correlation, common_frame)
+        if mated is not None and shift != "scanned" and not np.isfinite(mated.covariance).all():
+            raise InputError(
+                f"the fit of the walls is ambiguous: slopes correlate by {fits[0]}, but least "
+                "squares of heights find no position there; walls that do not mate need "
+                "shift: scanned"
+            )
+        plausibility.check_pair(overlap.upper - overlap.lower, pair.correlation, in_frame)
     report += [caution(doubt) for doubt in contradictions + unlike_rock]
     return pair
 
@@ -259,7 +268,7 @@ def _both_scans(
                 f"orientation{stated}: must be stated where the lower wall is flat: common_frame "
                 "(the heights are an aperture map) or towards (they count towards the other wall)"
             )
-        return upper, measured.plane_of(upper, ORIENTATIONS[orientation].sign)
+        return upper, measured.plane_of(upper, round(_FLIPS[orientation][2, 2]))
     return upper, lower
 
 
@@ -287,117 +296,89 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
             if isinstance(scan, Scan):
                 nodes = measured.sampled(scan, spacing, anchor)
                 first = np.array(nodes.origin)[::-1]
-                lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
-                report += _named(side, lost)
+                if side == "lower":  # heights of the upper one are taken at the lower's nodes
+                    lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
+                    report += _named(side, lost)
                 scan = nodes
         result.append(scan)
     return result
 
 
-class _Placed(NamedTuple):
-    """Wall (y, x) less its plane, NaN where missing, and the place (y, x) of its first cell."""
-
-    wall: np.ndarray
-    low: np.ndarray
-
-
-def _placed(points: np.ndarray, spacing: float) -> _Placed:
-    return _Placed(measured.wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
+def _moved(points: np.ndarray, motion: Motion) -> np.ndarray:
+    """Move points (n, 3); missing heights remain, their places are those of the mean height."""
+    missing = np.isnan(points[:, 2])
+    filled = np.where(missing, np.nanmean(points[:, 2]), points[:, 2])
+    moved = motion.forth(np.column_stack([points[:, :2], filled]))
+    moved[missing, 2] = np.nan
+    return moved
 
 
-def _block_cells(upper: _Placed, lower: _Placed) -> int:
-    """Return the number of cells along the side of the blocks that are compared."""
-    return max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
-
-
-def _compared(upper: _Placed, lower: _Placed, spacing: float) -> list[Fit]:
-    """Compare the walls in all orientations, on means over blocks of cells; the best first."""
-    cells = _block_cells(upper, lower)
-    fixed = _block_means(lower.wall, cells)
-    fits = []
-    for name, orientation in ORIENTATIONS.items():
-        moved = _block_means(orientation.grid(upper.wall), cells)
-        shifts = slope_correlation_over_shifts(fixed, moved, LEAST_OVERLAP)
-        blocks, correlation = best_shift(shifts)
-        if np.isnan(correlation):
-            raise InputError("the scans have too few heights for a comparison")
-        y, x = lower.low - upper.low + spacing * cells * np.array(blocks)
-        fits.append(Fit(name, correlation, (float(y), float(x))))
-    return sorted(fits, key=lambda fit: -fit.correlation)
-
-
-def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
-    """Return means of the known heights in blocks of cells, NaN for blocks without any."""
-    ny, nx = (size // cells for size in wall.shape)
-    blocks = wall[: ny * cells, : nx * cells].reshape(ny, cells, nx, cells)
-    known = np.isfinite(blocks).sum(axis=(1, 3))
-    return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
-
-
-def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str]) -> str:
-    """Return the stated or the clear orientation; `InputError` if none or another is clear."""
-    best, second = fits[:2]
-    clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
-    listed = ", ".join(f"{fit.orientation} {fit.correlation:.2f}" for fit in fits)
-    if stated is None and not clear:
+def _fitted(
+    upper: Surface, lower: Surface, orientation: str | None, shift: str | None, unusual: bool,
+    report: list[str],
+) -> tuple[str, list[Fit], Motion | None]:  # fmt: skip
+    """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed."""
+    for blocks in BLOCKS:
+        found = candidates(upper, lower, _FLIPS, blocks)
+        name = max(found, key=lambda n: found[n][0].correlation)
+        best = found[name][0]
+        others = [Fit(n, *c[:2]) for n in found for c in found[n] if n != name or c.far(best)]
+        second = max(others, key=lambda fit: fit.correlation)
+        clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
+        if clear:
+            break
+    fits = sorted((Fit(n, *c[0][:2]) for n, c in found.items()), key=lambda fit: -fit.correlation)
+    if not clear and (orientation is None or shift is None):
         raise InputError(
-            f"the orientation of the upper wall is not clear: slopes correlate by {listed}, but "
-            f"the best must be {CLEAR:g} times the second; state the orientation "
-            f"({', '.join(ORIENTATIONS)}), or check that these are the walls of one joint"
+            f"the fit of the walls is ambiguous: slopes correlate by {fits[0]} and by {second}, "
+            f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
+            f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
+            "and shift: scanned"
         )
-    name = best.orientation if stated is None else stated
-    how = "found" if stated is None else "stated"
+    how, listed = "found" if orientation is None else "stated", ", ".join(map(str, fits))
+    used = orientation or name
     report.append(
-        f"orientation of the upper wall, {how}: {name} ({ORIENTATIONS[name].meaning}); slopes "
-        f"correlate by {listed}"
+        f"orientation of the upper wall, {how}: {used} ({ORIENTATIONS[used]}); slopes correlate by "
+        f"{listed}"
     )
-    if clear and best.orientation != name:
+    if clear and used != name:
         if not unusual:
             raise InputError(
-                f"orientation = {stated!r}: {best.orientation} fits clearly better, and closures "
-                "of walls in a wrong orientation are several times too large; state "
-                f"{best.orientation} or leave orientation out; {AS_IT_IS}"
+                f"orientation = {orientation!r}: {name} fits clearly better, and closures of walls "
+                f"in a wrong orientation are several times too large; state {name} or leave "
+                f"orientation out; {AS_IT_IS}"
             )
         wrong = (
-            f"the stated orientation {stated} fits worse than {best.orientation}, which is clear; "
-            "in a wrong orientation closures are several times too large"
+            f"the stated orientation {used} fits worse than {name}, which is clear; in a wrong "
+            "orientation closures are several times too large"
         )
         report.append(caution(wrong))
-    return name
+    if shift == "scanned" and not (clear and used == name):
+        return used, fits, None
+    return used, fits, fitted(upper, lower, _FLIPS[used], found[used][0])
 
 
-def _refined(
-    upper: _Placed, lower: _Placed, spacing: float, fit: Fit, whole_cells: bool
-) -> tuple[float, float]:
-    """Refine the best shift (y, x) [m] of a comparison of blocks, to cells or a fraction of one."""
-    shifts = slope_correlation_over_shifts(
-        lower.wall, ORIENTATIONS[fit.orientation].grid(upper.wall), 0.9 * LEAST_OVERLAP
-    )
-    start = (np.array(fit.shift) - lower.low + upper.low) / spacing
-    distance = [
-        np.abs((np.arange(n) - at + n / 2.0) % n - n / 2.0)
-        for n, at in zip(shifts.shape, start, strict=True)
-    ]
-    reach = 2.0 * _block_cells(upper, lower)
-    near = np.maximum(distance[0][:, None], distance[1][None, :]) <= reach
-    cells = np.array(best_shift(np.where(near, shifts, np.nan))[0])
-    around = np.roll(shifts, 1 - cells, (0, 1))[:3, :3]
-    part = np.zeros(2) if whole_cells else [_vertex(around[:, 1]), _vertex(around[1])]
-    y, x = lower.low - upper.low + spacing * (cells + part)
-    return float(y), float(x)
-
-
-def _vertex(values: np.ndarray) -> float:
-    """Return the position of the vertex of the parabola through three values at -1, 0 and 1."""
-    bend = values[0] - 2.0 * values[1] + values[2]
-    if not bend < 0.0:
-        return 0.0
-    return float(np.clip(0.5 * (values[0] - values[2]) / bend, -0.5, 0.5))
+def _check_unturned(
+    mated: Motion, motion: Motion, reach: np.ndarray, spacing: float, unusual: bool,
+    report: list[str],
+) -> None:  # fmt: skip
+    """Refuse walls in their scanned position whose local shift grows from the middle."""
+    report.append(f"best fit with the upper wall {mated}")
+    edge = abs(np.radians(mated.angle)) * float(reach.max())
+    if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * mated.errors()[0]:
+        turned = (
+            f"as scanned the walls are turned by {mated.angle:.3f} +- {mated.errors()[0]:.3f} "
+            f"degrees against each other: their shift grows from the middle to {1e3 * edge:.3g} mm "
+            "at the edge, and they mate only in the middle"
+        )
+        if not unusual and reach.min() > 40.0 * spacing:
+            raise InputError(f"{turned}; leave shift: scanned out; {AS_IT_IS}")
+        report.append(caution(turned))
 
 
 def _described(
-    overlap: Overlap, spacing: float, name: str, fits: list[Fit], applied: tuple[float, float],
-    mated: tuple[float, float], report: list[str],
+    overlap: Overlap, spacing: float, name: str, fits: list[Fit], motion: Motion,
+    mated: Motion | None, in_frame: bool, report: list[str],
 ) -> RegisteredPair:  # fmt: skip
     """Make the registered pair, seated parallel, and add its description to the report."""
     upper, lower = detrended(-overlap.upper), detrended(overlap.lower)
@@ -412,8 +393,8 @@ def _described(
         report += [
             f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
             f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
-            f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and "
-            "are set parallel",
+            f"removed; the walls were left inclined to each other by {overlap.relative:.3f} "
+            "degrees and are set parallel",
             f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         ]
     else:  # one wall is flat and has no waves
@@ -434,14 +415,16 @@ def _described(
         f"{1e3 * aperture.mean():.3g} mm",
         caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
     ]
-    report += [caution(doubt) for doubt in _doubts(overlap, bool(fits), applied == mated)]
+    report += [
+        caution(doubt) for doubt in _doubts(overlap, bool(fits), bool(motion.covariance.any()))
+    ]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         alike = (
             "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
             "do; check that the files are of different walls"
         )
         report.append(caution(alike))
-    if fits and name == "common_frame" and applied == (0.0, 0.0):
+    if in_frame:
         gap = float(np.mean(overlap.upper - overlap.lower))
         lies = f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm "
         lies += f"{'above' if gap > 0.0 else 'below'} the lower one in the mean"
@@ -451,8 +434,8 @@ def _described(
         )
         report.append(lies if gap > 0.0 else caution(wrong, f"{lies}: "))
     return RegisteredPair(
-        upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        fit, mismatch, max(overlap.shares), np.logical_or(*overlap.holes), report,
+        upper, lower, spacing, aperture, (y, x), name, fits, motion, mated, correlation, fit,
+        mismatch, max(overlap.shares), np.logical_or(*overlap.holes), overlap.first, report,
     )  # fmt: skip
 
 

@@ -1,0 +1,171 @@
+"""Registration of pairs of scans of known truth: errors of rotation, shift, and closure.
+
+Each upper scan is rotated by up to 180 degrees and tilted by up to 5, has another origin, is
+turned over or a cloud of points in some pairs; both scans have noise and missing heights.
+
+    .venv/bin/python -m benchmarks.registration [--pairs 40] [--close]
+"""
+
+import argparse
+import math
+import time
+
+import numpy as np
+import pandas as pd
+import scipy
+
+import jointclosure as jc
+from jointclosure.engine.budget import CLOSURE_NET
+from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.simulation import close_walls
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.roughness import detrended
+
+OVER = np.diag([1.0, -1.0, -1.0])
+
+
+def rotation(about: str, degrees: float) -> np.ndarray:
+    return scipy.spatial.transform.Rotation.from_euler(about, degrees, True).as_matrix()
+
+
+class Truth:
+    """Walls without noise, z upwards, and the scans of them."""
+
+    def __init__(self, number: int, **stated: float) -> None:
+        random = generator(seed_of(1, "registration", number))
+        drawn = {
+            "cell": 1e-3 * random.choice([0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5]),
+            "rotation": random.uniform(0.0, 180.0),
+            "tilt": random.uniform(0.0, 5.0),
+            "noise": 1e-6 * random.uniform(0.0, 15.0),
+            "mating": 1e-3 * 10.0 ** random.uniform(math.log10(0.5), math.log10(5.0)),
+            "jrc": random.uniform(6.0, 14.0),
+            "over": number % 3 == 1,
+            "cloud": number % 5 == 4,
+            "cells": int(random.integers(140, 240)),
+        }
+        self.about = drawn | stated
+        self.cell, cells = self.about["cell"], int(self.about["cells"])
+        fine = self.cell / 2.0
+        shape = (2 * cells, 2 * cells)
+        walls = jc.wall_pair(
+            self.about["jrc"], shape, fine, number, roll_off=None,
+            mismatch_wavelength=max(self.about["mating"], 0.0), unusual_values=True,
+        )  # fmt: skip
+        self.fine, self.upper, self.lower = fine, -walls[0], walls[1]
+        middle = 0.5 * fine * (np.array([shape[1], shape[0], 0]) - 1.0)
+        tilt_axis = rotation("z", random.uniform(0.0, 360.0))
+        tilt = tilt_axis @ rotation("x", self.about["tilt"]) @ tilt_axis.T
+        turn = rotation("z", self.about["rotation"])
+        self.rotation = turn @ (OVER if self.about["over"] else np.eye(3)) @ tilt
+        self.middle = middle
+        self.own = np.array([*random.uniform(-0.05, 0.05, 2), 0.0])
+        self.random = random
+
+    def scans(self) -> tuple[Scan | Cloud, Scan | Cloud]:
+        """Upper scan in its frame p = rotation^T (q - middle) + own, and lower scan."""
+        half = math.hypot(*self.middle[:2]) if self.about["rotation"] else max(self.middle)
+        count = int(2 * half / self.cell)
+        along = self.cell * (np.arange(count) - 0.5 * (count - 1) + self.random.uniform())
+        x, y = np.meshgrid(along, along)
+        points = np.stack([x, y, np.zeros_like(x)], axis=-1)
+        spline = scipy.ndimage.spline_filter(self.upper)
+        heights = None
+        for _ in range(40):
+            at = points @ self.rotation.T + self.middle
+            places = np.moveaxis(at[..., 1::-1] / self.fine, -1, 0)
+            heights = scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
+            last = np.reshape(self.upper.shape, (2, 1, 1)) - 1.0
+            heights[((places < 0.0) | (places > last)).any(axis=0)] = np.nan
+            step = (np.nan_to_num(heights) - at[..., 2]) / self.rotation[2, 2]
+            points[..., 2] += 0.9 * step
+        upper = np.where(np.isfinite(heights), points[..., 2], np.nan)
+        kept = np.isfinite(upper)
+        rows, columns = (np.flatnonzero(kept.any(axis=axis)) for axis in (1, 0))
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        origin = (
+            float(along[rows[0]] + self.own[1]), float(along[columns[0]] + self.own[0])
+        )  # fmt: skip
+        above = Scan(self._damaged(upper[part]), (self.cell,) * 2, origin)
+        below = Scan(self._damaged(self.lower[::2, ::2].copy()), (self.cell,) * 2, (0.0, 0.0))
+        if not self.about["cloud"]:
+            return above, below
+        scattered = points_of(above)
+        return Cloud(self.random.permutation(scattered)), below
+
+    def _damaged(self, wall: np.ndarray) -> np.ndarray:
+        """Add noise and leave out 5 % of the heights, half of them in holes."""
+        wall = wall + self.about["noise"] * self.random.standard_normal(wall.shape)
+        wall[self.random.random(wall.shape) < 0.025] = np.nan
+        for _ in range(max(int(0.025 * wall.size / 25), 0)):
+            y, x = (self.random.integers(n) for n in wall.shape)
+            wall[y : y + 5, x : x + 5] = np.nan
+        return wall
+
+    def errors(self, motion) -> tuple[float, float, np.ndarray]:
+        """Angle [degrees] and shift [cells] of a motion less the truth, and (angle, x, y) [SI]."""
+        apart = motion.rotation @ self.rotation.T
+        vector = scipy.spatial.transform.Rotation.from_matrix(apart).as_rotvec()
+        place = self.rotation @ (motion.middle - self.own) + self.middle
+        shift = motion.place - place
+        errors = np.array([vector[2], *shift[:2]])
+        return math.degrees(vector[2]), float(np.hypot(*shift[:2])) / self.cell, errors
+
+    def walls(self, pair: RegisteredPair) -> tuple[np.ndarray, np.ndarray]:
+        """Return the walls of a registered pair without noise and missing heights."""
+        step = round(pair.spacing / self.fine)
+        x, y = np.rint(pair.first / self.fine).astype(int)
+        ny, nx = pair.upper.shape
+        part = np.s_[y : y + ny * step : step, x : x + nx * step : step]
+        return detrended(-self.upper[part]), detrended(self.lower[part])
+
+
+def closure(upper: np.ndarray, lower: np.ndarray, spacing: float) -> float:
+    """Return the net closure of the first cycle [mm]."""
+    conditions = Conditions(spacing, "granite", 10e6, 1, numerics=RESOLVED).checked()
+    return float(cycle_table(close_walls(upper, lower, conditions))[CLOSURE_NET].iloc[0])
+
+
+def compared(number: int, close: bool) -> dict[str, float]:
+    """Register a pair and return its errors."""
+    truth = Truth(number)
+    scans = truth.scans()
+    start = time.process_time()
+    pair = registered(*scans, paper_spacing(truth.cell))
+    seconds = time.process_time() - start
+    assert pair.mated is not None
+    angle, shift, errors = truth.errors(pair.mated)
+    scores = errors / np.sqrt(np.diag(pair.mated.covariance))
+    row = truth.about | {"angle": angle, "shift_in_cells": shift, "seconds": seconds}
+    row |= dict(zip(("z_angle", "z_x", "z_y"), scores, strict=True)) | {"share": pair.overlap}
+    if close:
+        row["closure_mm"] = closure(pair.upper, pair.lower, pair.spacing)
+        row["true_mm"] = closure(*truth.walls(pair), pair.spacing)
+        row["ratio"] = row["closure_mm"] / row["true_mm"]
+    return row
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--pairs", type=int, default=40)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--close", action="store_true")
+    options = parser.parse_args()
+    rows = []
+    for number in range(options.first, options.first + options.pairs):
+        rows.append(compared(number, options.close))
+        print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
+    table = pd.DataFrame(rows)
+    print("largest error of angle [degrees]", table.angle.abs().max())
+    print("largest error of shift [cells]", table.shift_in_cells.max())
+    print("rms of scores", np.sqrt((table[["z_angle", "z_x", "z_y"]] ** 2).mean()).to_dict())
+    if options.close:
+        print("within 5 %:", (np.abs(table.ratio - 1.0) < 0.05).mean())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,409 @@
+"""Rigid motion that lays the scan of one wall on that of the other, in six degrees of freedom.
+
+Rotations over the full circle are compared by the correlation of slopes over all shifts, on blocks
+of cells. Least squares with robust weights follow on walls that are smoothed less and less; the
+smoothing with the smallest standard errors is used, because it leaves out waves that do not mate.
+Errors are those of sums over tiles, so that residuals may be correlated within a tile.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs import InputError
+from jointclosure.walls.mating import slope_correlations
+from jointclosure.walls.measured import (
+    Cloud,
+    Scan,
+    holes,
+    nearest_filled,
+    wall_on_grid,
+    without_dropouts,
+)
+from jointclosure.walls.roughness import plane_through
+
+LEAST_OVERLAP = 0.5
+"""Smallest share of the smaller wall that must overlap; other shifts are not tried."""
+BLOCKS = (48, 24)
+"""Largest numbers of blocks along the shorter side in the comparison of rotations: the second where
+the first is not clear, as short waves may not mate."""
+STEP, APART = 3.0, 10.0
+"""Step of the rotations that are compared, and difference beyond which two are different ones
+[degrees]."""
+CLEAR = 1.25
+"""Ratio of the best correlation of slopes to the second from which a fit is clear."""
+KNOWN = 0.9
+"""Smallest weight of known heights in such a mean."""
+TILES = 6
+"""Tiles along each axis, whose sums give the errors."""
+FARTHEST = 0.25
+"""Largest distance of the corners from their candidate's place, over half of the longer side."""
+WIDTHS = 20.0
+"""Smallest side of a wall, in standard deviations of the means, for which a fit is kept."""
+WIDE = 4.0
+"""Width of the means whose waves are compared apart, over that of the smoothing."""
+WORTH = 0.7
+"""Ratio of errors below which the fit with wide means apart is used."""
+MOST_POINTS, ROUNDS = 20_000, 40
+"""Most points of the upper wall that are compared, and most rounds of least squares."""
+CAUCHY = 3.5
+"""Scale of the weights over the median residual."""
+LEAST_ERROR = 0.01
+"""Standard error [cells] that interpolation leaves, in each direction and at the radius of
+gyration."""
+_DIGITS = 9
+"""Decimals of a rotation, two less than of a shift [m]: the same motion on any processor."""
+_INVERSIONS = 8
+"""Rounds in which the height at a node of a tilted wall is found."""
+
+
+class Motion(NamedTuple):
+    """Rotation (3, 3) about a ``middle`` (x, y, z) [m] that comes to lie at a ``place``.
+
+    The rotation follows a ``flip``, the reflection of an orientation. ``covariance`` is that of the
+    rotation about the normal [rad] and of the shift along x and y [m].
+    """
+
+    flip: np.ndarray
+    rotation: np.ndarray
+    middle: np.ndarray
+    place: np.ndarray
+    covariance: np.ndarray
+
+    def forth(self, points: np.ndarray) -> np.ndarray:
+        """Move points (..., 3)."""
+        return _turned(self.rotation, points - self.middle) + self.place
+
+    def back(self, points: np.ndarray) -> np.ndarray:
+        """Move points (..., 3) back."""
+        return _turned(self.rotation.T, points - self.place) + self.middle
+
+    @property
+    def angle(self) -> float:
+        """Rotation in the plane [degrees], anticlockwise, from -180 to 180."""
+        turn = self.rotation @ self.flip
+        return math.degrees(math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))
+
+    @property
+    def tilt(self) -> float:
+        """Inclination by which the wall was tilted [degrees]."""
+        return math.degrees(math.acos(min(abs(self.rotation[2, 2]), 1.0)))
+
+    def apart(self, other: "Motion", reach: np.ndarray) -> float:
+        """Return the largest distance in the plan of the corners after two motions [m]."""
+        corners = np.array([[x, y, 0.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+        points = self.middle + corners * [*reach, 0.0]
+        between = self.forth(points) - other.forth(points)
+        return float(np.hypot(between[:, 0], between[:, 1]).max())
+
+    def error(self, reach: np.ndarray) -> float:
+        """Return the standard error in the plan of the corners [m]."""
+        angle, x, y = np.diag(self.covariance)
+        return math.sqrt(angle * float(reach @ reach) + x + y)
+
+    def errors(self) -> tuple[float, float, float]:
+        """Return the standard errors of angle [degrees] and shift (x, y) [m]."""
+        angle, x, y = np.sqrt(np.diag(self.covariance)).tolist()
+        return math.degrees(angle), x, y
+
+    def record(self) -> dict[str, float | list[float]]:
+        """Return angle and shift with their standard errors, for JSON."""
+        angle, *errors = self.errors()
+        return {
+            "rotation_degrees": self.angle,
+            "rotation_error_degrees": angle,
+            "tilt_degrees": self.tilt,
+            "shift_mm_x_y": (1e3 * (self.place - self.middle)[:2]).tolist(),
+            "shift_error_mm_x_y": [1e3 * error for error in errors],
+        }
+
+    def __str__(self) -> str:
+        (angle, x_error, y_error), (x, y, _) = self.errors(), self.place - self.middle
+        return (
+            f"turned by {self.angle:.3f} +- {angle:.3f} degrees in its plane and tilted by "
+            f"{self.tilt:.2f} degrees, its middle moved by ({1e3 * x:.4f} +- {1e3 * x_error:.4f}, "
+            f"{1e3 * y:.4f} +- {1e3 * y_error:.4f}) mm along (x, y)"
+        )
+
+
+def unmoved(points: np.ndarray, flip: np.ndarray) -> Motion:
+    """Return the motion that lays points (n, 3) as an orientation says, about their middle."""
+    middle = np.append(0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0)), 0.0)
+    return Motion(flip, flip, middle, middle, np.zeros((3, 3)))
+
+
+def on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
+    """Return the motion that lays nodes of a grid on those of another one, if it is about as near.
+
+    The corners move by at most ``most`` [m]. Heights need not be interpolated then. ``low`` (x, y)
+    is a node of the other grid.
+    """
+    whole = np.rint(motion.rotation)
+    if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
+        return motion
+    steps, first = np.array(scan.spacing[::-1]), np.array((scan.origin or (0.0, 0.0))[::-1])
+    bare = motion._replace(rotation=whole)
+    node = bare.back(np.array([*low, motion.place[2]]))[:2]
+    off = first + steps * np.rint((node - first) / steps) - node
+    snapped = bare._replace(place=motion.place - _turned(whole, np.append(off, 0.0)))
+    reach = 0.5 * steps * (np.array(scan.heights.shape[::-1]) - 1.0)
+    return snapped if motion.apart(snapped, reach) <= most else motion
+
+
+def heights_after(scan: Scan, motion: Motion) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a function of nodes (..., 2) [m]: heights of a moved grid by cubic splines, or NaN."""
+    whole = without_dropouts(scan.heights, holes(np.isfinite(scan.heights)))
+    missing = (~np.isfinite(whole)).astype(float)
+    spline = scipy.ndimage.spline_filter(nearest_filled(whole))
+    first, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
+
+    def at(nodes: np.ndarray) -> np.ndarray:
+        points = np.concatenate([nodes, np.full((*nodes.shape[:-1], 1), motion.place[2])], axis=-1)
+        for _ in range(_INVERSIONS):
+            before = motion.back(points)
+            # rounded, so that nodes of both grids meet
+            places = np.round((before[..., 1::-1] - first) / steps, 6)
+            places = np.moveaxis(places, -1, 0)
+            options = {"prefilter": False, "mode": "mirror"}
+            heights = scipy.ndimage.map_coordinates(spline, places, **options)
+            points[..., 2] += (heights - before[..., 2]) / motion.rotation[2, 2]
+        lost = scipy.ndimage.map_coordinates(missing, places, order=1, cval=1.0)
+        return np.where(lost > 1e-6, np.nan, points[..., 2])
+
+    return at
+
+
+class Surface(NamedTuple):
+    """Heights (y, x) [m], NaN where missing, of square cells, the first one at ``low`` (x, y)."""
+
+    heights: np.ndarray
+    low: np.ndarray
+    spacing: float
+    slopes: tuple[float, float]
+
+    def points(self, heights: np.ndarray, step: int) -> np.ndarray:
+        """Return the places (n, 3) of every so many known heights (y, x)."""
+        y, x = (step * index for index in np.nonzero(np.isfinite(heights[::step, ::step])))
+        xy = self.low + self.spacing * np.stack([x, y], axis=-1)
+        return np.column_stack([xy, heights[y, x]])
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Middle (x, y, z) of the wall [m]."""
+        ny, nx = self.heights.shape
+        x, y = self.low + 0.5 * self.spacing * np.array([nx - 1.0, ny - 1.0])
+        return np.array([x, y, np.nanmean(self.heights)])
+
+    @property
+    def plane(self) -> np.ndarray:
+        """Heights (y, x) [m] of its plane, 0 at the first cell."""
+        y, x = np.indices(self.heights.shape) * self.spacing
+        return self.slopes[0] * x + self.slopes[1] * y
+
+
+def surface_of(points: np.ndarray, spacing: float) -> Surface:
+    """Return points (n, 3) [m], NaN where a height is missing, on a grid."""
+    known = np.isfinite(points[:, 2])
+    plane = plane_through(*points[known].T)
+    slopes, low = (plane.slope_x, plane.slope_y), points[:, :2].min(axis=0)
+    bare = Surface(wall_on_grid(Cloud(points), spacing), low, spacing, slopes)
+    offset = float(plane.at(low[0], low[1]))
+    return bare._replace(heights=bare.heights + bare.plane + offset)
+
+
+def _turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Multiply points (..., 3) by a matrix, with the same bits on any processor."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=-1)
+
+
+def _about(vector: np.ndarray) -> np.ndarray:
+    """Return the matrix of a rotation vector (3,) [rad]."""
+    return scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
+
+
+def _levelling(slopes: tuple[float, float]) -> np.ndarray:
+    """Return the smallest rotation that makes a plane of given slopes horizontal."""
+    length = math.hypot(*slopes)
+    if length == 0.0:
+        return np.eye(3)
+    return _about(math.atan(length) / length * np.array([-slopes[1], slopes[0], 0.0]))
+
+
+class Candidate(NamedTuple):
+    """Correlation of slopes at the best shift (x, y) [m] of the middles, at an angle [degrees]."""
+
+    correlation: float
+    angle: float
+    shift: np.ndarray
+
+    def far(self, other: "Candidate") -> bool:
+        """Return whether the angles differ by more than `APART`."""
+        return abs((self.angle - other.angle + 180.0) % 360.0 - 180.0) > APART
+
+
+def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
+    """Return means of the known heights in blocks of cells, NaN for blocks without any."""
+    ny, nx = (size // cells for size in wall.shape)
+    blocks = wall[: ny * cells, : nx * cells].reshape(ny, cells, nx, cells)
+    known = np.isfinite(blocks).sum(axis=(1, 3))
+    return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
+
+
+def candidates(
+    upper: Surface, lower: Surface, orientations: dict[str, np.ndarray], blocks: int
+) -> dict[str, list[Candidate]]:
+    """Compare rotations of the upper wall by orientation, the best rotation first."""
+    cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
+    size = cells * upper.spacing
+    fixed, bare = (_blocks(s.heights - s.plane, cells) for s in (lower, upper))
+    bare = bare - np.nanmean(bare)
+    side = math.ceil(math.hypot(*bare.shape)) + 1
+    y, x = np.indices((side, side)) - 0.5 * (side - 1)
+    offset = 0.5 * (np.array(fixed.shape) - 1.0) - 0.5 * (side - 1)
+    correlations = slope_correlations(fixed, (side, side), LEAST_OVERLAP)
+    found: dict[str, list[Candidate]] = {}
+    for name, flip in orientations.items():
+        found[name] = []
+        for angle in np.arange(0.0, 360.0, STEP):
+            turn = _about(np.array([0.0, 0.0, math.radians(angle)])) @ flip
+            places = [
+                turn[0, k] * x + turn[1, k] * y + 0.5 * (bare.shape[1 - k] - 1) for k in (1, 0)
+            ]
+            moved = flip[2, 2] * scipy.ndimage.map_coordinates(bare, places, order=1, cval=np.nan)
+            over = correlations(moved)
+            if not np.isfinite(over).any():
+                raise InputError("the scans have too few heights for a comparison")
+            place = np.unravel_index(int(np.nanargmax(over)), over.shape)
+            shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
+            between = size * (np.array(shift, float) - offset)
+            found[name].append(Candidate(float(over[place]), float(angle), between[::-1]))
+        found[name].sort(key=lambda candidate: -candidate.correlation)
+    return found
+
+
+def fitted(upper: Surface, lower: Surface, flip: np.ndarray, candidate: Candidate) -> Motion:
+    """Refine a candidate by least squares; its covariance is infinite if they find nothing."""
+    turn = _about(np.array([0.0, 0.0, math.radians(candidate.angle)]))
+    start = best = Motion(
+        flip,
+        _levelling(lower.slopes).T @ turn @ flip @ _levelling(upper.slopes),
+        upper.middle,
+        lower.middle + np.append(candidate.shift, 0.0),
+        np.full((3, 3), np.inf),
+    )
+    error, side = math.inf, min(*upper.heights.shape, *lower.heights.shape)
+    reach = 0.5 * upper.spacing * np.array(upper.heights.shape[::-1])
+    widest = int(math.log2(max(side / 12.0, 1.0)))
+    for smoothing in 2.0 ** np.arange(widest, -1, -1):
+        for wide in (False, True)[: 2 if smoothing == 1.0 else 1]:
+            fit = _least_squares(upper, lower, best, smoothing, wide)
+            if fit is None or fit[0].apart(start, reach) > FARTHEST * reach.max():
+                continue
+            # tiles of few widths of a mean give too small errors: such a fit is only a start
+            if fit[1] < (WORTH if wide else 1.0) * error or not math.isfinite(error):
+                best, error = fit[0], fit[1] if smoothing <= side / WIDTHS else math.inf
+    return best
+
+
+def _smoothed(surface: Surface, smoothing: float) -> np.ndarray:
+    """Return Gaussian means (y, x) of heights over so many cells, NaN with too few known ones."""
+    level = surface.heights - surface.plane
+    known = np.isfinite(level)
+    middle = np.nanmean(level)
+    options = {"sigma": smoothing, "mode": "constant", "truncate": 3.0}
+    weight = scipy.ndimage.gaussian_filter(known.astype(float), **options)
+    sums = scipy.ndimage.gaussian_filter(np.where(known, level - middle, 0.0), **options)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = np.where(weight >= KNOWN, sums / weight, np.nan)
+    return means + middle + surface.plane
+
+
+def _least_squares(
+    upper: Surface, lower: Surface, start: Motion, smoothing: float, wide: bool
+) -> tuple[Motion, float] | None:
+    """Move the smoothed upper wall to where it differs least from the lower one.
+
+    Gauss-Newton on the differences of heights, with weights of the Cauchy distribution. ``wide``
+    means over `WIDE` smoothings are compared apart from the rest, each over its size, for walls
+    whose long waves differ most. Returns the motion and its error [m].
+    """
+    fine, heights = (_smoothed(surface, smoothing) for surface in (upper, lower))
+    step = max(math.ceil(math.sqrt(fine.size / MOST_POINTS)), int(0.5 * smoothing))
+    points, known = upper.points(fine, step), np.isfinite(heights)
+    listed = np.isfinite(fine[::step, ::step])
+    least = LEAST_OVERLAP * 0.5 * min(len(points), known.sum() / step**2)
+    if least < 50:
+        return None
+    arms = _turned(start.rotation, points - start.middle)
+    reach = float(np.sqrt(np.mean(arms[:, 0] ** 2 + arms[:, 1] ** 2)))
+    bare = np.where(known, heights, np.nanmean(heights))
+    slopes = np.gradient(bare, lower.spacing)
+    spline, share = scipy.ndimage.spline_filter(bare), known.astype(float)
+    x, change = np.zeros(6), math.inf
+    for _ in range(ROUNDS):
+        turned = _turned(_about(x[:3] / reach), arms)
+        at = turned + start.place + x[3:]
+        places = ((at[:, :2] - lower.low) / lower.spacing).T[::-1]
+        inside = scipy.ndimage.map_coordinates(share, places, order=1) > 0.999
+        if inside.sum() < least:
+            return None
+        used = listed.copy()
+        used[listed] = inside
+        places, turned = places[:, inside], turned[inside]
+        surface = scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
+        residual = at[inside, 2] - surface
+        if change == math.inf:
+            x[5], residual = -np.median(residual), residual - np.median(residual)
+        along_y, along_x = (scipy.ndimage.map_coordinates(s, places, order=1) for s in slopes)
+        normal = np.stack([-along_x, -along_y, np.ones(len(turned))], axis=1)
+        columns = np.column_stack([np.cross(turned, normal) / reach, normal, residual])
+        low = np.zeros_like(columns)
+        if wide:
+            low = _wide_means(columns, used, WIDE * smoothing / step)
+        high = columns - low
+        low /= WIDE * np.median(np.abs(low[:, 6])) + 1e-12
+        high /= CAUCHY * np.median(np.abs(high[:, 6])) + 1e-12
+        weighted = high / (1.0 + high[:, 6:] ** 2)
+        inverse = np.linalg.pinv(weighted[:, :6].T @ high[:, :6] + low[:, :6].T @ low[:, :6])
+        gradients = weighted[:, :6] * high[:, 6:] + low[:, :6] * low[:, 6:]
+        if change < 1e-7 * lower.spacing:
+            break
+        taken = -inverse @ gradients.sum(axis=0)
+        taken *= min(1.0, 2.0 * smoothing * lower.spacing / np.abs(taken).max())
+        x, change = x + taken, np.abs(taken).max()
+    covariance = _tiled_covariance(gradients, inverse, places)
+    scaled = np.diag([1.0 / reach] * 3 + [1.0] * 3)
+    covariance = (scaled @ covariance @ scaled)[2:5, 2:5]
+    least_error = LEAST_ERROR * lower.spacing
+    covariance += np.diag([least_error / reach, least_error, least_error]) ** 2
+    rotation = _about(x[:3] / reach) @ start.rotation
+    rotation, place = np.round(rotation, _DIGITS), np.round(start.place + x[3:], _DIGITS + 2)
+    error = math.sqrt(covariance[0, 0] * reach**2 + covariance[1, 1] + covariance[2, 2])
+    return Motion(start.flip, rotation, start.middle, place, covariance), error
+
+
+def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarray:
+    """Return Gaussian means of columns (n, k) over the used points of a grid (y, x)."""
+    options = {"sigma": width, "mode": "constant", "truncate": 2.5}
+    weight = scipy.ndimage.gaussian_filter(used.astype(float), **options)[used]
+    means, field = np.empty_like(columns), np.zeros(used.shape)
+    for number, values in enumerate(columns.T):
+        field[used] = values
+        means[:, number] = scipy.ndimage.gaussian_filter(field, **options)[used] / weight
+    return means
+
+
+def _tiled_covariance(gradients: np.ndarray, inverse: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the covariance (6, 6) of a fit whose residuals are correlated within tiles.
+
+    ``gradients`` (n, 6) are those of the sum of squares at ``places`` (2, n) [cells].
+    """
+    low, high = places.min(axis=1, keepdims=True), places.max(axis=1, keepdims=True)
+    row, column = np.minimum((places - low) / (high - low) * TILES, TILES - 1).astype(int)
+    sums = np.stack([np.bincount(row * TILES + column, g, TILES**2) for g in gradients.T])
+    count = int((np.abs(sums).sum(axis=0) > 0.0).sum())
+    return inverse @ (sums @ sums.T) @ inverse * count / max(count - 6, 1)
