@@ -185,7 +185,7 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
         except jc.InputError as error:
             refused.append(str(error))
     assert len(refused) >= 5  # one in ten may fit by chance
-    assert all("is ambiguous: slopes" in words and "shift: scanned" in words for words in refused)
+    assert all("is ambiguous: slopes" in words and "stay as scanned" in words for words in refused)
     stated = {"orientation": "towards", "shift": "scanned"}
     found = registered(scanned(upper, "towards"), grid(lower), **stated)
     np.testing.assert_allclose(found.upper, upper, atol=1e-12)

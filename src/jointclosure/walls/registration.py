@@ -144,7 +144,7 @@ def registered(
         correlation of the walls' slopes over all rotations, if it is clear.
     shift : {"scanned", "mated"}, optional
         Leave the walls in their scanned position, or move the upper one to the best fit, the
-        default. Walls that do not mate need "scanned" and their orientation.
+        default. Walls that do not mate stay as scanned; they need their orientation.
     cut_spikes : bool
         Whether to leave out spikes, points that differ from all but one of their neighbours
         (`jointclosure.walls.outliers.without_spikes`).
@@ -202,7 +202,7 @@ def registered(
     motion = unmoved(clouds[0], _FLIPS[name])
     reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
     in_place = mated is None or mated.apart(motion, reach) < IN_PLACE * reach.max()
-    if shift == "scanned":
+    if not flat and (shift == "scanned" or mated is None):
         report.append("the walls were left in their scanned position")
         if mated is not None and np.isfinite(mated.covariance).all():
             _check_unturned(mated, motion, reach, spacing, unusual_values, report)
@@ -328,12 +328,12 @@ def _fitted(
         if clear:
             break
     fits = sorted((Fit(n, *c[0][:2]) for n, c in found.items()), key=lambda fit: -fit.correlation)
-    if not clear and (orientation is None or shift is None):
+    if not clear and orientation is None:
         raise InputError(
             f"the fit of the walls is ambiguous: slopes correlate by {fits[0]} and by {second}, "
             f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
             f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
-            "and shift: scanned"
+            "and stay as scanned"
         )
     how, listed = "found" if orientation is None else "stated", ", ".join(map(str, fits))
     used = orientation or name
@@ -353,7 +353,7 @@ def _fitted(
             "orientation closures are several times too large"
         )
         report.append(caution(wrong))
-    if shift == "scanned" and not (clear and used == name):
+    if shift != "mated" and not clear or shift == "scanned" and used != name:
         return used, fits, None
     return used, fits, fitted(upper, lower, _FLIPS[used], found[used][0])
 
