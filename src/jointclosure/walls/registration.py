@@ -353,7 +353,7 @@ def _fitted(
             "orientation closures are several times too large"
         )
         report.append(caution(wrong))
-    if shift != "mated" and not clear or shift == "scanned" and used != name:
+    if (shift != "mated" and not clear) or (shift == "scanned" and used != name):
         return used, fits, None
     return used, fits, fitted(upper, lower, _FLIPS[used], found[used][0])
 
