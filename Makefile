@@ -47,7 +47,7 @@ help: ## List the targets
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
 	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
-	-@$(IN_GROUP) $(BIN)/python -m jointclosure.joint.warmup close
+	-@$(IN_GROUP) $(BIN)/python -m jointclosure.joint.warmup ship close
 	-@$(IN_GROUP) $(BIN)/jointclosure doctor
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
@@ -111,12 +111,12 @@ conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."
-	@$(BIN)/python -m jointclosure.joint.warmup
+	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m pytest -n auto -m "not slow"
 	@echo "A study's own checks are in results/<study>/tables/checks.csv"
 
 test-all: $(STAMP) ## Pass the tests, the slow ones too
-	@$(BIN)/python -m jointclosure.joint.warmup
+	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m pytest -n auto
 
 lint: $(STAMP) ## Check style, types, layers and workflow
@@ -140,7 +140,8 @@ mutants: $(STAMP) ## Ask whether the fast tests notice wrong lines of the librar
 coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
 	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=html:build/coverage --cov-report=term:skip-covered
 
-wheel: $(STAMP) ## Build the package to build/wheel
+wheel: $(STAMP) ## Build the package with its compiled kernels to build/wheel
+	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m hatchling build -t wheel -d build/wheel
 
 LOCK := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --generate-hashes --no-header --no-annotate
@@ -149,5 +150,5 @@ lock: $(STAMP) ## Write requirements.lock anew, keeping the versions that still 
 	$(LOCK) --extra workflow --extra walls --extra exchange --group dev pyproject.toml --output-file requirements.lock
 
 clean: ## Remove the environment and all that was compiled, but no results
-	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache .coverage
+	rm -rf src/jointclosure/compiled $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache .coverage
 	find src tests workflow -name __pycache__ -prune -exec rm -rf {} +

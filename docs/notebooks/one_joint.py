@@ -29,7 +29,7 @@ import matplotlib.pyplot as plt
 
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for cycle in (1, 2):
-    own = joint.isel(step=joint.cycle.values == cycle)
+    own = joint.isel(step=joint.load_cycle.values == cycle)
     axes.plot(1e3 * own.closure, 1e-6 * own.normal_stress, label=f"cycle {cycle}")
 axes.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)")
 axes.legend(frameon=False)

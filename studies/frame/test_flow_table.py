@@ -43,7 +43,7 @@ def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
     settings = settings_of("slate-base")
     walls = next(iter(walls_of(settings.surfaces)))
     closed = jc.simulate(*walls, **settings.conditions()._asdict() | {"flow": True})
-    here = (closed.cycle == 1).values & (closed.branch == "loading").values
+    here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
     along = closed.hydraulic_aperture.sel(direction=direction).values[here]
     at = {"case": "slate-base", "realization": 0, "direction": direction, "cycle": 1}
     stored = studies[True].hydraulic_aperture.sel(at | {"branch": "loading"})

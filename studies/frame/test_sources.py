@@ -185,5 +185,5 @@ def test_an_edited_title_runs_what_may_show_it_and_closes_no_walls_again(copy, u
     assert {"draw_figures", "write_tables"} <= rules
     assert "joints" not in rules
     kernels = [digest(*KERNEL_PARTS, titles=titles) for titles in (False, True)]
-    assert kernels[0] == cache_folder().name.removeprefix("numba-")
+    assert cache_folder().name.startswith(f"numba-{kernels[0]}-")
     assert kernels[0] != kernels[1]

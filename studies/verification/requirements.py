@@ -51,7 +51,7 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
         return failed
     target, near, short = outcome.target, tolerances["target"], False
     for cycle in range(1, data.sizes["cycle"] + 1):
-        stress = data.normal_stress.values[data.cycle.values == cycle]
+        stress = data.normal_stress.values[data.load_cycle.values == cycle]
         short |= bool(stress.max() < target * (1.0 - near))
         if stress.max() < target * (1.0 - outcome.case["may_fall_short"]):
             failed.append(f"cycle {cycle} ends at {stress.max():.6g} Pa of {target:.6g} Pa")

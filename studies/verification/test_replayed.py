@@ -55,7 +55,7 @@ def test_a_replayed_cycle_is_the_elastic_curve_of_the_crushed_walls(seed, jrc):
     hypothesis.assume(int(closed.replayed_cycles) == 1)
     joint = oracle.Joint(upper, lower, SPACING, DOLERITE, jc.Effects(), jc.Choices())
     crushed = closed.upper_final.values, closed.lower_final.values
-    steps = np.flatnonzero((closed.cycle.values == 2) & (closed.normal_stress.values > 0.0))
+    steps = np.flatnonzero((closed.load_cycle.values == 2) & (closed.normal_stress.values > 0.0))
     area = upper.size * SPACING**2
     for step in steps[:: max(1, len(steps) // 5)]:
         force = elastic_force(joint, *crushed, float(closed.closure.values[step]))

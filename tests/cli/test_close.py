@@ -226,7 +226,8 @@ def test_a_joint_without_void_on_average_is_warned_of(joint):
     assert "warning" not in summary(closed, joint.laws)
     closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
     assert (
-        summary(closed, joint.laws).count("warning: the mean aperture is -") == closed.cycle.max()
+        summary(closed, joint.laws).count("warning: the mean aperture is -")
+        == closed.load_cycle.max()
     )
 
 

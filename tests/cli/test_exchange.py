@@ -147,10 +147,10 @@ def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_take
     walls = jc.wall_pair(8.0, (24, 20), SPACING, seed=1)
     about = {"spacing": SPACING, "rock": DOLERITE, "seating_stress": 0.5e6}
     joint = jc.simulate(*walls, **about, max_normal_stress=[4e6, 0.0, 4e6, 1e6, 4e6])
-    before = joint.sel(step=joint.cycle <= 2)
+    before = joint.sel(step=joint.load_cycle <= 2)
     assert exported(porepy_files, joint) == exported(porepy_files, before)
     np.testing.assert_array_equal(geos_table(joint), geos_table(before))
-    above = joint.sel(step=joint.cycle == 3)
+    above = joint.sel(step=joint.load_cycle == 3)
     with pytest.raises(jc.InputError, match="no loading begins at or below the seating stress"):
         exported(porepy_files, above)
 
@@ -170,7 +170,9 @@ def test_geos_takes_the_table(folder, history):
     assert -gap[0] == pytest.approx(1e-3 * cycle.max_closure_seated_net_mm, rel=0.1)
     # as each wall keeps its volume, the mean aperture falls by the net closure
     np.testing.assert_allclose(aperture[:-2] - gap[:-2], aperture[-1], rtol=1e-6)
-    at_max = float(history.mean_aperture[int(np.flatnonzero(history.cycle.values == 2)[0]) :].min())
+    at_max = float(
+        history.mean_aperture[int(np.flatnonzero(history.load_cycle.values == 2)[0]) :].min()
+    )
     assert aperture[0] == pytest.approx(at_max, rel=1e-6)
 
 

@@ -38,7 +38,7 @@ def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
     assert closed.status < 16
     net = closed.closure - closed.bulk_indentation
     for cycle in (1, 2, 3):
-        here = (closed.cycle == cycle) & (closed.branch == "loading")
+        here = (closed.load_cycle == cycle) & (closed.branch == "loading")
         stress, closure = closed.normal_stress.values[here], net.values[here]
         below, above = closure[stress < HALF].max(), closure[stress >= HALF].min()
         last = stress == min(landing_stress(closed, cycle), stress.max())
@@ -54,7 +54,7 @@ def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress
     closed, read = joint
     loops = value("loop", read)
     branches = (closed.branch.values == name for name in ("loading", "unloading"))
-    steps = [np.flatnonzero((closed.cycle.values == 1) & branch) for branch in branches]
+    steps = [np.flatnonzero((closed.load_cycle.values == 1) & branch) for branch in branches]
     loading, unloading = (
         np.interp(HALF, closed.normal_stress[here], closed.closure[here])
         for here in (steps[0], steps[1][::-1])

@@ -39,7 +39,7 @@ def on(table, cycle, branch):
 
 def here(closed, cycle=1):
     """The steps of a loading."""
-    return (closed.cycle.values == cycle) & (closed.branch.values == "loading")
+    return (closed.load_cycle.values == cycle) & (closed.branch.values == "loading")
 
 
 def following(law, *parameters):
@@ -59,7 +59,7 @@ def following(law, *parameters):
             "contact_fraction": ("step", stress[there] / 100.0),
         },
         coords={
-            "cycle": ("step", np.ones(there.size, int)),
+            "load_cycle": ("step", np.ones(there.size, int)),
             "branch": ("step", np.repeat(["loading", "unloading"], [up, down])),
             "y": np.arange(3) * 1e-3,
             "x": np.arange(5) * 1e-3,

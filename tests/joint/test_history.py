@@ -15,7 +15,7 @@ def history(closure, stress, steps):
     """A history whose numbers of steps of loading and unloading alternate."""
     cycle = np.repeat(np.arange(len(steps)) // 2 + 1, steps)
     branch = np.repeat([("loading", "unloading")[i % 2] for i in range(len(steps))], steps)
-    along = {"closure": closure, "normal_stress": stress, "cycle": cycle, "branch": branch}
+    along = {"closure": closure, "normal_stress": stress, "load_cycle": cycle, "branch": branch}
     return xr.Dataset({name: ("step", np.array(values)) for name, values in along.items()})
 
 

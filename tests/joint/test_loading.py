@@ -34,7 +34,7 @@ def history(scene):
 
 
 def along(history, number, branch):
-    here = (history.cycle.values == number) & (history.branch.values == branch)
+    here = (history.load_cycle.values == number) & (history.branch.values == branch)
     return history.normal_stress.values[here]
 
 
@@ -58,7 +58,8 @@ def test_the_load_turns_where_it_was_told_to(history):
 
 def test_a_cycle_counts_from_where_its_own_loading_starts(history):
     ends = [
-        float(history.closure.values[history.cycle.values == number][-1]) for number in range(1, 5)
+        float(history.closure.values[history.load_cycle.values == number][-1])
+        for number in range(1, 5)
     ]
     np.testing.assert_array_equal(history.residual_closure.values, ends)
     assert history.max_closure.values[1] < history.max_closure.values[0]

@@ -17,7 +17,7 @@ from jointclosure.solvers.registry import solver_named
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
-FLOW = ["hydraulic_aperture", "flow_status", "flow_imbalance", "direction"]
+FLOW = ["hydraulic_aperture", "flow_status", "flow_imbalance", "largest_hydraulic", "direction"]
 SCENES = {"all": jc.Effects(), "elastic": ELASTIC}
 SHAPE, STRESS, ASKED = (20, 24), 5e6, [5e6, 0.0, 2e6]
 AREA = 20 * 24 * SPACING**2
@@ -69,7 +69,7 @@ def test_every_step_has_a_flow_that_falls_as_the_joint_closes(flows):
     assert (closed.flow_status == FLOWS).all()
     assert float(closed.flow_imbalance.max()) < 1e-11
     for branch in ("loading", "unloading"):
-        here = (closed.branch == branch).values & (closed.cycle == 2).values
+        here = (closed.branch == branch).values & (closed.load_cycle == 2).values
         order = np.argsort(closed.closure.values[here])
         assert (np.diff(closed.hydraulic_aperture.values[here][order], axis=0) < 0.0).all()
     summed = sum(pair(SHAPE))  # at first touch the field is the walls' distance
@@ -130,7 +130,7 @@ def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_st
     for snapshot in range(1, closed.sizes["snapshot"]):
         here = closed.isel(snapshot=snapshot)
         branch, asked = here.snapshot_branch.item(), here.snapshot_stress.item()
-        own = (closed.cycle == here.snapshot_cycle.item()) & (closed.branch == branch)
+        own = (closed.load_cycle == here.snapshot_cycle.item()) & (closed.branch == branch)
         beyond = stress >= 0.999 * asked if branch == "loading" else stress <= 1.001 * asked
         after = int(np.flatnonzero(own.values & beyond)[0])
         nearer = min((after - 1, after), key=lambda step: abs(stress[step] - asked))

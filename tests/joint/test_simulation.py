@@ -30,7 +30,7 @@ def closed(walls):
 
 def on(dataset, cycle, branch):
     """Closure and stress on one branch, its start included."""
-    here = np.flatnonzero((dataset.cycle.values == cycle) & (dataset.branch.values == branch))
+    here = np.flatnonzero((dataset.load_cycle.values == cycle) & (dataset.branch.values == branch))
     here = np.concatenate([here[:1] - 1, here]) if here[0] > 0 else here
     return dataset.closure.values[here], dataset.normal_stress.values[here]
 

@@ -37,10 +37,11 @@ def test_the_extras_are_those_of_pyproject_and_none_is_needed_by_the_library():
 
 
 def test_a_missing_module_names_its_extra_in_one_line():
-    with pytest.raises(InputError) as caught, needs("report", "a page"):
-        raise ModuleNotFoundError("No module named 'jinja2'", name="jinja2.ext")
-    assert "a page needs jinja2" in str(caught.value)
-    assert "pip install 'jointclosure[report]'" in str(caught.value)
+    with pytest.raises(InputError) as caught, needs("figures", "a page"):
+        raise ModuleNotFoundError("No module named 'seaborn'", name="seaborn.axisgrid")
+    packages = " ".join(f"'{entry}'" for entry in PROJECT["optional-dependencies"]["figures"])
+    assert str(caught.value).startswith("a page needs seaborn")
+    assert str(caught.value).endswith(f"pip install {packages}")  # without the name of this one
 
 
 @pytest.mark.parametrize(

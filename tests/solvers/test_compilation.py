@@ -1,8 +1,11 @@
+import importlib.metadata
 import itertools
 import os
 import re
 import subprocess
 import sys
+
+import pytest
 
 from jointclosure.compilation import kernels as compilation
 from jointclosure.compilation import sources
@@ -13,7 +16,17 @@ from jointclosure.solvers.reference import reference_kernel
 
 def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
     code = sources.code_digest(*compilation.KERNEL_PARTS, titles=False)
-    assert compilation.cache_folder().name == f"numba-{code}"
+    assert compilation.cache_folder().name.startswith(f"numba-{code}-")
+
+
+@pytest.mark.parametrize("name", ["numba", "llvmlite", "rocket-fft"])
+def test_code_of_other_versions_is_not_in_the_cache_folder(name, monkeypatch):
+    installed = importlib.metadata.version
+    folder = compilation.cache_folder.__wrapped__
+    monkeypatch.setattr(
+        importlib.metadata, "version", lambda of: installed(of) + ".1" * (of == name)
+    )
+    assert folder() != compilation.cache_folder()
 
 
 def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():
@@ -34,15 +47,6 @@ def run(*arguments, folder=None, **environment):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout, done.stderr
-
-
-SMALL = "from jointclosure.mechanics.strength import von_mises_on_axis as f; print(f(0.5, 0.2))"
-
-
-def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
-    printed = [run(SMALL, folder=tmp_path)[1] for _ in range(2)]
-    assert printed[0].count("compiling kernels") == 1
-    assert printed[1] == ""
 
 
 def test_every_closure_of_a_factory_has_a_name_of_its_own():
@@ -85,18 +89,57 @@ print(double(2.0), compiles())
 """
 
 
-def test_machine_code_of_a_kernel_outside_of_the_package_follows_its_file(tmp_path):
+def moved(tmp_path, factor, **environment):
+    """Run a kernel outside of the package, which is never shipped; what is printed."""
     head = (
         "from jointclosure.compilation.kernels import kernel\n@kernel\ndef double(x):\n    return "
     )
-    environment = {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
-    printed = []
-    for text in ("2.0 * x\n", "2.0 * x\n", "3.0 * x\n"):
-        (tmp_path / "moved.py").write_text(head + text)
-        printed.append(run(MOVED, folder=tmp_path / "cache", **environment)[0].strip())
+    (tmp_path / "moved.py").write_text(f"{head}{factor} * x\n")
+    environment = {"JOINTCLOSURE_CACHE": str(tmp_path / "cache")} | environment
+    return run(MOVED, PYTHONPATH=str(tmp_path), PYTHONDONTWRITEBYTECODE="1", **environment)
+
+
+def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
+    printed = [moved(tmp_path, 2.0)[1] for _ in range(2)]
+    assert printed[0].count("compiling kernels") == 1
+    assert printed[1] == ""
+
+
+def test_machine_code_of_a_kernel_outside_of_the_package_follows_its_file(tmp_path):
+    printed = [moved(tmp_path, factor)[0].strip() for factor in (2.0, 2.0, 3.0)]
     assert printed == ["4.0 1", "4.0 0", "6.0 1"]
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
     (tmp_path / "file").write_text("in the way")
-    assert float(run(SMALL, folder=tmp_path / "file" / "below")[0]) > 0.0
+    printed = moved(tmp_path, 2.0, JOINTCLOSURE_CACHE=str(tmp_path / "file" / "below"))
+    assert printed[0].strip() == "4.0 1"
+
+
+SHIP = """
+import pathlib
+from jointclosure.compilation import kernels
+kernels.SHIPPED = pathlib.Path({shipped!r})
+from jointclosure.mechanics import strength
+print(strength.von_mises_on_axis(0.5, 0.2).hex(), kernels.compiles())
+"""
+OTHER = {"NUMBA_CPU_NAME": "generic"}  # lacks what shipped code needs
+
+
+@pytest.mark.skipif(not compilation.X86, reason="shipped code needs nothing there")
+def test_shipped_code_gives_the_bits_of_compiled_code_and_only_its_sources_and_processor_use_it(
+    tmp_path,
+):
+    def value(name, **environment):
+        text = SHIP.format(shipped=str(tmp_path / "shipped"))
+        return run(text, folder=tmp_path / name, **environment)[0].split()
+
+    target = {"NUMBA_CPU_NAME": compilation.PROCESSOR, "NUMBA_CPU_FEATURES": ""}
+    bits, compiled = value("shipped", **target)
+    assert int(compiled) > 0
+    able = {"NUMBA_CPU_NAME": "znver4", "NUMBA_CPU_FEATURES": ",".join(compilation.FEATURES)}
+    assert value("user", **able) == [bits, "0"]
+    assert value("generic", **OTHER) == [bits, compiled]
+    (folder,) = (tmp_path / "shipped").glob("numba-*")
+    folder.rename(folder.with_name(folder.name[:-1] + "x"))  # as of other sources or versions
+    assert value("other", **able) == [bits, compiled]

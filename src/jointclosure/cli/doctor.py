@@ -19,7 +19,7 @@ import psutil
 
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.engine.progress import duration
-from jointclosure.inputs.extras import EXTRAS, installed
+from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -57,7 +57,7 @@ def findings(folder: Path) -> Iterator[Finding]:
     missing = [extra for extra in EXTRAS if not have[extra]]
     state = f"with {', '.join(extra for extra in EXTRAS if have[extra]) or 'none'}"
     if missing:
-        state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
+        state += f"; without {', '.join(missing)} ({installing(missing[0])})"
     yield "extras", state, ""
     machine = os.cpu_count() or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
@@ -121,7 +121,7 @@ def _snakemake(folder: Path) -> Finding:
     """Check whether Snakemake starts, and plans the smoke study if a Snakefile is here."""
     here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if importlib.util.find_spec("snakemake") is None:
-        advice = "pip install 'jointclosure[workflow]'" if here else ""
+        advice = installing("workflow") if here else ""
         return "snakemake", "not installed; only studies need it", advice
     start = time.perf_counter()
     words = ["--version"]

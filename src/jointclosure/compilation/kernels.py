@@ -2,12 +2,17 @@
 
 Numba's check of its disk cache considers only the file of a function. An edit in another module
 that the function calls is not detected and gives silently wrong numbers. Therefore the cache folder
-is named by a digest of the code of the kernels. The logger ``jointclosure`` announces the first
-compilation of a process. Numba's settings, which apply to the whole process, are not changed.
+is named by a digest of the code of the kernels and of the versions that compile it. Shipped machine
+code is loaded where code, versions and processor allow; other code is compiled for the processor at
+hand. The logger ``jointclosure`` announces the first compilation of a process. Numba's settings,
+which apply to the whole process, are not changed.
 """
 
 import hashlib
+import importlib.metadata
 import logging
+import platform
+import sys
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -15,9 +20,23 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core import types
+from numba.core.caching import (
+    CompileResultCacheImpl,
+    FunctionCache,
+    IndexDataCacheFile,
+    _CacheLocator,
+)
 
 from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
+
+SHIPPED = PACKAGE / "compiled"
+"""Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""
+X86 = platform.machine() in ("x86_64", "AMD64")
+PROCESSOR = "x86-64-v3" if X86 else "generic"
+"""Processor of shipped code: it takes the time of code for a newer one, and gives the same bits."""
+FEATURES = {"+avx2", "+bmi", "+bmi2", "+f16c", "+fma", "+lzcnt", "+movbe"} if X86 else set()
+"""What a processor needs to run it."""
 
 KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 """Packages that contain kernels; modules that they import are included too."""
@@ -25,18 +44,24 @@ KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 
 @lru_cache(maxsize=None)
 def cache_folder() -> Path:
-    """Return the folder of the compiled kernels for their present code."""
-    return cache_root() / f"numba-{code_digest(*KERNEL_PARTS, titles=False)}"
+    """Return the folder of the compiled kernels for their present code and compiler."""
+    versions = [importlib.metadata.version(name) for name in ("numba", "llvmlite", "rocket-fft")]
+    versions += [str(sys.implementation.cache_tag), np.__version__.rpartition(".")[0]]
+    versions += [str(numba.config.USING_SVML)]  # type: ignore[attr-defined]
+    compiler = hashlib.sha256("\0".join(versions).encode()).hexdigest()[:8]
+    return cache_root() / f"numba-{code_digest(*KERNEL_PARTS, titles=False)}-{compiler}"
 
 
 class _Folder(_CacheLocator):
     """Location of a function's machine code in `cache_folder`, whose name identifies the code."""
 
     def __init__(self, function: Callable[..., Any], file: str):
-        self._path = cache_folder() / self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
-        inside = Path(file).resolve().is_relative_to(PACKAGE)
-        # the digest in the folder's name contains only the package
-        self._stamp = "" if inside else hashlib.sha256(Path(file).read_bytes()).hexdigest()
+        if Path(file).resolve().is_relative_to(PACKAGE):
+            name, self._stamp = Path(file).resolve().parent.name, ""
+        else:  # the digest in the folder's name contains only the package
+            name = self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
+            self._stamp = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+        self._path = cache_folder() / name
 
     def get_cache_path(self) -> str:
         return str(self._path)
@@ -57,6 +82,11 @@ class _InFolder(CompileResultCacheImpl):
 
     _locator_classes = (_Folder,)  # type: ignore[assignment]
 
+    def reduce(self, result: Any) -> tuple[Any, ...]:
+        """Leave out the annotated source, which has paths of this machine."""
+        parts = super().reduce(result)  # type: ignore[no-untyped-call]
+        return tuple("" if isinstance(part, str) else part for part in parts)
+
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
         return super().get_filename_base(fullname, abiflags).replace(f"-{self._lineno}.", ".", 1)  # type: ignore[no-untyped-call]
 
@@ -69,13 +99,24 @@ class _KernelCache(FunctionCache):
 
     def __init__(self, function: Callable[..., Any]):
         super().__init__(function)  # type: ignore[no-untyped-call]
+        path = SHIPPED / Path(self.cache_path).relative_to(cache_root())
+        name, stamp = self._impl.filename_base, self._impl.locator.get_source_stamp()
+        self._shipped = IndexDataCacheFile(str(path), name, stamp)  # type: ignore[no-untyped-call]
         try:
             self._impl.locator.ensure_cache_path()
         except OSError:  # if nothing can be written, a process compiles what it needs
             self.disable()  # type: ignore[no-untyped-call]
 
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
-        """Load as `Cache.load_overload`; None if it must be compiled."""
+        """Load as `Cache.load_overload`, shipped code first; None if it must be compiled."""
+        target_context.refresh()
+        key = self._index_key(sig, target_context.codegen())  # type: ignore[no-untyped-call]
+        triple, processor, features = key[1]
+        if processor == PROCESSOR or set(features.split(",")) >= FEATURES:
+            shipped = key[0], (triple, PROCESSOR, ""), key[2]
+            data = self._shipped.load(shipped)  # type: ignore[no-untyped-call]
+            if data is not None:
+                return self._impl.rebuild(target_context, data)
         overload = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         if overload is None:
             _KernelCache.misses += 1
@@ -122,6 +163,12 @@ def _compiled(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]
     compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=inlined)
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
+    template = compiled.get_call_template
+    # constants are arguments like others: one specialisation for all of them
+    compiled.get_call_template = lambda args, kws: template(  # type: ignore[method-assign]
+        [types.unliteral(arg) for arg in args],  # type: ignore[no-untyped-call]
+        {name: types.unliteral(arg) for name, arg in kws.items()},  # type: ignore[no-untyped-call,union-attr]
+    )
     # like `enable_caching`, which would use the folder set for the whole process
     compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
     return compiled

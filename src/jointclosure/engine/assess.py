@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
@@ -24,7 +24,12 @@ from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.walls import COPIES, Walls
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
-from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    conditions_from,
+    takes_conditions,
+)
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Numerics
@@ -66,7 +71,7 @@ def assess(
     folder: str | Path | None = None,
     workers: int | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
-    **changes: Any,
+    **changes: Unpack[Changes],
 ) -> Assessment:
     """Say what accuracy costs on a scene, how hard it is, and which effects it needs.
 

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,12 @@ from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
-from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    conditions_from,
+    takes_conditions,
+)
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.walls.plausibility import doubts
@@ -31,7 +36,7 @@ def simulate_ensemble(
     stress_points: int = 31,
     workers: int | None = None,
     progress: bool = False,
-    **changes: Any,
+    **changes: Unpack[Changes],
 ) -> xr.Dataset:
     """Close many joints of the same rock under the same load, as a study does for a case.
 
@@ -95,7 +100,10 @@ def simulate_ensemble(
     about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
     about["flag_meanings"] += " not_simulated"
     why = {"long_name": "why a joint failed"}
-    return ensemble.assign(error=("realization", np.array(errors, dtype=object), why))
+    attributes = {"title": "closure of many rough joints"} | conditions.attributes()
+    return ensemble.assign(error=("realization", np.array(errors, dtype=object), why)).assign_attrs(
+        attributes
+    )
 
 
 def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import pandas as pd
 import xarray as xr
@@ -17,6 +17,7 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.barton_bandis import JointLaws, laws_of_joint
 from jointclosure.joint.conditions import (
+    Changes,
     Conditions,
     conditions_from,
     describe_load,
@@ -115,7 +116,7 @@ def close(
     snapshots: Sequence[float] = (),
     rock_name: str | None = None,
     progress: bool = False,
-    **changes: Any,
+    **changes: Unpack[Changes],
 ) -> ClosedJoint:
     """Register two scanned walls of a joint, press them together and release them.
 

@@ -16,7 +16,7 @@ closure by more than the tolerance. The other quantities are reported.
 import itertools
 import time
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
@@ -28,7 +28,12 @@ from jointclosure.engine.assessment import ASSESSED, CLOSURE
 from jointclosure.engine.joints import Reading, read_joint
 from jointclosure.engine.walls import Walls
 from jointclosure.inputs import InputError, check_number
-from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    conditions_from,
+    takes_conditions,
+)
 from jointclosure.joint.given_walls import warn_of_doubts
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
@@ -297,7 +302,7 @@ def choose_effects(
     tolerance: float = AUTO_TOLERANCE,
     joints: int = 20,
     report: Callable[[str], None] = lambda line: None,
-    **changes: Any,
+    **changes: Unpack[Changes],
 ) -> Selection:
     """Select the effects that matter in a scene.
 

@@ -1,5 +1,6 @@
 """Optional dependencies: the modules of each extra, and one clear error if one is missing."""
 
+import importlib.metadata
 import importlib.util
 import warnings
 from collections.abc import Iterator
@@ -30,8 +31,15 @@ def needs(extra: str, what: str) -> Iterator[None]:
         if module not in EXTRAS[extra]:
             raise
         raise InputError(
-            f"{what} needs {module}, which is not installed: pip install 'jointclosure[{extra}]'"
+            f"{what} needs {module}, which is not installed: {installing(extra)}"
         ) from None
+
+
+def installing(extra: str) -> str:
+    """Return the command that installs the packages of an extra, wherever this one came from."""
+    entries = (entry.split("; ") for entry in importlib.metadata.requires("jointclosure") or ())
+    names = [entry[0] for entry in entries if entry[1:] == [f"extra == '{extra}'"]]
+    return " ".join(["pip install", *(f"'{name}'" for name in names)])
 
 
 def installed(extra: str) -> bool:

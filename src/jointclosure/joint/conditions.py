@@ -2,14 +2,15 @@
 
 import difflib
 import inspect
+import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, TypedDict, TypeVar, cast
 
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number
-from jointclosure.joint.rocks import rocks_of_walls
+from jointclosure.joint.rocks import ROCKS, rock_record, rocks_of_walls
 from jointclosure.parameters import (
     Choices,
     Effects,
@@ -19,6 +20,7 @@ from jointclosure.parameters import (
     check_numerics,
     check_scene,
     check_usual,
+    in_double,
 )
 
 USUAL_CYCLES = 2
@@ -102,6 +104,21 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+class Changes(TypedDict, total=False):
+    """Fields of `Conditions` as keywords, for checkers of types and editors."""
+
+    spacing: float | None
+    rock: str | Rock | Sequence[str | Rock]
+    max_normal_stress: float | Sequence[float]
+    cycles: int | None
+    seating_stress: float | None
+    effects: Effects
+    choices: Choices
+    numerics: Numerics
+    flow: bool
+    unusual_values: bool
+
+
 class Conditions(NamedTuple):
     """Everything besides the walls on which the closure of a joint depends, in SI.
 
@@ -168,6 +185,17 @@ class Conditions(NamedTuple):
         """Largest normal stress of all cycles [Pa]."""
         return largest_stress(self.max_normal_stress)
 
+    def attributes(self) -> dict[str, Any]:
+        """Return checked conditions as attributes of a dataset."""
+        load = self.load
+        repeated = load == (LoadCycle(load[0].maximum),) * len(load)
+        turns = [stress for cycle in load for stress in cycle]
+        model = self.effects, self.choices, self.numerics
+        return model_attributes(self.rock, self.grid_spacing, *model) | {
+            "max_normal_stress_Pa": load[0].maximum if repeated else turns,
+            "seating_stress_Pa": float(cast(float, self.seating_stress)),
+        }
+
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
         """Check the conditions, and return them with both rocks, cycles and seating stress."""
         pair: tuple[Rock, Rock] = rocks_of_walls(self.rock)
@@ -205,6 +233,22 @@ class Conditions(NamedTuple):
                 f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
             )
         return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
+
+
+def model_attributes(
+    rock: tuple[Rock, Rock], spacing: float, effects: Effects, choices: Choices, numerics: Numerics
+) -> dict[str, Any]:
+    """Return rock, spacing and model as attributes of a dataset; the rock as `rock_record`."""
+    names = (name for name, known in ROCKS.items() if rock == (known.intact, known.intact))
+    switches = {name: bool(on) for name, on in effects._asdict().items()}
+    return {
+        "Conventions": "CF-1.11",
+        "rock": json.dumps(rock_record(rock, next(names, "rock"))),
+        "spacing_m": spacing,
+        "effects": json.dumps(switches),
+        "choices": json.dumps(in_double(choices)._asdict()),
+        "numerics": json.dumps(in_double(numerics)._asdict()),
+    }
 
 
 def takes_conditions(function: Function) -> Function:

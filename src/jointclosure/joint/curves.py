@@ -35,7 +35,7 @@ KINDS = {"net": NET, "gross": GROSS}
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure over stress by cycle and branch, one row per step."""
     rows = []
-    for number in np.unique(history.cycle.values):
+    for number in np.unique(history.load_cycle.values):
         for name in (LOADING, UNLOADING):
             here = branch_of(history, number, name)
             if here.size > 1:
@@ -86,7 +86,7 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
 def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
     """Return the net closures and stiffness of each cycle, as a laboratory reports them."""
     completed = np.isfinite(history.max_closure.values)
-    begun = int(history.cycle.max())
+    begun = int(history.load_cycle.max())
     cycles, net = range(1, begun + 1), cycle_closures(history)
     seated = "max_closure_seated", "residual_closure_seated"
     responses = {f"{name}_net": net[name] for name in ("max_closure", *seated)}
@@ -102,7 +102,7 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
 
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     """Tabulate the closures of each cycle, since seating as in laboratory reports."""
-    numbers = np.unique(history.cycle.values)
+    numbers = np.unique(history.load_cycle.values)
     columns = {"cycle": numbers}
     for net, of in (("_net", NET), ("", GROSS)):
         read = cycle_closures(history, of)
@@ -149,14 +149,14 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
     seating = float(history.attrs["seating_stress_Pa"])
     largest = float(history.normal_stress.max())
     if cycle is not None:
-        reached = float(history.normal_stress.values[history.cycle.values == cycle].max())
+        reached = float(history.normal_stress.values[history.load_cycle.values == cycle].max())
         largest = largest if largest <= 1.01 * reached else reached
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa]."""
-    closures = np.full((int(history.cycle.max()), 2, levels.size), np.nan)
+    closures = np.full((int(history.load_cycle.max()), 2, levels.size), np.nan)
     for index, side in np.ndindex(closures.shape[:2]):
         here = branch_of(history, index + 1, (LOADING, UNLOADING)[side])
         if here.size < 2:
@@ -197,7 +197,7 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
         return np.inf
     here = branch_of(history, cycle, LOADING)
     stress = history.normal_stress.values
-    former = stress[history.cycle.values < cycle].max(initial=0.0)
+    former = stress[history.load_cycle.values < cycle].max(initial=0.0)
     within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both within the tolerance
     if here.size < 2 or stress[here].max() <= former * within:
         return np.inf
@@ -259,7 +259,7 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
     """Tabulate closure, stiffness and aperture at stresses [Pa], by cycle and branch."""
     levels = stress_levels(history) if levels is None else levels
     columns: dict[str, np.ndarray] = {}
-    begun = int(history.cycle.max())
+    begun = int(history.load_cycle.max())
     for kind, of in KINDS.items():
         seats = np.array([seat_of(history, cycle + 1, LOADING, of) for cycle in range(begun)])
         since = closures_at(history, levels, of) - seats[:, None, None]

@@ -31,7 +31,7 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
 
 def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
     """Return indices of the steps (n,) on one branch of one cycle, including its start."""
-    here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
+    here = np.flatnonzero((history.load_cycle.values == cycle) & (history.branch.values == branch))
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
     return here
@@ -91,7 +91,7 @@ def cycle_closures(
     ``minima`` (cycles,) [Pa] are the stresses that a whole cycle was unloaded to, by default any.
     """
     closure = read_along(history, of)
-    minima = np.full(int(history.cycle.max()), np.inf) if minima is None else minima
+    minima = np.full(int(history.load_cycle.max()), np.inf) if minima is None else minima
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
     closures = {name: np.full(len(minima), np.nan) for name in names}
     for index, loading, unloading in _whole_cycles(history, minima):

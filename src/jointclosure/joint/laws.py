@@ -102,7 +102,7 @@ def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, n
     """Read stress [MPa] and closure since seating [mm] by cycle and branch."""
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
-    for index in range(int(history.cycle.max())):
+    for index in range(int(history.load_cycle.max())):
         levels = stress_levels(history, POINTS, index + 1)
         branches = closures_at(history, levels)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):

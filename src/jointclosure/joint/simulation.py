@@ -1,16 +1,22 @@
 """Close one joint: the public functions `simulate` and `equilibrium`."""
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.inputs import LENGTHS, InputError, check_length, check_number
-from jointclosure.joint.conditions import Conditions, LoadCycle, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    LoadCycle,
+    conditions_from,
+    model_attributes,
+    takes_conditions,
+)
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import (
     ATTRIBUTES,
@@ -55,7 +61,7 @@ def simulate(
     conditions: Conditions | None = None,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
-    **changes: Any,
+    **changes: Unpack[Changes],
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
 
@@ -89,14 +95,14 @@ def simulate(
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
         ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
         negative where asperities are pressed into each other), ``equilibrium_residual``, with
-        coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure`` and
+        coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
         (`jointclosure.joint.history.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
-        Effects, choices and numerics are attributes, as JSON. With ``flow`` also, along
-        ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
+        Rock, spacing, load, effects, choices and numerics are attributes. With ``flow`` also,
+        along ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
         ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
         ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
         are pressed together) and ``snapshot_broken_volume`` [m3], with the requested stress,
@@ -148,7 +154,6 @@ def simulate_by(
     upper, lower = checked_walls(upper, lower, spacing)
     conditions = conditions.checked(snapshots)
     largest, load = float(conditions.largest_stress), conditions.load
-    seating_stress = cast(float, conditions.seating_stress)  # checked
     effects, choices = conditions.effects, in_double(conditions.choices)
     _check_steps(upper, lower, conditions.numerics)
     numerics = in_double(conditions.numerics)
@@ -167,11 +172,11 @@ def simulate_by(
     if len(snapshots):
         observers.append(Snapshots(snapshots, numerics.stress_tolerance, datums))
     forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in load]
-    seating_force = seating_stress * area
+    seating_force = cast(float, conditions.seating_stress) * area
     history = run_cycles(joint, solver, numerics, forces, seating_force, report, observers)
     joint.upper += datums[0]
     joint.lower += datums[1]
-    closed = _history_dataset(joint, history, area, load, seating_stress)
+    closed = _history_dataset(joint, history, area, conditions)
     for observer in observers:
         closed = observer.added_to(closed)
     return closed
@@ -265,24 +270,23 @@ def equilibrium(
         "interaction_displacement": fields.displacement,
     }
     once = {"normal_stress": stress, "equilibrium_residual": run.residual, "status": status}
-    return xr.Dataset(_variables((("y", "x"), on_cells), ((), once)), _grid(upper.shape, spacing))
+    attributes = model_attributes(pair, spacing, effects, choices, numerics)
+    variables = _variables((("y", "x"), on_cells), ((), once))
+    return xr.Dataset(
+        variables,
+        _grid(upper.shape, spacing),
+        {"title": "equilibrium of a rough joint"} | attributes,
+    )
 
 
 def _history_dataset(
-    joint: Joint, history: History, area: float, load: Sequence[LoadCycle], seating_stress: float
+    joint: Joint, history: History, area: float, conditions: Conditions
 ) -> xr.Dataset:
+    load = conditions.load
     settled = [step.settled for step in history.steps]
     cycle = np.array([step.cycle for step in history.steps], dtype=np.int32)
     branch = np.array([step.branch for step in history.steps])
-    turns = [stress for turn in load for stress in turn]
-    repeated = load == (LoadCycle(load[0].maximum),) * len(load)
-    attributes = ({} if repeated else {"load_history_Pa": turns}) | {
-        "title": "closure of a rough joint",
-        "seating_stress_Pa": seating_stress,
-        "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
-        "choices": json.dumps(joint.choices._asdict()),
-        "numerics": json.dumps(joint.numerics._asdict()),
-    }
+    attributes = {"title": "closure of a rough joint"} | conditions.attributes()
     closure = np.array([point.closure for point in settled])
     bulk = np.array([point.mean_interaction for point in settled])
     heights = np.array([step.mean_height for step in history.steps])
@@ -295,7 +299,8 @@ def _history_dataset(
         "mean_aperture": joint.first_touch - heights - closure + bulk,
     }
     coordinates = {
-        "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
+        "cycle": ("cycle", np.arange(1, len(load) + 1), {"long_name": "load cycle"}),
+        "load_cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
         "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
     }
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)

@@ -3,12 +3,15 @@
 Two that compile into an empty cache at the same time can store each other's machine code.
 """
 
+import os
+import shutil
 import sys
 from collections.abc import Iterable
 from typing import Any, Literal
 
 import numpy as np
 
+from jointclosure.compilation.kernels import PROCESSOR, SHIPPED, cache_folder
 from jointclosure.joint.simulation import equilibrium, simulate
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import (
@@ -52,7 +55,18 @@ def compile_kernels(
 
 
 def main(words: list[str]) -> None:
-    """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only."""
+    """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only.
+
+    With "ship" first they are compiled for many processors, as a part of the package (`SHIPPED`),
+    and those of other versions are removed from it.
+    """
+    if words[:1] == ["ship"]:
+        environment = {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}
+        environment |= {"NUMBA_DISABLE_INTEL_SVML": "1", "JOINTCLOSURE_CACHE": str(SHIPPED)}
+        program = [sys.executable, "-m", "jointclosure.joint.warmup", *words[1:]]
+        for old in set(SHIPPED.glob("*")) - {SHIPPED / cache_folder().name}:
+            shutil.rmtree(old) if old.is_dir() else old.unlink()
+        os.execve(sys.executable, program, os.environ | environment)
     only_close = words == ["close"]
     for scene in [Effects()] if only_close else well_posed_scenes():
         for peaks in ("pristine", "current"):

@@ -163,7 +163,7 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
         (stress, closure, 0.0 * stress, np.full(stress.size, cycle), [branch] * stress.size)
         for cycle, branch, stress, closure in branches
     ]
-    names = ("normal_stress", "closure", "bulk_indentation", "cycle", "branch")
+    names = ("normal_stress", "closure", "bulk_indentation", "load_cycle", "branch")
     columns = zip(names, map(np.concatenate, zip(*parts, strict=True)), strict=True)
     return xr.Dataset({name: ("step", values) for name, values in columns})
 

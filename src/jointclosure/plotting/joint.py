@@ -53,7 +53,7 @@ def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
     """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
-    values, numbers = read_along(closed, of), sorted(set(closed.cycle.values.tolist()))
+    values, numbers = read_along(closed, of), sorted(set(closed.load_cycle.values.tolist()))
     seating = float(closed.attrs["seating_stress_Pa"])
     for number in numbers:
         zero = 0.0
