@@ -58,6 +58,14 @@ def test_any_start_leads_to_the_same_equilibrium(problem, start, target):
     assert np.abs(found.force - usual.force).sum() <= 1e-8 * usual.force.sum()
 
 
+def test_forces_in_equilibrium_at_another_total_are_no_answer(problem):
+    influence, contacts, usual = problem
+    total = 2.0 * usual.force.sum()
+    found = solve_equilibrium(influence, contacts, usual.force, total, 1e-10)
+    assert found.residual <= 1e-10
+    assert found.force.sum() == pytest.approx(total, rel=1e-9)
+
+
 def test_a_tolerance_below_rounding_is_not_said_to_be_met(problem, influence, target):
     start = np.zeros(problem[1].cells.size)
     found = solve_equilibrium(influence, problem[1], start, target, 1e-18)
@@ -74,6 +82,12 @@ def test_contacts_that_are_no_numbers_have_no_equilibrium(problem, field, value,
     found = solve_equilibrium(influence, bad, np.zeros(values.size), target, 1e-10)
     assert np.isnan(found.residual)
     assert np.isnan(found.force).all()
+
+
+@pytest.mark.parametrize("total", [0.0, -1.0, np.inf])
+def test_a_force_that_no_closure_carries_is_not_found(problem, total, influence):
+    start = np.zeros(problem[1].cells.size)
+    assert np.isnan(solve_equilibrium(influence, problem[1], start, total, 1e-10).residual)
 
 
 def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch):
