@@ -25,8 +25,8 @@ import pandas as pd
 from scipy.optimize import minimize
 
 import jointclosure as jc
-from jointclosure.engine.assessment import ASSESSED
-from jointclosure.engine.selection import JUDGED, MOST_PAIRS, Pilot, choose_among, possible_scenes
+from jointclosure.engine.assessment import ASSESSED, JUDGED
+from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of

@@ -19,7 +19,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine import judging, oracle
+from jointclosure.engine.assess import closures_of
+from jointclosure.engine.assessment import FEATURES, features_of
 from jointclosure.engine.judging import Judge, JudgedSolver
+from jointclosure.engine.walls import COPIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
@@ -125,21 +128,31 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
     }
 
 
+def features_of_case(case: dict) -> dict[str, float]:
+    """Close copies of a case's joint, one if they take long, and return its `FEATURES`."""
+    if case["expect"] == "refused" or case["closure"] is not None:
+        return dict.fromkeys(FEATURES, math.nan)
+    setting, name = _setting(case), "as stated"
+    pair = setting.pop("walls")
+    load = {"max_normal_stress": _target(case, *pair, setting), "cycles": case["cycles"]}
+    conditions = Conditions(seating_stress=0.0, unusual_values=True, **setting, **load).checked()
+    copies = [(name, 0, copy) for copy in list(COPIES)[: 1 if case["slow"] else None]]
+    return features_of(closures_of(copies, name, {name: conditions}, [pair]), name, name)
+
+
 def _measured(outcome: Outcome) -> dict[str, float]:
     """Return the closures of a case for its row; NaN without cycles."""
     data, target = outcome.dataset, outcome.target
     none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
     row = none | {"residual_closure_last_m": math.nan, "target_Pa": target}
     row["max_stress_Pa"] = math.nan if data is None else float(np.max(data.normal_stress.values))
-    row |= dict.fromkeys(("unbreakable_share", "unloading_excess_over_target"), math.nan)
-    row["breakage_steps"] = 0
+    row |= {"unloading_excess_over_target": math.nan, "breakage_steps": 0}
     if data is None or "max_closure" not in data:
         return row
     return row | {
         "max_closure_1_m": float(data.max_closure[0]),
         "max_closure_last_m": float(data.max_closure[-1]),
         "residual_closure_last_m": float(data.residual_closure[-1]),
-        "unbreakable_share": float((data.locked_share + data.flat_share).max()),
         "unloading_excess_over_target": float(data.unloading_excess.max()) / target,
         "breakage_steps": int(data.breakage_steps),
     }

@@ -9,7 +9,7 @@ from jointclosure.engine.assessment import ASSESSED
 from jointclosure.engine.selection import (
     CRUSHED,
     ENOUGH,
-    FEWEST,
+    FEWEST_PAIRS,
     LOSS,
     SCATTER,
     Change,
@@ -154,7 +154,7 @@ def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
 
 @pytest.mark.parametrize("names", [("breakage", "gouge"), ("soft_peaks",)])
 def test_what_frozen_walls_do_not_show_is_left_out_after_many_pairs_only(names):
-    for pairs, left_out in ((FEWEST[names[0]] - 1, False), (FEWEST[names[0]], True)):
+    for pairs, left_out in ((FEWEST_PAIRS[names[0]] - 1, False), (FEWEST_PAIRS[names[0]], True)):
         pilot = MadeUp([0.0] * pairs, 10_000, seconds=0.1)
         assert pilot.test(names, ALL, 0.3)[0] is left_out
 

@@ -20,6 +20,7 @@ rule hard_cases:
     input:
         f"{HARD_RESULTS}/tables/hard_cases.csv",
         f"{HARD_RESULTS}/tables/hard_case_errors.csv",
+        f"{HARD_RESULTS}/tables/hard_case_features.csv",
         f"{HARD_RESULTS}/tables/analytic.csv",
         HARD_FIGURES,
     message:
@@ -67,6 +68,7 @@ rule present_hard_cases:
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
         errors=f"{HARD_RESULTS}/tables/hard_case_errors.csv",
+        features=f"{HARD_RESULTS}/tables/hard_case_features.csv",
         figures=HARD_FIGURES,
     params:
         order=list(HARD_CASES),

@@ -11,6 +11,7 @@ from studies.frame.jobs import job
 from studies.verification.hard_cases import (
     curve_of,
     failed_requirements,
+    features_of_case,
     row_of,
     run_case,
 )
@@ -29,7 +30,7 @@ def main(cases: dict[str, dict], group: str, outputs: dict, log: Logbook) -> Non
         outcome = run_case(case)
         failed = failed_requirements(outcome, cases)
         faulthandler.cancel_dump_traceback_later()
-        rows.append(row_of(outcome, failed))
+        rows.append(row_of(outcome, failed) | features_of_case(case))
         curves.append(curve_of(outcome))
         log(f"{name}: {outcome.status}, {outcome.seconds:.2f} s, {'; '.join(failed) or 'holds'}")
     write_csv(pd.DataFrame(rows), outputs["table"])

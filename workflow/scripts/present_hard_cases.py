@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from jointclosure.engine.assessment import FEATURES
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of
@@ -32,6 +33,8 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
         "commit": commit(),
     }
     write_csv(error_table(table, origin), outputs["errors"])
+    features = table[["name", *FEATURES]].dropna(subset="contacts_at_max")
+    write_csv(features, outputs["features"], figures=4)
     figures = {"hard_cases": hard_case_page(table, curves), "numerics": numerics_figure(formulas)}
     for path in outputs["figures"]:
         save_figure(figures[Path(path).stem], path)
@@ -46,6 +49,7 @@ if __name__ == "__main__":
             {
                 "table": snakemake.output.table,
                 "errors": snakemake.output.errors,
+                "features": snakemake.output.features,
                 "figures": list(snakemake.output.figures),
             },
             logbook,

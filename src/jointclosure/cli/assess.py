@@ -48,11 +48,11 @@ def run(arguments: argparse.Namespace) -> int:
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)
     settings = {"upper": walls[0], "lower": walls[1], **files, **grid, **stated, **asked}
-    record = {"sentences": assessment.sentences, "hardness": assessment.hardness, "title": title}
-    record |= results.attributes(settings)
+    record = {"sentences": assessment.sentences, "title": title} | results.attributes(settings)
     written: dict[str, Any] = {
         "closures.csv": assessment.closures,
         "differences.csv": assessment.differences,
+        "hardness.csv": assessment.hardness,
         "assessment.json": json.dumps(record, indent=1, default=str) + "\n",
     }
     if assessment.price.shape[0] > 1:
@@ -60,4 +60,4 @@ def run(arguments: argparse.Namespace) -> int:
 
         written["assessment.png"] = assessment_figure(assessment, title)
     print(results.write_folder(arguments.output, "assess", written))
-    return int(assessment.hardness["verdict"] == "not stable")
+    return int(assessment.hardness.verdict[0] == "not stable")

@@ -16,7 +16,13 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.assessment import ASSESSED, REFINEMENT, Assessment, assessed
+from jointclosure.engine.assessment import (
+    ASSESSED,
+    FEATURES,
+    REFINEMENT,
+    Assessment,
+    assessed,
+)
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
@@ -44,7 +50,7 @@ DROPS = (
 """Effects that are left out together."""
 LARGEST_BUDGET = 1e9
 """Processor time [s] that no budget exceeds: thirty years."""
-READ = (*ASSESSED, "unbreakable_share", "status", "timing_simulation", "oracle_ratio")
+READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
 """Quantities that are read of every closure; the last one only where states are judged."""
 
 
@@ -110,13 +116,14 @@ def assess(
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
     given = given._replace(spacing=spacing, flow=False).checked()
-    stated, variants = variants_of(given)
-    ladder = [name for name in variants if not name.startswith("without ")]
-    copies = list(COPIES) if len(pairs) == 1 else list(COPIES)[:1]
-    joints = range(len(pairs))
-    tasks = [(name, joint, copy) for name in variants for joint in joints for copy in copies]
-    tasks += [(stated, 0, copy) for copy in COPIES if copy not in copies]
-    closures = _closures(tasks, stated, variants, pairs, folder, number_of_workers(workers), report)
+    stated, ladder, variants = variants_of(given)
+    tasks = [
+        (name, joint, copy)
+        for name in variants
+        for joint in range(len(pairs))
+        for copy in (COPIES if name == stated or len(pairs) == 1 else ["as it is"])
+    ]
+    closures = closures_of(tasks, stated, variants, pairs, folder, workers, report)
     return assessed(closures, ladder, stated, within, budget)
 
 
@@ -132,8 +139,8 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
     given.checked()
 
 
-def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
-    """Return the name of a scene as it is stated, and its variants by name, finest settings last.
+def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
+    """Return the names of the stated variant and of all settings, finest last, and all variants.
 
     Joints that break have no equilibrium without a substrate.
     """
@@ -146,13 +153,14 @@ def variants_of(given: Conditions) -> tuple[str, dict[str, Conditions]]:
         }
         variants = settings if given in settings.values() else variants | settings
     stated = next(name for name, variant in variants.items() if variant == given)
+    ladder = list(variants)
     for names in DROPS:
         acting = [name for name in names if getattr(given.effects, name)]
         fewer = given.effects._replace(**dict.fromkeys(acting, False))
         if acting and (fewer.substrate or not fewer.breakage):
             name = f"without {' and '.join(acting)}".replace("_", " ")
             variants[name] = given._replace(effects=fewer)
-    return stated, variants
+    return stated, ladder, variants
 
 
 def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
@@ -171,16 +179,17 @@ def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float
     return [checked_walls(upper, lower, spacing) for upper, lower in pairs], spacing
 
 
-def _closures(
+def closures_of(
     tasks: Sequence[tuple[str, int, str]],
     stated: str,
     variants: Mapping[str, Conditions],
     pairs: Sequence[Walls],
-    folder: str | Path | None,
-    workers: int,
-    report: Callable[[float, str], None],
+    folder: str | Path | None = None,
+    workers: int | None = 1,
+    report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> pd.DataFrame:
     """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
+    processes = number_of_workers(workers)
     file = Path(folder) / "closures.jsonl" if folder else None
     kept = _kept(file)
     code = code_digest(f"{__name__}:close_variant")
@@ -194,7 +203,9 @@ def _closures(
     used = [variant for _, variant, _ in asked]
     for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
         compile_kernels(*one)  # before processes need them, and no part of a measured time
-    for done, (place, row) in enumerate(shared(close_variant, asked, workers) if asked else (), 1):
+    for done, (place, row) in enumerate(
+        shared(close_variant, asked, processes) if asked else (), 1
+    ):
         at = places[place]
         if isinstance(row, Failed) and tasks[at][0] == stated and isinstance(row.error, InputError):
             raise row.error  # no scene, and nothing to compare

@@ -1,7 +1,9 @@
 """Tables and sentences of an assessment, read from paired differences of its closures."""
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,9 +11,12 @@ import pandas as pd
 
 from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
+from jointclosure.storage.text import read_csv
 
 CLOSURE = "max_closure_seated_net"
-"""Closure whose accuracy is priced, and that decides on effects."""
+"""Closure by which copies of a joint are compared."""
+JUDGED = (CLOSURE, "max_closure")
+"""Closures to which a request applies: net since seating, and gross from first touch."""
 ASSESSED = {
     CLOSURE: "net closure",
     "max_closure": "gross closure",
@@ -21,6 +26,12 @@ ASSESSED = {
 """Quantities that are compared, and their short titles."""
 REFINEMENT = 5.0
 """Tolerance of a resolved setting over that of the next finer one."""
+FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",
+            "stress_over_strength", "spread")  # fmt: skip
+"""Quantities by which joints are placed among the hard cases, and the spread of copies [1]."""
+HARD_CASES = Path(__file__).with_name("hard_cases.csv")
+"""Names and `FEATURES` of the hard cases that the study verification closed."""
+_VERDICTS = ("not stable", "hard", "easy")
 _EFFECT = "without "
 
 
@@ -31,16 +42,16 @@ class Assessment(NamedTuple):
     ----------
     closures : DataFrame
         One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
-        `ASSESSED` [SI], ``unbreakable_share``, ``oracle_ratio``, and the ``error`` of walls that
-        could not be closed.
+        `ASSESSED` and `FEATURES` but the spread [SI], ``oracle_ratio``, and the ``error`` of walls
+        that could not be closed.
     differences : DataFrame
         One row per variant, quantity of `ASSESSED` and cycle: the mean difference from the
         ``reference`` on the same walls over the mean of the reference, with its 95 % interval
         (``value``, ``low``, ``high`` [1]), and ``seconds`` of a joint. The reference of a setting
         of the numerics is the finest one, that of a scene without effects has all of them.
-    hardness : dict
-        ``verdict`` and its ``reason``; ``spread`` of the copies of a joint by cycle,
-        ``unbreakable`` share, and the ``oracle``'s number.
+    hardness : DataFrame
+        One row per joint, the worst first: ``verdict``, `FEATURES`, the ``nearest`` hard case and
+        the ``distance`` to it, ``oracle_ratio``, and the ``reason`` of the verdict.
     sentences : tuple of str
         What follows for the request.
     within, budget : float
@@ -49,7 +60,7 @@ class Assessment(NamedTuple):
 
     closures: pd.DataFrame
     differences: pd.DataFrame
-    hardness: dict[str, Any]
+    hardness: pd.DataFrame
     sentences: tuple[str, ...]
     within: float
     budget: float | None = None
@@ -57,7 +68,7 @@ class Assessment(NamedTuple):
     @property
     def price(self) -> pd.DataFrame:
         """Seconds and difference from the finest setting (%), one row per setting."""
-        return self._table(False, (CLOSURE,))
+        return self._table(False, JUDGED)
 
     @property
     def effects(self) -> pd.DataFrame:
@@ -75,13 +86,13 @@ class Assessment(NamedTuple):
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def verdict(self, variant: str) -> str:
-        """Say whether effects can be left out within the request, by the closures of all cycles."""
+        """Say whether effects can be left out within the request, by `JUDGED` of all cycles."""
         if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
             return "needed: fails"
         rows = self.differences[self.differences.variant == variant]
         inside = [
             interval_of(row).within(self.within)
-            for row in rows[rows.quantity == CLOSURE].itertuples()
+            for row in rows[rows.quantity.isin(JUDGED)].dropna().itertuples()
         ]
         return (
             "needed" if False in inside else "not decided" if None in inside else "can be left out"
@@ -105,16 +116,16 @@ def assessed(
     compared = closures if lone else closures[closures.copy_of_walls == "as it is"]
     differences = paired_differences(compared, ladder, stated)
     limits = limit_lines(compared, ladder, within)
-    hardness = hardness_of(closures, stated, within)
+    hardness = hardness_of(closures, ladder, stated, within)
     costs = (
         _of_joint(differences, ladder, within, budget)
         if lone
         else _of_mean(compared, ladder, within, budget)
     )
-    words = f"this scene is {hardness['verdict']}: {hardness['reason']}"
-    spread = max(hardness["spread"].values(), default=0.0)
-    if lone and spread > within:
-        words += f"; no setting answers a request below {100 * spread:.2g} %"
+    worst = hardness.iloc[0]
+    words = f"{'this joint' if lone else f'joint {worst.joint}'} is {worst.verdict}: {worst.reason}"
+    if lone and worst.spread > within:
+        words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
     return Assessment(closures, differences, hardness, (*limits, costs, words), within, budget)
 
 
@@ -141,9 +152,7 @@ def _values(closures: pd.DataFrame, variant: str, cycle: int, quantity: str) -> 
     return rows[quantity].to_numpy(dtype=float)
 
 
-def _apart(
-    closures: pd.DataFrame, variant, reference, cycle: int, quantity: str = CLOSURE
-) -> Interval:
+def _apart(closures: pd.DataFrame, variant, reference, cycle: int, quantity: str) -> Interval:
     """Return the relative difference of the means of two variants."""
     one, two = (_values(closures, name, cycle, quantity) for name in (variant, reference))
     known = np.isfinite(one) & np.isfinite(two)
@@ -152,41 +161,84 @@ def _apart(
     return t_interval((one - two)[known] / two[known].mean())
 
 
-def hardness_of(closures: pd.DataFrame, stated: str, within: float) -> dict[str, Any]:
-    """Return `Assessment.hardness`, of the worst joint; scenes without an effect do not count."""
-    own = closures[closures.variant == stated]
-    values = own.pivot_table(index=["joint", "cycle"], columns="copy_of_walls", values=CLOSURE)
-    spread = (values.std(axis=1) / values.mean(axis=1)).groupby("cycle").max().to_dict()
-    settings = closures[~closures.variant.astype(str).str.startswith(_EFFECT)]
-    share, judged = float(own.unbreakable_share.max()), float(settings.oracle_ratio.max())
-    failed = settings[~(settings.status < FAILURE)]
-    scatter = ", ".join(f"{100 * value:.2g} % on cycle {cycle}" for cycle, value in spread.items())
-    scatter = f"copies that must close alike scatter by {scatter}"
-    locked = f"{100 * share:.2g} % of its force is on contacts that cannot break"
-    if len(failed):
-        first = failed.iloc[0]
-        flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
-        reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
-        verdict = "not stable"
-    elif judged > 1.0:
-        reason = f"the independent implementation finds a state {judged:.2g} times beyond a limit"
-        verdict = "not stable"
-    elif not max(spread.values()) <= 0.5 * within or share > LARGEST_UNBREAKABLE_SHARE:
-        verdict, reason = "hard", f"{scatter} (easy: {50 * within:.2g} %), {locked} (easy: "
-        reason += f"{100 * LARGEST_UNBREAKABLE_SHARE:.0f} %)"
-    else:
-        verdict, reason = "easy", f"{scatter}, {locked}, and the independent implementation finds "
-        reason += "its states right"
-    numbers = {"spread": spread, "unbreakable": share, "oracle": judged}
-    return {"verdict": verdict, "reason": reason} | numbers
+def hardness_of(
+    closures: pd.DataFrame, ladder: Sequence[str], stated: str, within: float
+) -> pd.DataFrame:
+    """Return `Assessment.hardness`; scenes without an effect do not count."""
+    rows = []
+    for joint, own in closures[~closures.variant.str.startswith(_EFFECT)].groupby("joint"):
+        copies = own[own.variant == stated]
+        features = features_of(own, stated, ladder[-1])
+        nearest, distance = nearest_hard_case(features)
+        share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
+        failed = own[~(own.status < FAILURE)]
+        by_cycle = [f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items()]
+        reason = (
+            f"copies that must close alike scatter by {', '.join(by_cycle)} (easy: "
+            f"{50 * within:.2g} %), {100 * share:.2g} % of its force is on contacts that cannot "
+            f"break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump is "
+            f"{100 * features['largest_jump']:.2g} % of its closure, and the hard case {nearest} "
+            f"is nearest ({distance:.2g})"
+        )
+        hard = not features["spread"] <= 0.5 * within or share > LARGEST_UNBREAKABLE_SHARE
+        verdict = "hard" if hard else "easy"
+        if len(failed):
+            first = failed.iloc[0]
+            flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
+            reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
+        elif judged > 1.0:
+            reason = f"the independent implementation finds a state {judged:.2g} times beyond a "
+            reason += "limit"
+        verdict = "not stable" if len(failed) or judged > 1.0 else verdict
+        row = {"joint": joint, "verdict": verdict} | features
+        row |= {"nearest": nearest, "distance": distance, "oracle_ratio": judged}
+        rows.append(row | {"reason": reason})
+    table = pd.DataFrame(rows)
+    worst_first = np.lexsort((-table.spread, table.verdict.map(_VERDICTS.index)))
+    return table.iloc[worst_first].reset_index(drop=True)
+
+
+def spread_of(copies: pd.DataFrame) -> pd.Series:
+    """Return the standard deviation of closure over the copies of a joint [1], by cycle."""
+    values = copies.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
+    return values.std(axis=1) / values.mean(axis=1)
+
+
+def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, float]:
+    """Return `FEATURES` of a joint: of its finest history, and the spread of the stated one."""
+    fine = closures[(closures.variant == finest) & (closures.copy_of_walls == "as it is")]
+    spread = spread_of(closures[closures.variant == stated]).max()
+    return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
+
+
+def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
+    """Return the hard case with the most similar features, and the distance to it.
+
+    It is the root mean square, over the features, of the difference between the shares of hard
+    cases that have less.
+    """
+    cases, apart = read_csv(HARD_CASES), []
+    for name in FEATURES:
+        known = np.sort(cases[name].dropna())
+        both = np.append(cases[name], features[name])
+        less = 0.5 * sum(np.searchsorted(known, both, side) for side in ("left", "right"))
+        less[np.isnan(both)] = np.nan
+        apart.append((less[:-1] - less[-1]) / known.size)
+    known = np.isfinite(apart).any(axis=0)
+    if not known.any():
+        return "", math.nan
+    distances = np.sqrt(np.nanmean(np.square(apart)[:, known], axis=0))
+    return str(cases.name[known].iloc[distances.argmin()]), float(distances.min())
 
 
 def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) -> list[str]:
     """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
     lines = []
     for cycle in sorted(closures.cycle.unique()) if len(ladder) > 2 else ():
-        coarse = _apart(closures, ladder[-3], ladder[-2], cycle)
-        last = _apart(closures, ladder[-2], ladder[-1], cycle)
+        lasts = {name: _apart(closures, ladder[-2], ladder[-1], cycle, name) for name in JUDGED}
+        known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
+        judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
+        coarse, last = _apart(closures, *ladder[-3:-1], cycle, judged), lasts[judged]
         limit = {
             True: "it has a limit within the request",
             False: "no limit was reached",
@@ -195,7 +247,8 @@ def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) ->
         if coarse.within(0.0) is False and last.within(0.0) is False:
             order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
             limit += f" (observed order {order:.2g})"
-        change = f"closure with {ladder[-2]} from that with {ladder[-1]}: {percent_of(last)} %"
+        change = f"{ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
+        change += f"{percent_of(last)} %"
         lines.append(f"cycle {cycle}, {change}: {limit}")
     return lines
 
@@ -204,7 +257,7 @@ def _of_joint(
     differences: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
 ) -> str:
     """Say which setting a lone joint needs, or what the budget buys."""
-    rows = differences[differences.variant.isin(ladder[:-1]) & (differences.quantity == CLOSURE)]
+    rows = differences[differences.variant.isin(ladder[:-1]) & differences.quantity.isin(JUDGED)]
     errors = rows.assign(error=rows[["low", "high"]].abs().max(axis=1))
     errors = errors.groupby("variant")[["seconds", "error"]].max()
     limit, column = (within, "error") if budget is None else (budget, "seconds")
@@ -231,18 +284,18 @@ def _of_mean(
     finest = ladder[-1]
     for name in ladder:
         both = float(seconds[name] + seconds[finest]) if name != finest else 0.0
-        of_cycles = []
-        for cycle in sorted(closures.cycle.unique()):
-            cheap, best = (_values(closures, v, cycle, CLOSURE) for v in (name, finest))
+        plans_of_closures = []
+        for cycle, judged in itertools.product(closures.cycle.unique(), JUDGED):
+            cheap, best = (_values(closures, v, cycle, judged) for v in (name, finest))
             known = np.isfinite(cheap) & np.isfinite(best)
             cheap, best = cheap[known], best[known]
             if best.size < 2:
                 continue
             first, second = (float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap))
             plan = best_plan((first, second), (float(seconds[name]), both), within, budget)
-            of_cycles += [plan] if plan else []
-        if len(of_cycles) == len(closures.cycle.unique()):
-            plans[name] = max(of_cycles, key=lambda plan: (plan.seconds, plan.half_width))
+            plans_of_closures.append(plan)
+        if plans_of_closures and None not in plans_of_closures:
+            plans[name] = max(plans_of_closures, key=lambda plan: (plan.seconds, plan.half_width))
     if not plans and budget is None:
         return f"no mean can be planned, as fewer than two joints closed with {finest}"
     if not plans:
@@ -254,9 +307,10 @@ def _of_mean(
     further = f", {plan.differences} of them with {finest} too" if name != finest else ""
     halves = []
     for cycle in sorted(closures.cycle.unique()):
-        best = _values(closures, finest, cycle, CLOSURE)
-        mean = t_interval(best[np.isfinite(best)])
-        halves.append(f"{100 * (mean.high / mean.value - 1):.2g} % on cycle {cycle}")
+        of_cycle = (_values(closures, finest, cycle, name) for name in JUDGED)
+        means = [t_interval(known) for x in of_cycle if (known := x[np.isfinite(x)]).size]
+        half = max(mean.high / mean.value - 1.0 for mean in means)
+        halves.append(f"{100 * half:.2g} % on cycle {cycle}")
     known = ", ".join(halves)
     return (
         f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes {plan.joints} "

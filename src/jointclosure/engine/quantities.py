@@ -11,13 +11,22 @@ import xarray as xr
 
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, hysteresis, net_responses
-from jointclosure.joint.history import ATTRIBUTES, loop_between, seat_of, values_at_stresses
+from jointclosure.joint.history import (
+    ATTRIBUTES,
+    branch_of,
+    loop_between,
+    seat_of,
+    values_at_stresses,
+)
 from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.protocol import LOADING, unbreakable_share
+from jointclosure.parameters import both_walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")
+_ROUNDING = 1e-13
+"""Change of a height [m] that is no breakage."""
 _SHOWN = {
     "m": ("mm", 1e3),
     "Pa": ("MPa", 1e-6),
@@ -167,6 +176,38 @@ def _volume_error(joint: ClosedWalls) -> float:
     return max(errors)
 
 
+def _largest_jump(joint: ClosedWalls) -> float:
+    """Return the largest way from a peak of the stress to where loading exceeds it, over all."""
+    shares = []
+    for cycle in range(1, joint.closed.max_closure.size + 1):
+        loading = branch_of(joint.closed, cycle, LOADING)
+        curve = joint.closed.isel(step=loading)
+        closure, stress = curve.closure.values, curve.normal_stress.values
+        reached = np.maximum.accumulate(stress)
+        peak = np.searchsorted(reached, reached)
+        beyond = np.minimum(np.searchsorted(reached, reached, side="right"), stress.size - 1)
+        rise = np.maximum(stress[beyond] - stress[beyond - 1], np.finfo(float).tiny)
+        share = np.clip((reached - stress[beyond - 1]) / rise, 0.0, 1.0)
+        end = closure[beyond - 1] + share * (closure[beyond] - closure[beyond - 1])
+        shares.append(float(np.max(end - closure[peak])) / (closure[-1] - closure[0]))
+    return max(shares)
+
+
+def _contacts_at_max(joint: ClosedWalls) -> float:
+    return float(cycle_table(joint.closed).contact_at_max.max() * joint.walls[0].size)
+
+
+def broken_share(walls: tuple[np.ndarray, np.ndarray], closed: xr.Dataset) -> float:
+    """Return the share of the cells of both walls that are lower than before loading."""
+    final = np.array([closed.upper_final.values, closed.lower_final.values])
+    return float(np.mean(np.array(walls) - final > _ROUNDING))
+
+
+def _stress_over_strength(joint: ClosedWalls) -> float:
+    weaker = min(rock.compressive_strength for rock in both_walls(joint.conditions.rock))
+    return joint.conditions.largest_stress / weaker
+
+
 def _oracle_ratio(joint: ClosedWalls) -> float:
     from jointclosure.engine.judging import oracle_ratio
 
@@ -252,7 +293,18 @@ QUANTITIES: dict[str, Quantity] = {
         {"comment": "what unloading does not give back"}),
     "unbreakable_share": Quantity(
         "largest share of the force on contacts that cannot break", "1", (),
-        lambda joint: float((joint.closed.locked_share + joint.closed.flat_share).max())),
+        lambda joint: float(unbreakable_share(joint.closed).max())),
+    "largest_jump": Quantity(
+        "largest closure of a loading at constant stress, over its closure", "1", (),
+        _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
+    "contacts_at_max": Quantity(
+        "largest number of cells in contact at the maximum stress", "1", (), _contacts_at_max),
+    "broken_share": Quantity(
+        "share of the cells of both walls that broke", "1", (),
+        lambda joint: broken_share(joint.walls, joint.closed)),
+    "stress_over_strength": Quantity(
+        "maximum stress over the compressive strength of the weaker rock", "1", (),
+        _stress_over_strength),
     "oracle_ratio": Quantity(
         "largest number of the oracle over its limit, at the first maximum", "1", (),
         _oracle_ratio),

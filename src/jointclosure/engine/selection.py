@@ -24,8 +24,9 @@ import scipy
 import xarray as xr
 
 from jointclosure.engine.assess import DROPS, checked_pairs
-from jointclosure.engine.assessment import ASSESSED, CLOSURE
+from jointclosure.engine.assessment import ASSESSED, CLOSURE, JUDGED
 from jointclosure.engine.joints import Reading, read_joint
+from jointclosure.engine.quantities import broken_share
 from jointclosure.engine.walls import Walls
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
@@ -40,8 +41,6 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
 
-JUDGED = ("max_closure", CLOSURE)
-"""Closures to which the tolerance applies: gross from first touch, and net since seating."""
 PRIORS = {
     "max_closure": (0.0, 0.094, 0.08),
     CLOSURE: (0.021, 0.35, 0.0),
@@ -69,7 +68,7 @@ SAVED = {"breakage": 0.9, "interaction": 0.5, "soft_peaks": 0.2}
 """Share of time that is expected to be saved, before a joint was closed without the effect."""
 WORTH = 0.1
 """Least share of time that leaving out effects must save."""
-FEWEST = {"breakage": 10, "interaction": 0, "soft_peaks": 4}
+FEWEST_PAIRS = {"breakage": 10, "interaction": 0, "soft_peaks": 4}
 """Fewest pairs without an effect. Frozen walls do not show breakage and soft peaks, and where few
 asperities carry load, few joints break, but much."""
 CRUSHED = 0.25
@@ -77,7 +76,7 @@ CRUSHED = 0.25
 changed closures by 24 to 340 % at 38 random conditions, above by 3 and 12 % at 2 others."""
 MOST_PAIRS = 20
 """Number of pairs of walls that are closed at most."""
-_CORNER, _POINTS, _ROUNDING = 16, 4, 1e-13
+_CORNER, _POINTS = 16, 4
 _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
 
 
@@ -191,9 +190,8 @@ class Pilot:
 
     def broken(self) -> int:
         """Count the cells of both walls that broke in the first joint with all effects."""
-        closed = self.closed[self.effects][0].dataset
-        final = np.array([closed.upper_final.values, closed.lower_final.values])
-        return int(np.sum(np.array(self._pairs[0]) - final > _ROUNDING))
+        share = broken_share(self._pairs[0], self.closed[self.effects][0].dataset)
+        return round(2 * self._pairs[0][0].size * share)
 
     def changes(self, effects: Effects, count: int) -> np.ndarray:
         """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
@@ -239,7 +237,7 @@ class Pilot:
         frozen = "interaction" in names and full.breakage and before == full
         unknown = Change(np.zeros(first.shape), np.full(first.shape, np.inf))
         prior = change = self.predicted(fewer) if frozen else unknown
-        pairs, required, saved = 0, FEWEST[names[0]], SAVED[names[0]]
+        pairs, required, saved = 0, FEWEST_PAIRS[names[0]], SAVED[names[0]]
         while True:
             inside = change.within(tolerance) if frozen or pairs else 0.5
             gain = saved * self.joints * min(inside, 1.0 - inside)  # in joints with all effects

@@ -4,7 +4,7 @@ The protocol works with any solver of the registry. See docs/decisions.md#0005-p
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -180,8 +180,7 @@ def run_cycles(
         _load(run, cycle, *(numerics[:2] if cycle == 1 else numerics[2:4]))
         if run.failed:
             break
-        at_maximum = run.steps[-1].settled
-        unbreakable = at_maximum.locked_share + at_maximum.flat_share
+        unbreakable = unbreakable_share(run.steps[-1].settled)
         if joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
             run.status |= OUTSIDE_MODEL_RANGE
         broken, maximum = run.effort.breakage_steps, run.closure
@@ -193,6 +192,11 @@ def run_cycles(
         _note_held(run, cycle, maximum if elastic else -np.inf)
     idle = run.idle_steps, run.idle_displacement
     return History(run.steps, run.status, run.effort, replayed, *idle)
+
+
+def unbreakable_share(joint: Any) -> Any:
+    """Return the share of the force on contacts that cannot break, locked or flat."""
+    return joint.locked_share + joint.flat_share
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:

@@ -1,11 +1,13 @@
 """Figures of an assessment: error of each setting over its time, and changes without effects."""
 
+import itertools
+
 import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assessment import CLOSURE, Assessment
+from jointclosure.engine.assessment import ASSESSED, JUDGED, Assessment
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
 
@@ -13,7 +15,7 @@ from jointclosure.plotting.style import decimal_ticks, styled, subplots
 def assessment_figure(assessment: Assessment, title: str) -> Figure:
     """Draw the price of accuracy and the changes without effects, with the verdict as title."""
     table = assessment.differences
-    table = table[(table.reference != table.variant) & (table.quantity == CLOSURE)]
+    table = table[(table.reference != table.variant) & table.quantity.isin(JUDGED)]
     percent = 100.0 * table[["value", "low", "high"]].add_suffix("_percent")
     table, within = table.join(percent), 100.0 * assessment.within
     without = table.variant.str.startswith("without ")
@@ -21,23 +23,25 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     draw_price(left, table[~without], within)
     finest = table.reference[~without].iloc[0]
     left.set(title=f"price of accuracy, beside {finest}", xlabel="processor time of a joint (s)")
-    left.set_ylabel("error of net closure (%)\n(larger end of its 95 % interval)")
+    left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
     draw_effects(right, table[without], within)
-    right.set(title="effects", xlabel="change of net closure (%)")
-    left.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
-    words = f"{title}, hardness: {assessment.hardness['verdict']}"
+    right.set(title="effects", xlabel="change of closure (%)")
+    for axes in (left, right):
+        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
+    words = f"{title}, hardness: {assessment.hardness.verdict[0]}"
     figure.suptitle(words, x=0.01, ha="left", parse_math=False)  # a file's name is not a formula
     sns.despine(figure)
     return figure
 
 
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw the larger end of each interval [%] over seconds by cycle, with the request [%]."""
+    """Draw the largest end of intervals [%] over seconds by cycle, with the request [%]."""
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
-    for row in settings.itertuples():
-        error, mark = max(-row.low_percent, row.high_percent), "osD^v"[names.index(row.variant)]
-        axes.plot(row.seconds, error, mark, color=colours[row.cycle])
+    for (name, cycle), rows in settings.groupby(["variant", "cycle"]):
+        error = max(-rows.low_percent.min(), rows.high_percent.max())
+        mark = "osD^v"[names.index(name)]
+        axes.plot(rows.seconds.iloc[0], error, mark, color=colours[cycle])
     for mark, name in zip("osD^v", names, strict=False):
         axes.plot([], [], mark, color="0.5", label=name)
     for cycle, colour in colours.items():
@@ -51,13 +55,19 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
 
 
 def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
-    """Draw changes [%] without each group of effects by cycle, with the request [%] as a band."""
+    """Draw changes [%] without each group of effects, with the request [%] as a band.
+
+    Hollow marks are gross closures.
+    """
     names = list(dict.fromkeys(without.variant))
     axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)
-    for number, (cycle, rows) in enumerate(without.groupby("cycle")):
-        at = [names.index(name) + 0.2 * (number - 0.5) for name in rows.variant]
+    for number, (name, cycle) in enumerate(itertools.product(JUDGED, without.cycle.unique())):
+        rows = without[(without.quantity == name) & (without.cycle == cycle)]
+        at = [names.index(variant) + 0.15 * (number - 1.5) for variant in rows.variant]
         bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
-        axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, label=f"cycle {cycle}")
+        style = {"color": f"C{cycle - 1}", "label": f"{ASSESSED[name]}, cycle {cycle}"}
+        style |= {"mfc": "w"} if name != JUDGED[0] else {}
+        axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, **style)
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xscale("symlog", linthresh=within)

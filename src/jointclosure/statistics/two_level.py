@@ -24,9 +24,14 @@ class Interval(NamedTuple):
     low: float
     high: float
 
+    @property
+    def most(self) -> float:
+        """Largest magnitude."""
+        return max(abs(self.low), abs(self.high))
+
     def within(self, limit: float) -> bool | None:
         """Return whether the magnitude is at most a limit; None if the interval decides neither."""
-        if max(abs(self.low), abs(self.high)) <= limit:
+        if self.most <= limit:
             return True
         return False if self.low > limit or self.high < -limit else None
 
