@@ -1,10 +1,12 @@
 """Assessments of a study's rocks: which joints are closed, and the tables of them."""
 
 import numpy as np
+import pandas as pd
 
 import jointclosure as jc
 from jointclosure.engine.assess import LADDER
-from jointclosure.engine.walls import COPIES, MAKERS, walls_of
+from jointclosure.engine.points import close_points
+from jointclosure.engine.walls import maker_of, walls_of
 from studies.assessment.study import EXPERIMENT
 from studies.frame.files import read_plain
 from tests.studied import ROOT, checked_study
@@ -17,7 +19,7 @@ TINY = {
 
 
 def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
-    (stated, ladder) = design.parameters["ladders"]["slate"]
+    stated, ladder = design.parameters["ladders"]["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
     settings = next(iter(design.jobs.values()))[0].settings
     conditions = settings.conditions()._replace(flow=False)
@@ -27,13 +29,27 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
         expected = 100.0 * found.differences[column].to_numpy()
         np.testing.assert_allclose(here[f"{column}_percent"], expected, rtol=1e-6, atol=1e-9)
     assert len(tables["hardness"]) == 4
-    of_copies = joints[joints.variant == stated].copy_of_walls
-    assert set(of_copies) == set(COPIES)
-    (pair,) = walls_of(settings.surfaces._replace(realizations=1))
-    for name, copy in COPIES.items():
-        copied = next(MAKERS["copied"](settings, copy=name))
-        np.testing.assert_array_equal(copied, [copy(wall) for wall in pair])
+    here = tables["hardness"].query("stress_MPa == 1").drop(columns=["rock", "jrc", "stress_MPa"])
+    pd.testing.assert_frame_equal(here.reset_index(drop=True), found.hardness, rtol=1e-6)
     assert found.sentences[0] in tables["assessment.md"]
+
+
+def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    section = {"joints": 8, "within": 0.05, "jrc": [5, 9]}
+    small = {"study": {"realizations": 2}, "grid": TINY["grid"], "assessment": section}
+    study = checked_study(read_plain("config/measured_wall.yaml"), small)
+    design = EXPERIMENT.design(study)
+    points = [point for job in design.jobs.values() for point in job]
+    made = EXPERIMENT.tabulate(close_points(points, EXPERIMENT.quantities), design.parameters)
+    assert len(made["hardness"]) == 2
+    assert "Granite, scanned, 10 MPa" in made["assessment.md"]
+    for name in design.figures:
+        assert EXPERIMENT.draw(name, made, design.parameters).axes
+    make, settings, options = maker_of(points[0].walls), points[0].settings, points[0].options
+    pairs = (next(make(settings, **options | {"copy": name})) for name in ("as it is", "mirrored"))
+    plain, mirrored = map(np.array, pairs)
+    np.testing.assert_array_equal(mirrored, plain[:, :, ::-1])
 
 
 def test_the_worst_joint_is_first(tables):

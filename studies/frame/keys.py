@@ -111,8 +111,8 @@ class Accuracy(Section):
 
     within: Share = entry("Half of the 95 % confidence interval, relative.")
     of: Literal["mean", "interval", "stiffness"] = entry(
-        "mean: of every case's mean maximum closure; interval: of every indifference interval; "
-        "stiffness: of every case's mean net stiffness.",
+        "mean: of every case's mean maximum closure, gross from first touch and net since seating; "
+        "interval: of every indifference interval; stiffness: of every case's mean net stiffness.",
         "mean",
     )
     budget_core_minutes: float | None = entry(

@@ -12,7 +12,7 @@ from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, rat
 
 def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
     """Generate the joints with equal coordinates, and these in the columns of a published table."""
-    for values, part in joints.groupby(list(by), sort=False):
+    for values, part in joints.groupby(list(by), sort=False, dropna=False):
         at = {}
         for name, value in zip(by, values, strict=True):
             column, scale = shown_as(name, COORDINATES.get(name, ("", "1"))[1])

@@ -18,7 +18,18 @@ from jointclosure.walls.outliers import without_plateaus
 from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
+from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
+from studies.frame.rocks import wall_files
+
+
+def walls_of_files(
+    walls: Walls, spacing: float, jrc_relation: str, unusual_values: bool
+) -> xr.Dataset:
+    """Read the scans of a rock, and return `prepared_walls` of them."""
+    given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
+    scans = {side: read_scan(file, **given) for side, file in wall_files(walls).items()}
+    return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
 
 
 def prepared_walls(

@@ -5,6 +5,7 @@ the first k of them (multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015
 bias but that of the finest numerics, and its error holds anywhere, without measured tables.
 """
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -14,6 +15,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.engine.assessment import ASSESSED, JUDGED
 from jointclosure.engine.quantities import QUANTITIES, shown_unit
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths
@@ -30,7 +32,7 @@ from studies.frame.tables import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 
-QUANTITY = {"mean": TARGET, "stiffness": "stiffness_net"}
+QUANTITIES_OF = {"mean": JUDGED, "stiffness": ("stiffness_net",)}
 """Quantities whose means are requested."""
 
 
@@ -73,7 +75,7 @@ def reached_table(
     for about, counts, cases, estimate in (
         _intervals(study, finest, significance)
         if accuracy.of == "interval"
-        else _means(study, finest, QUANTITY[accuracy.of])
+        else _means(study, finest, QUANTITIES_OF[accuracy.of])
     ):
         seconds = float(costs[0][cases].mean()), float(costs[1][cases].mean())
         needed = math.inf, math.inf
@@ -95,14 +97,15 @@ def reached_table(
     return pd.DataFrame(rows)
 
 
-def _means(study: xr.Dataset, finest: xr.Dataset, name: str) -> Iterator[tuple]:
+def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Iterator[tuple]:
     """Generate means (harmonic of stiffnesses) of all cases and cycles that joints have."""
-    quantity, pairs = QUANTITIES[name], finest.sizes["realization"]
-    unit, scale = shown_unit(quantity.unit)
+    pairs = finest.sizes["realization"]
     good, fine_good = succeeded(study).values, succeeded(finest).values
     for i in range(study.sizes["case"]):
         about = {key: study[key].values[i] for key in ("rock", "parameter", "level")}
-        for cycle in study.cycle.values.tolist():
+        for cycle, name in itertools.product(study.cycle.values.tolist(), names):
+            quantity = QUANTITIES[name]
+            unit, scale = shown_unit(quantity.unit)
             cheap, fine = (part[name].sel(cycle=cycle).values[i] for part in (study, finest))
             alone = good[i] & np.isfinite(cheap)
             both = alone[:pairs] & fine_good[i] & np.isfinite(fine)
@@ -265,7 +268,8 @@ def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True
         return f"accuracy: this study has no {accuracy.of}"
     worst = table.loc[table.half_width_percent.idxmax()]
     counts = Counts(int(table.surfaces.max()), int(table.differences.max()))
-    parts = dict.fromkeys(worst[["rock", "parameter", "level"]].dropna())  # both may be "base"
+    about = worst.replace(ASSESSED)[["rock", "parameter", "level", "quantity"]].dropna()
+    parts = dict.fromkeys(about)  # parameter and level may both be "base"
     known = math.isfinite(worst.half_width_percent)
     width = f"{worst.half_width_percent:.2g} %" if known else "not known"
     missing = int((~table.met).sum())

@@ -5,17 +5,22 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine.assessment import HARD_CASES
 from jointclosure.storage.text import read_csv
 from studies.frame.files import read_plain
-from studies.verification.hard_cases import failed_requirements, merged_cases, run_case
+from studies.verification.hard_cases import (
+    failed_requirements,
+    features_of_case,
+    merged_cases,
+    run_case,
+)
 from studies.verification.requirements import ERRORS, FLOOR, grown_errors
 
 ROOT = Path(__file__).parents[2]
 STUDY = read_plain(ROOT / "studies/verification/hard_cases.yaml")
 CASES = merged_cases(STUDY)
-STORED = read_csv(ROOT / "studies/verification/results/hard_cases/hard_case_errors.csv").set_index(
-    "name"
-)
+HERE = Path(__file__).parent
+STORED = read_csv(HERE / "results/hard_cases/hard_case_errors.csv").set_index("name")
 
 
 @pytest.mark.parametrize(
@@ -28,6 +33,16 @@ def test_a_hard_case_holds(name):
     assert failed_requirements(outcome, CASES) == []
     if outcome.judge.states:
         assert grown_errors(STORED.loc[name], outcome.judge.worst) == []
+
+
+def test_the_hard_cases_of_the_library_are_the_stored_ones():
+    stored = HERE / "results/hard_cases/hard_case_features.csv"
+    assert HARD_CASES.read_bytes() == stored.read_bytes()
+    table = read_csv(stored).set_index("name")
+    assert set(table.index) <= set(CASES)
+    for name in ("saddles", "swapped_walls", "crushed_shut", "egg_box_resolved"):
+        features = features_of_case(CASES[name])
+        assert features == pytest.approx(table.loc[name].to_dict(), rel=1e-3, abs=1e-9)
 
 
 def test_an_error_that_grows_is_named_unless_it_is_rounding():

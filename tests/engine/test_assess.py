@@ -6,9 +6,17 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine import assess as module
-from jointclosure.engine.assessment import ASSESSED, CLOSURE, assessed
+from jointclosure.engine.assessment import (
+    ASSESSED,
+    FEATURES,
+    HARD_CASES,
+    JUDGED,
+    assessed,
+    nearest_hard_case,
+)
 from jointclosure.plotting.assessment import assessment_figure
 from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
+from jointclosure.storage.text import read_csv
 from tests.joints import DOLERITE, SPACING
 
 LADDER = ["coarse", "middle", "fine"]
@@ -27,14 +35,17 @@ def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **cha
             "fine": 0.0,
             "without gouge": middle + effect,
         }
-        for copy in ("as it is", "mirrored") if joint == 0 else ("as it is",):
+        for copy in ("as it is", "mirrored"):
             for variant, bias in settings.items():
+                if copy == "mirrored" and joints > 1 and variant != "middle":
+                    continue
                 value = own * (1.0 + bias + scatter * random.normal())
                 row = {"variant": variant, "joint": joint, "copy_of_walls": copy, "cycle": 1}
                 row |= {"status": 0, "seconds": 1.0 + 9.0 * (variant == "fine"), "error": ""}
                 rows.append(
                     row
-                    | {"unbreakable_share": 0.0, "oracle_ratio": 0.5}
+                    | dict.fromkeys(FEATURES[:-1], 0.0)
+                    | {"oracle_ratio": 0.5}
                     | dict.fromkeys(ASSESSED, value)
                 )
     return pd.DataFrame(rows).assign(**changes)
@@ -72,7 +83,7 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
     assessment = assessed(closures(), LADDER, "middle", 0.05, None)
     table = assessment.differences.set_index(["variant", "quantity"])
     for variant, bias in (("coarse", 0.1), ("middle", 0.02), ("without gouge", 0.0)):
-        row = table.loc[(variant, CLOSURE)]
+        row = table.loc[(variant, JUDGED[0])]
         assert row.low < bias < row.high < bias + 0.03
     assert assessment.verdict("without gouge") == "can be left out"
     assert (
@@ -98,7 +109,7 @@ def test_what_cannot_be_had_is_said_with_the_least_that_can():
     made = closures()
     words = assessed(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
     assert "budget = 0.001 s: buys no mean, which takes at least 80 s" in words
-    fails = made.assign(**{CLOSURE: made[CLOSURE].where(made.variant != "fine")})
+    fails = made.assign(**{name: made[name].where(made.variant != "fine") for name in JUDGED})
     assert "fewer than two joints" in assessed(fails, LADDER, "middle", 0.05, None).sentences[1]
     lone = closures(joints=1, scatter=0.3)
     assert (
@@ -124,8 +135,17 @@ def test_what_cannot_be_had_is_said_with_the_least_that_can():
 )
 def test_hardness_has_its_defined_verdict(changes, verdict):
     assert (
-        assessed(closures(**changes), LADDER, "middle", 0.05, None).hardness["verdict"] == verdict
+        assessed(closures(**changes), LADDER, "middle", 0.05, None).hardness.verdict[0] == verdict
     )
+
+
+def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
+    cases = read_csv(HARD_CASES).set_index("name")
+    for name, features in cases.iterrows():
+        nearest, distance = nearest_hard_case(features)
+        assert distance == 0.0
+        assert nearest == name or cases.loc[nearest].equals(features)
+    assert nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
 
 
 def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
@@ -147,7 +167,7 @@ def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
     alone = jc.simulate(*walls, **SCENE, numerics=module.RESOLVED)
     own = first.closures.query("variant == 'tolerance 0.01' and copy_of_walls == 'as it is'")
     assert own.max_closure.iloc[0] == float(alone.max_closure[0])
-    assert float(first.hardness["oracle"]) <= 1.0
+    assert first.hardness.oracle_ratio[0] <= 1.0
     assert "without breakage and gouge" in str(first)
     assessment_figure(first, "joint").canvas.draw()
 

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES, ClosedWalls
@@ -48,6 +49,30 @@ def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
     assert landing_stress(closed, 1) < closed.normal_stress.max() < landing_stress(closed, 2)
     # the second cycle is stiffer than the first
     assert value("stiffness_net", read)[1] > 2.0 * value("stiffness_net", read)[0]
+
+
+def test_a_jump_is_the_way_to_where_loading_exceeds_a_stress_again():
+    steps = {"closure": np.arange(6.0), "normal_stress": [0.0, 2.0, 1.0, 3.0, 4.0, 0.0]}
+    steps |= {"cycle": [1] * 6, "branch": ["loading"] * 5 + ["unloading"]}
+    made = xr.Dataset({name: ("step", values) for name, values in steps.items()})
+    made = made.assign(max_closure=("cycle_number", [4.0]))
+    jumped = ClosedWalls((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
+    assert value("largest_jump", jumped) == pytest.approx(1.5 / 4.0)
+    made["normal_stress"][2] = 2.5
+    assert value("largest_jump", jumped) == 0.0
+    made["normal_stress"][4] = 2.0  # not exceeded again until the end
+    assert value("largest_jump", jumped) == pytest.approx(1.0 / 4.0)
+
+
+def test_what_places_a_joint_among_hard_cases_is_counted_in_its_walls(joint):
+    closed, read = joint
+    lower = sum(
+        int((before > after + 1e-12).sum())
+        for before, after in zip(read.walls, (closed.upper_final, closed.lower_final), strict=True)
+    )
+    assert value("broken_share", read) == lower / (2 * 24 * 24) > 0.0
+    assert value("contacts_at_max", read) == round(24 * 24 * float(closed.contact_fraction.max()))
+    assert value("stress_over_strength", read) == LARGEST / SLATE.compressive_strength
 
 
 def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress(joint):

@@ -2,23 +2,18 @@
 
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.walls.scans import read_scan
 from studies.frame.jobs import job
 from studies.frame.rocks import wall_files
-from studies.frame.walls import Cutter, prepared_walls
+from studies.frame.walls import Cutter, walls_of_files
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:
     """Write the walls (y, x) of a rock, with the digests of their files."""
     walls, grid = settings["walls"], settings["grid"]
-    files = wall_files(walls)
-    given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
-    scans = {side: read_scan(file, **given) for side, file in files.items()}
-    prepared = prepared_walls(
-        scans, walls, grid.spacing, settings["jrc_relation"], settings["unusual_values"]
-    )
+    read = (settings[name] for name in ("jrc_relation", "unusual_values"))
+    prepared = walls_of_files(walls, grid.spacing, *read)
     log(prepared.attrs.get("registration", "as they lie"))
-    for side, file in files.items():
+    for side, file in wall_files(walls).items():
         about = prepared[side].attrs | {"file": file, "sha256": settings["digests"][side]}
         prepared[side].attrs = about
         log(f"{side}: {about}")

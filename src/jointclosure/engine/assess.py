@@ -203,9 +203,8 @@ def closures_of(
     used = [variant for _, variant, _ in asked]
     for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
         compile_kernels(*one)  # before processes need them, and no part of a measured time
-    for done, (place, row) in enumerate(
-        shared(close_variant, asked, processes) if asked else (), 1
-    ):
+    closed = shared(close_variant, asked, processes) if asked else ()
+    for done, (place, row) in enumerate(closed, start=1):
         at = places[place]
         if isinstance(row, Failed) and tasks[at][0] == stated and isinstance(row.error, InputError):
             raise row.error  # no scene, and nothing to compare

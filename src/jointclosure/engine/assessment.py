@@ -193,9 +193,13 @@ def hardness_of(
         row = {"joint": joint, "verdict": verdict} | features
         row |= {"nearest": nearest, "distance": distance, "oracle_ratio": judged}
         rows.append(row | {"reason": reason})
-    table = pd.DataFrame(rows)
-    worst_first = np.lexsort((-table.spread, table.verdict.map(_VERDICTS.index)))
-    return table.iloc[worst_first].reset_index(drop=True)
+    return worst_first(pd.DataFrame(rows))
+
+
+def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
+    """Return joints in the order of their verdicts, and of the spread of their copies."""
+    order = np.lexsort((-hardness.spread, hardness.verdict.map(_VERDICTS.index)))
+    return hardness.iloc[order].reset_index(drop=True)
 
 
 def spread_of(copies: pd.DataFrame) -> pd.Series:

@@ -16,14 +16,14 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import MAKERS
+from jointclosure.engine.walls import maker_of
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
 class Point(NamedTuple):
     """Joints of an experiment that are closed under the same conditions, one a realisation.
 
-    ``coordinates`` are columns of the table [SI]; ``walls`` names their maker (`MAKERS`), which
+    ``coordinates`` are columns of the table [SI]; ``walls`` names their maker (`maker_of`), which
     gets the settings and ``options``.
     """
 
@@ -82,7 +82,7 @@ def close_points(
     for point in points:
         settings, rows = point.settings, []
         reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
-        pairs = MAKERS[point.walls](settings, **point.options)
+        pairs = maker_of(point.walls)(settings, **point.options)
         for realization, walls in enumerate(pairs, settings.surfaces.first_realization):
             row = close_joint(walls, reading)
             at = point.coordinates | {

@@ -182,14 +182,13 @@ def _largest_jump(joint: ClosedWalls) -> float:
     for cycle in range(1, joint.closed.max_closure.size + 1):
         loading = branch_of(joint.closed, cycle, LOADING)
         curve = joint.closed.isel(step=loading)
-        closure, stress = curve.closure.values, curve.normal_stress.values
+        closure, stress = curve.closure.values, np.append(curve.normal_stress.values, np.inf)
         reached = np.maximum.accumulate(stress)
-        peak = np.searchsorted(reached, reached)
-        beyond = np.minimum(np.searchsorted(reached, reached, side="right"), stress.size - 1)
-        rise = np.maximum(stress[beyond] - stress[beyond - 1], np.finfo(float).tiny)
-        share = np.clip((reached - stress[beyond - 1]) / rise, 0.0, 1.0)
-        end = closure[beyond - 1] + share * (closure[beyond] - closure[beyond - 1])
-        shares.append(float(np.max(end - closure[peak])) / (closure[-1] - closure[0]))
+        before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
+        low, high = stress[beyond - 1], stress[beyond]
+        share = (reached[:-1] - low) / (high - low)
+        end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
+        shares.append(float(np.max(end - closure[before])) / (closure[-1] - closure[0]))
     return max(shares)
 
 

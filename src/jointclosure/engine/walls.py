@@ -1,6 +1,7 @@
 """Walls of the joints of a case or an experiment, made from their seeds."""
 
 from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
 
 import numpy as np
 
@@ -44,12 +45,6 @@ def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
         yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
-
-
-def copied(settings: SurfaceSettings, copy: str) -> Iterator[Walls]:
-    """Generate copies (`COPIES`) of the walls of a block."""
-    for upper, lower in walls_of(settings):
-        yield COPIES[copy](upper), COPIES[copy](lower)
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:
@@ -106,10 +101,15 @@ def _of_surfaces(maker: Callable[..., Iterator[Walls]]) -> Callable[..., Iterato
 
 MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
     "synthetic": _of_surfaces(walls_of),
-    "copied": _of_surfaces(copied),
     "misaligned": _of_surfaces(misaligned),
     "nested": _of_surfaces(nested),
     "reseated": reseated,
 }
 """Makers by name. A maker generates the walls of each realisation from the `ClosureSettings` of a
 point."""
+
+
+def maker_of(name: str) -> Callable[..., Iterator[Walls]]:
+    """Return a maker of `MAKERS`, or a function of a study, such as ``module:function``."""
+    module, _, function = name.partition(":")
+    return getattr(import_module(module), function) if function else MAKERS[name]

@@ -131,6 +131,7 @@ def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> I
         ("table_3_predictive", tables.predictive_sheet, titles, compared),
         ("table_3_joint_tests", tables.joint_sheet),
         ("elasticities", tables.elasticity_sheet, titles),
+        ("accuracy_reached", tables.reached_sheet, titles),
         ("assessment", tables.assessment_sheet),
         ("hardness", tables.hardness_sheet),
     ]

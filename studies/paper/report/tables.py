@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.assessment import CLOSURE
+from jointclosure.engine.assessment import ASSESSED, JUDGED
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
@@ -271,11 +271,12 @@ def check_sheet(checks: pd.DataFrame) -> Sheet:
 
 def assessment_sheet(table: pd.DataFrame) -> Sheet:
     """Differences of variants from the finest setting, and of scenes without effects from all."""
-    shown = table[(table.variant != table.reference) & (table.quantity == CLOSURE)]
+    shown = table[(table.variant != table.reference) & table.quantity.isin(JUDGED)]
+    shown = shown.assign(quantity=shown.quantity.map(ASSESSED))
     columns = {"rock": "Rock", "stress_MPa": "Stress (MPa)", "variant": "Variant"}
-    columns |= {"seconds": "Time of a joint (s)", "cycle": "Cycle"}
-    columns |= {"value_percent": "Change of the mean net closure (%)", "low_percent": "From"}
-    columns |= {"high_percent": "To", "verdict": "Effect"}
+    columns |= {"seconds": "Time of a joint (s)", "quantity": "Mean", "cycle": "Cycle"}
+    columns |= {"value_percent": "Change (%)", "low_percent": "From", "high_percent": "To"}
+    columns |= {"verdict": "Effect"}
     caption = (
         "Error of each setting of the numerics, and change without each effect, 95 % intervals"
     )
@@ -285,9 +286,22 @@ def assessment_sheet(table: pd.DataFrame) -> Sheet:
 def hardness_sheet(table: pd.DataFrame) -> Sheet:
     """Hardness of the joints of an assessment, the worst first."""
     columns = {"rock": "Rock", "stress_MPa": "Stress (MPa)", "joint": "Joint"}
-    columns |= {"verdict": "Verdict", "spread_percent": "Spread of copies (%)"}
-    columns |= {"unbreakable": "Share of force on contacts that cannot break", "reason": "Reason"}
+    columns |= {"verdict": "Verdict", "spread": "Spread of copies"}
+    columns |= {"unbreakable_share": "Share of force on contacts that cannot break"}
+    columns |= {"largest_jump": "Largest jump", "nearest": "Nearest hard case", "reason": "Reason"}
     return sheet("hardness", "Hardness of joints, the worst first", table, columns)
+
+
+def reached_sheet(table: pd.DataFrame, titles: Titles) -> Sheet:
+    """Results of which an accuracy was requested, and what was reached."""
+    columns = _heads("rock", "parameter", "cycle") | {"level": "Level", "quantity": "Result"}
+    columns |= {"value": "Value", "low": "From", "high": "To", "unit": "Unit"}
+    columns |= {"study_value": "By the study's numerics alone", "within_percent": "Requested (%)"}
+    columns |= {"half_width_percent": "Half-width (%)", "met": "Met"}
+    names = [ASSESSED.get(name, name.replace("_", " ")) for name in table.quantity]
+    shown = _titled(table.assign(quantity=names), titles)
+    caption = "Results at the finest numerics by two levels (docs/accuracy.md), 95 % intervals"
+    return sheet("accuracy-reached", caption, shown, columns)
 
 
 _IN_WORDS = {
