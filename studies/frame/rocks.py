@@ -241,7 +241,7 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
                 "out for scanned walls, which have no JRC, or null if another file sets it"
             )
         yield from _registration_problems(walls, f"{where}.walls")
-        for section in set(configuration.study_sections) - {"assessment"}:
+        for section in sorted(set(configuration.study_sections) - {"assessment"}):
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 
 
