@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,7 +28,11 @@ def walls_of_files(
     walls: Walls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
     """Read the scans of a rock, and return `prepared_walls` of them."""
-    given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
+    given: dict[str, Any] = {
+        "units": walls.units,
+        "spacing": walls.spacing,
+        "variable": walls.variable,
+    }
     scans = {side: read_scan(file, **given) for side, file in wall_files(walls).items()}
     return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
 

@@ -133,11 +133,11 @@ def features_of_case(case: dict) -> dict[str, float]:
     if case["expect"] == "refused" or case["closure"] is not None:
         return dict.fromkeys(FEATURES, math.nan)
     setting, name = _setting(case), "as stated"
-    pair = setting.pop("walls")
-    load = {"max_normal_stress": _target(case, *pair, setting), "cycles": case["cycles"]}
+    upper, lower = setting.pop("walls")
+    load = {"max_normal_stress": _target(case, upper, lower, setting), "cycles": case["cycles"]}
     conditions = Conditions(seating_stress=0.0, unusual_values=True, **setting, **load).checked()
     copies = [(name, 0, copy) for copy in list(COPIES)[: 1 if case["slow"] else None]]
-    return features_of(closures_of(copies, name, {name: conditions}, [pair]), name, name)
+    return features_of(closures_of(copies, name, {name: conditions}, [(upper, lower)]), name, name)
 
 
 def _measured(outcome: Outcome) -> dict[str, float]:

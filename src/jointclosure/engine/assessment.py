@@ -225,14 +225,14 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
     for name in FEATURES:
         known = np.sort(cases[name].dropna())
         both = np.append(cases[name], features[name])
-        less = 0.5 * sum(np.searchsorted(known, both, side) for side in ("left", "right"))
-        less[np.isnan(both)] = np.nan
+        below, upto = np.searchsorted(known, both), np.searchsorted(known, both, "right")
+        less = np.where(np.isnan(both), np.nan, 0.5 * (below + upto))
         apart.append((less[:-1] - less[-1]) / known.size)
-    known = np.isfinite(apart).any(axis=0)
-    if not known.any():
+    comparable = np.isfinite(apart).any(axis=0)
+    if not comparable.any():
         return "", math.nan
-    distances = np.sqrt(np.nanmean(np.square(apart)[:, known], axis=0))
-    return str(cases.name[known].iloc[distances.argmin()]), float(distances.min())
+    distances = np.sqrt(np.nanmean(np.square(apart)[:, comparable], axis=0))
+    return str(cases.name[comparable].iloc[distances.argmin()]), float(distances.min())
 
 
 def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) -> list[str]:
@@ -242,7 +242,7 @@ def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) ->
         lasts = {name: _apart(closures, ladder[-2], ladder[-1], cycle, name) for name in JUDGED}
         known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
         judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
-        coarse, last = _apart(closures, *ladder[-3:-1], cycle, judged), lasts[judged]
+        coarse, last = _apart(closures, ladder[-3], ladder[-2], cycle, judged), lasts[judged]
         limit = {
             True: "it has a limit within the request",
             False: "no limit was reached",
@@ -288,7 +288,7 @@ def _of_mean(
     finest = ladder[-1]
     for name in ladder:
         both = float(seconds[name] + seconds[finest]) if name != finest else 0.0
-        plans_of_closures = []
+        plans_of_closures: list[Plan | None] = []
         for cycle, judged in itertools.product(closures.cycle.unique(), JUDGED):
             cheap, best = (_values(closures, v, cycle, judged) for v in (name, finest))
             known = np.isfinite(cheap) & np.isfinite(best)
@@ -298,8 +298,9 @@ def _of_mean(
             first, second = (float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap))
             plan = best_plan((first, second), (float(seconds[name]), both), within, budget)
             plans_of_closures.append(plan)
-        if plans_of_closures and None not in plans_of_closures:
-            plans[name] = max(plans_of_closures, key=lambda plan: (plan.seconds, plan.half_width))
+        possible = [plan for plan in plans_of_closures if plan]
+        if possible and None not in plans_of_closures:
+            plans[name] = max(possible, key=lambda plan: (plan.seconds, plan.half_width))
     if not plans and budget is None:
         return f"no mean can be planned, as fewer than two joints closed with {finest}"
     if not plans:

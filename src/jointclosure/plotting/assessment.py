@@ -1,6 +1,7 @@
 """Figures of an assessment: error of each setting over its time, and changes without effects."""
 
 import itertools
+from typing import Any
 
 import pandas as pd
 import seaborn as sns
@@ -65,7 +66,10 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
         rows = without[(without.quantity == name) & (without.cycle == cycle)]
         at = [names.index(variant) + 0.15 * (number - 1.5) for variant in rows.variant]
         bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
-        style = {"color": f"C{cycle - 1}", "label": f"{ASSESSED[name]}, cycle {cycle}"}
+        style: dict[str, Any] = {
+            "color": f"C{cycle - 1}",
+            "label": f"{ASSESSED[name]}, cycle {cycle}",
+        }
         style |= {"mfc": "w"} if name != JUDGED[0] else {}
         axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, **style)
     axes.set_yticks(range(len(names)), names)
