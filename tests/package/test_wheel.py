@@ -102,7 +102,7 @@ def test_a_joint_is_closed_in_an_empty_folder_and_a_missing_extra_is_one_line(pr
     words += ["--without", "breakage", "gouge"]  # whose kernels take a minute to compile
     done = run(program, *words, "--output", "joint.nc", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "closure (mm)" in done.stdout
+    assert "net closure since seating (mm)" in done.stdout
     assert [path.name for path in tmp_path.iterdir()] == ["joint.nc"]
     done = run(program, *words, "--picture", "joint.png", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)

@@ -171,4 +171,7 @@ def _compiled(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]
     )
     # like `enable_caching`, which would use the folder set for the whole process
     compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
+    # exceptions name their file: that of the package, so that machine code has no path of a machine
+    name = f"{function.__module__}.py"
+    function.__code__ = function.__code__.replace(co_filename=name)
     return compiled

@@ -140,7 +140,10 @@ def separate_equilibrium(contacts, shift):
 @kernel
 def separate_shift(contacts, target):
     """Compute the shift D [m] at which contacts without interaction carry a force [N]."""
-    tallest = np.argmax(contacts.overlap)
+    tallest = 0
+    for i in range(1, contacts.overlap.size):
+        if contacts.overlap[i] > contacts.overlap[tallest]:
+            tallest = i
     low = -contacts.overlap[tallest]
     # the tallest contact alone would carry the force at
     shift = low + overlap_of_force(target, contacts.substrate, contacts.compliance[tallest])
