@@ -73,9 +73,9 @@ def test_what_contradicts_measured_walls_is_named(rock, printed):
 
 
 def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
-    design = {"joints": 4, "within": 0.05}
-    with pytest.raises(ConfigurationError, match=r"assessment: not with rocks.slate.walls"):
-        study_of(with_walls(), {"assessment": design})
+    design = {"tilt_degrees": [0, 0.5], "rotation_degrees": [0], "mismatch_wavelength_mm": [0.75]}
+    with pytest.raises(ConfigurationError, match=r"misalignment: not with rocks.slate.walls"):
+        study_of(with_walls(), {"misalignment": design})
 
 
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):

@@ -53,7 +53,7 @@ def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
 
 def test_a_jump_is_the_way_to_where_loading_exceeds_a_stress_again():
     steps = {"closure": np.arange(6.0), "normal_stress": [0.0, 2.0, 1.0, 3.0, 4.0, 0.0]}
-    steps |= {"cycle": [1] * 6, "branch": ["loading"] * 5 + ["unloading"]}
+    steps |= {"load_cycle": [1] * 6, "branch": ["loading"] * 5 + ["unloading"]}
     made = xr.Dataset({name: ("step", values) for name, values in steps.items()})
     made = made.assign(max_closure=("cycle_number", [4.0]))
     jumped = ClosedWalls((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
