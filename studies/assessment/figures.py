@@ -66,7 +66,7 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure.supxlabel(x, fontsize="medium")
     figure.supylabel(y, fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
-    columns = 3 if len(axes.figure.axes) == 1 else len(labels)
+    columns = 2 if len(axes.figure.axes) == 1 else len(labels)
     figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=columns)
     sns.despine(figure)
     return figure
@@ -87,7 +87,7 @@ def hardness_panels(table: pd.DataFrame, within: float) -> Figure:
         styles = {"hue": "rock", "style": "verdict", "markers": _VERDICTS, "s": 40}
         sns.scatterplot(joints, **marks, **styles, legend="full" if axes is right else False)
         axes.set_xscale("log")
-        decimal_ticks(axes.xaxis)
+    decimal_ticks(right.xaxis)  # the spreads of copies span too many decades
     left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
     left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
     left.set(xlabel="spread of net closure over copies that must close alike (%)")
