@@ -113,7 +113,7 @@ def test_walls_of_a_later_block_are_those_of_the_whole(scan):
 
 
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
-    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.97, roll_off=None)
     scans = {
         "upper": Scan(-upper[:, 6:], (SPACING, SPACING), (0.0, 6 * SPACING)),
         "lower": Scan(lower, (SPACING, SPACING)),

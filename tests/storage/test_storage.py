@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.cli.options import check_folder
+from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import DamagedFileError, atomically
 from jointclosure.storage.folders import RECORD, add_file, replace_files, written_files
@@ -209,7 +209,7 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
     folder.mkdir()
     (folder / RECORD).write_text(text)
     for refused in (lambda: replace_files(folder, "close", some_files("a")),
-                    lambda: check_folder(folder)):  # fmt: skip
+                    lambda: writable((), folder)):  # fmt: skip
         with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
