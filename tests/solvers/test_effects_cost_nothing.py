@@ -22,7 +22,9 @@ def closed(effects, breakage="fixed_step"):
 
 
 CODE = """
-import json, re
+import json, pathlib, re
+from jointclosure.compilation import kernels
+kernels.SHIPPED = pathlib.Path("no shipped code")
 from tests.solvers.test_effects_cost_nothing import closed
 from jointclosure import Effects
 from jointclosure.solvers.breakage import breakage_kernel
