@@ -66,6 +66,13 @@ def test_forces_in_equilibrium_at_another_total_are_no_answer(problem):
     assert found.force.sum() == pytest.approx(total, rel=1e-9)
 
 
+def test_rigid_contacts_without_interaction_carry_no_force_that_is_given(problem):
+    contacts = problem[1]._replace(compliance=0.0 * problem[1].compliance, substrate=0.0)
+    nothing = np.zeros(contacts.cells.size)
+    found = solve_equilibrium(None, contacts, nothing, 1.0, 1e-10)
+    assert found.residual == np.inf
+
+
 def test_a_tolerance_below_rounding_is_not_said_to_be_met(problem, influence, target):
     start = np.zeros(problem[1].cells.size)
     found = solve_equilibrium(influence, problem[1], start, target, 1e-18)
