@@ -164,7 +164,7 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
     columns = ["case", "cycle", "branch", "closure_m", "normal_stress_Pa"]
     if data is None or "step" not in data.sizes:
         return pd.DataFrame(columns=columns)
-    curve = (data[name].values for name in ("cycle", "branch", "closure", "normal_stress"))
+    curve = (data[name].values for name in ("load_cycle", "branch", "closure", "normal_stress"))
     return pd.DataFrame(dict(zip(columns, (outcome.case["name"], *curve), strict=True)))
 
 
