@@ -21,6 +21,7 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import branch_of
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
+from jointclosure.storage.text import csv_text
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -57,18 +58,15 @@ def export_files(
     from jointclosure.plotting.joint import engineering_figure
 
     curves = stress_table(history) if curves is None else curves
-    notes, tables = (
-        [_NET],
-        {
-            "curves": curve_table(history),
-            "cycles": cycle_table(history),
-            "answer": curves,
-            "laws": fitted_laws(history),
-        },
-    )
+    tables = {
+        "curves": curve_table(history),
+        "cycles": cycle_table(history),
+        "answer": curves,
+        "laws": fitted_laws(history),
+    }
+    notes = [_NET]
     files: dict[str, Any] = {
-        f"{name}.csv": table.to_csv(index=False, float_format=f"%.{FIGURES}g")
-        for name, table in tables.items()
+        f"{name}.csv": csv_text(table, FIGURES) for name, table in tables.items()
     }
     for export in (itasca_tables, porepy_files, geos_files, fracture_mesh):
         try:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -215,13 +216,18 @@ def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, f
     return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
 
 
+@cache
+def _hard_cases() -> pd.DataFrame:
+    return read_csv(HARD_CASES)
+
+
 def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
     """Return the hard case with the most similar features, and the distance to it.
 
     It is the root mean square, over the features, of the difference between the shares of hard
     cases that have less.
     """
-    cases, apart = read_csv(HARD_CASES), []
+    cases, apart = _hard_cases(), []
     for name in FEATURES:
         known = np.sort(cases[name].dropna())
         both = np.append(cases[name], features[name])

@@ -8,10 +8,15 @@ from jointclosure.inputs import InputError
 from jointclosure.storage.files import atomically
 
 
-def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
-    """Write a table; numbers have all digits, or ``figures`` significant ones."""
+def csv_text(frame: pd.DataFrame, figures: int | None = None) -> str:
+    """Return a table as CSV; numbers have all digits, or ``figures`` significant ones."""
     form = None if figures is None else f"%.{figures}g"
-    atomically(path, lambda temporary: frame.to_csv(temporary, index=False, float_format=form))
+    return frame.to_csv(index=False, float_format=form)
+
+
+def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
+    """Write a table as `csv_text`."""
+    write_text(csv_text(frame, figures), path)
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
