@@ -1,6 +1,6 @@
 """Changes of one line that the fast tests must notice: `python -m tests.mutants [words of a file]`.
 
-Each entry of ``mutants.yaml`` names a file, a text that occurs in it once, the wrong text in its
+Each entry of ``mutants.yaml`` names a file, texts that occur in it once with the wrong text in their
 place, and the tests that should fail. The clone is copied, so that its files are never changed.
 """
 
@@ -31,7 +31,11 @@ class Mutant(NamedTuple):
 
 def mutants() -> list[Mutant]:
     """Return all mutants of the list; raise ValueError for one that does not fit its file."""
-    listed = [Mutant(**entry) for entry in yaml.safe_load(LIST.read_text(encoding="utf-8"))]
+    listed = [
+        Mutant(entry["file"], old, new, entry["tests"])
+        for entry in yaml.safe_load(LIST.read_text(encoding="utf-8"))
+        for old, new in entry["lines"].items()
+    ]
     for mutant in listed:
         count = (ROOT / mutant.file).read_text(encoding="utf-8").count(mutant.old)
         if count != 1 or mutant.old == mutant.new:
