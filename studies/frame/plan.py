@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from jointclosure.statistics.drawn_studies import Design
+from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, Configured
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain

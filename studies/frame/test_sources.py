@@ -59,7 +59,7 @@ def test_comments_docstrings_and_layout_do_not_count(copy):
 
 FUNCTIONS = '''
 from functools import partial
-from jointclosure.statistics import bootstrap as b, paired as p
+from jointclosure.statistics import indifference as b, correlations as p
 
 LIMIT = 3
 
@@ -73,7 +73,7 @@ def bootstrapped(values: Halved):
     return values
 
 def paired(values):
-    from jointclosure.statistics import indifference
+    from jointclosure.statistics import variance_indices
     return p.mean(values)
 '''
 
@@ -84,11 +84,11 @@ def paired(values):
         ("functions.py", "Some text", "Other text", set()),
         ("functions.py", "LIMIT = 3", "LIMIT = 4", {"bootstrapped"}),
         ("functions.py", "p.mean", "p.median", {"paired"}),
-        ("functions.py", "paired as p", "indifference as p", {"paired"}),
-        ("functions.py", "bootstrap as b", "correlations as b", {"bootstrapped"}),
-        ("statistics/bootstrap.py", "import numpy as np", "import numpy as n", {"bootstrapped"}),
+        ("functions.py", "correlations as p", "verdicts as p", {"paired"}),
+        ("functions.py", "indifference as b", "verdicts as b", {"bootstrapped"}),
+        ("statistics/indifference.py", "import numpy as np", "import numpy as n", {"bootstrapped"}),
         (
-            "statistics/paired.py",
+            "statistics/correlations.py",
             "import numpy as np",
             "import numpy as n",
             {"bootstrapped", "paired"},
@@ -115,7 +115,7 @@ EDITS = [
         (
             "../studies/paper/closure_figures.py",
             "../studies/paper/judged_claims.py",
-            "statistics/bootstrap.py",
+            "statistics/indifference.py",
         ),
         {"draw_figures", "judge_claims", "find_indifference_intervals"},
     ),

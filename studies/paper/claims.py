@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.statistics.drawn_studies import DrawnResponse
+from jointclosure.statistics.repetitions import DrawnResponse
 from jointclosure.statistics.verdicts import FALLS, STANDS, Interval, verdict
 
 TARGET, NET = "max_closure", "max_closure_net"

@@ -8,25 +8,32 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
     adjusted_length,
     adjusted_means,
 )
-from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit, paired_lack_of_fit
-from jointclosure.statistics.indifference import IndifferenceInterval
-from jointclosure.statistics.paired import PairedInterval, p_of_difference
+from jointclosure.statistics.correlations import (
+    elasticity,
+    elasticity_of,
+    fit_quadratic,
+    lack_of_fit,
+    paired_lack_of_fit,
+    quadratic_errors,
+)
+from jointclosure.statistics.indifference import (
+    IndifferenceInterval,
+    PairedInterval,
+    bootstrap_length,
+    p_of_difference,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import (
     Estimate,
     deviation_covariance,
     deviation_of,
-    elasticity,
-    elasticity_of,
     mean_covariance,
     mean_of,
-    quadratic_errors,
     rounded,
     variation_of,
 )

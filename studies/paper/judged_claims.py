@@ -17,7 +17,9 @@ import xarray as xr
 from jointclosure.joint.history import loop_between
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
-from jointclosure.statistics.drawn_studies import (
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.repetitions import (
     RESAMPLED_POOLS,
     Design,
     DrawnResponse,
@@ -26,8 +28,6 @@ from jointclosure.statistics.drawn_studies import (
     repetitions_of_pool,
     resampled_pools,
 )
-from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
 from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, OURS, TABLE_3, TARGET, Claim, Findings

@@ -9,15 +9,10 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError, check_number
-from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.indifference import check_significance
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import (
-    elasticity,
-    mean_covariance,
-    quadratic_errors,
-    resampled,
-)
+from jointclosure.statistics.standard_errors import mean_covariance, resampled
 from studies.frame.tables import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses

@@ -11,23 +11,21 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.drawn_studies import (
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.repetitions import (
     RESAMPLED_POOLS,
     Design,
     draw_studies,
-    pool_error,
-    repetitions_of_pool,
-    resampled_pools,
-    without_effect,
-)
-from jointclosure.statistics.predictive import (
     joint_test,
     length_distribution,
     p_of_table,
+    pool_error,
+    repetitions_of_pool,
+    resampled_pools,
     share_as_short,
     two_sided_p,
+    without_effect,
 )
-from jointclosure.statistics.randomness import generator, seed_of
 from studies.paper.claims import TARGET
 from studies.paper.closures import UNPAIRED
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities

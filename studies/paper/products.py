@@ -10,7 +10,7 @@ import xarray as xr
 
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.parameters import Numerics
-from jointclosure.statistics.drawn_studies import Design
+from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
 from studies.frame.covariates import Covariates, as_dataset, from_dataset, known_covariates

@@ -9,9 +9,13 @@ import xarray as xr
 from jointclosure.engine.settings import BASE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import fewest_surfaces
-from jointclosure.statistics.drawn_studies import Pool, Sensitivity
-from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
-from jointclosure.statistics.paired import PairedInterval, paired_indifference_interval
+from jointclosure.statistics.indifference import (
+    IndifferenceInterval,
+    PairedInterval,
+    indifference_interval,
+    paired_indifference_interval,
+)
+from jointclosure.statistics.repetitions import Pool, Sensitivity
 from studies.frame.covariates import Covariates
 from studies.frame.tables import succeeded
 

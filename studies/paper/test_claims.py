@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.statistics.drawn_studies import Design
+from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.text import read_csv
 from studies.frame.cases import pool_of
 from studies.frame.files import PAPER_TABLE_3

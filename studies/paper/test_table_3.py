@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.drawn_studies import Design
+from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.cases import cases_of, ensembles_of, pool_of, wall_name

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jointclosure.statistics.drawn_studies import Pool, Sensitivity
+from jointclosure.statistics.repetitions import Pool, Sensitivity
 
 LEVELS = np.array([-1.0, 0.0, 1.0])
 SCATTER = 0.15

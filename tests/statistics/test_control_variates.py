@@ -8,9 +8,10 @@ from jointclosure.statistics.control_variates import (
     adjusted_means,
     adjusted_values,
 )
+from jointclosure.statistics.correlations import elasticity_of
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.standard_errors import Estimate, elasticity_of, mean_of
+from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.statistics.verdicts import t_interval
 
 MEANS = np.array([2.0, 5.0])

@@ -4,7 +4,7 @@ import scipy.stats
 
 import jointclosure as jc
 from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
-from jointclosure.statistics.paired import (
+from jointclosure.statistics.indifference import (
     difference_scatter,
     p_of_difference,
     paired_indifference_interval,

@@ -1,16 +1,14 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
     deviation_covariance,
     deviation_of,
-    elasticity,
     harmonic_mean,
     mean_covariance,
     mean_of,
-    quadratic_errors,
     ratio_of_means,
     rounded,
     variation_of,

@@ -14,8 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError, real_array
-from jointclosure.statistics.bootstrap import BootstrapInterval, interval_of_lengths
-from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.indifference import (
+    BootstrapInterval,
+    indifference_lengths,
+    interval_of_lengths,
+)
 from jointclosure.statistics.standard_errors import Estimate, deviations_of, mean_covariance
 
 

@@ -5,6 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
+from jointclosure.statistics.standard_errors import Estimate, mean_covariance
+
 
 class Quadratic(NamedTuple):
     """value(p) = b u^2 + c u + d in u = (p - base)/half_range; coefficients are near the values."""
@@ -100,3 +102,41 @@ def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
         return float("nan")
     statistic = n * float(mean @ np.linalg.solve(covariance, mean))
     return float(scipy.stats.f.sf(statistic * (n - count) / (count * (n - 1)), count, n - count))
+
+
+class QuadraticErrors(NamedTuple):
+    """Standard errors (3,) of a quadratic's coefficients; ``covariance`` (3, 3) of those in u."""
+
+    reduced: np.ndarray  # of b, c, d of `Quadratic`
+    in_parameter: np.ndarray  # of those of Eqs. (24) and (26)
+    covariance: np.ndarray
+
+
+def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) -> QuadraticErrors:
+    """Compute the errors of the coefficients of `fit_quadratic`."""
+    levels = np.asarray(levels, dtype=float)
+    half_range = 0.5 * (levels[-1] - levels[0])
+    fit = np.linalg.pinv(np.vander((levels - base) / half_range, 3))
+    reduced, m = fit @ covariance @ fit.T, base / half_range
+    change = np.array([[1.0, 0.0, 0.0], [-2.0 * m, 1.0, 0.0], [m * m, -m, 1.0]])
+    change /= np.array([half_range**2, half_range, 1.0])[:, None]
+    in_parameter = change @ reduced @ change.T
+    in_u, errors = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (reduced, in_parameter))
+    return QuadraticErrors(in_u, errors, reduced)
+
+
+def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: bool) -> Estimate:
+    """Compute d ln(mean)/d ln(parameter) at the base, from the fitted quadratic."""
+    samples = np.asarray(samples, dtype=float)
+    return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
+
+
+def elasticity_of(
+    levels: np.ndarray, means: np.ndarray, covariance: np.ndarray, base: float
+) -> Estimate:
+    """Compute the `elasticity` from means (k,) at levels (k,)."""
+    mean = fit_quadratic(levels, means, base)
+    value, reduced = mean.elasticity(), quadratic_errors(levels, covariance, base).covariance
+    gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
+    variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
+    return Estimate(float(value), float(np.sqrt(variance)))

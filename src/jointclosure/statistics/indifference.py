@@ -3,6 +3,32 @@
 The quartic is solved in u = (p - p_M)/half-range, where the constant of x cancels exactly and the
 coefficients are near 1; in the parameter itself they span 40 decades. See
 docs/decisions.md#0008-quartic.
+
+Indifference interval of a paired t test, with the same surfaces at every level.
+
+A paired t test uses the scatter of the *difference* between a level and the base on the same
+surface; the scatter between surfaces, which Eq. (28) uses, cancels. On surface s, with
+u = (p - p_M)/half-range, a response is modelled as
+
+    y_s(u) = a_s + c_s u + b u^2 + e_s(u),
+
+a line with coefficients of this surface, a curvature common to all surfaces, and an irregular part
+e_s of variance sigma^2 that is independent between levels, because the smallest change alters the
+order of breakage. The difference from the base then has the mean b u^2 + c u and, at u != 0,
+the variance
+
+    S_d^2(u) = V u^2 + 2 sigma^2,
+
+with V the variance of c_s over surfaces. In place of Eq. (29) it is critical where
+
+    n (b u^2 + c u)^2 = t_cr^2 S_d^2(u),          t_cr with n - 1 degrees of freedom.
+
+Without the irregular part (sigma = 0) u = 0 is a double root on both sides, and the length is 0 if
+the mean slope is significant, because differences that decrease with the change are significant for
+any change. Therefore sigma limits a paired study. Curvature of single surfaces counts as irregular,
+because three levels do not separate it from sigma; the lengths are then too long. For a linear mean
+the length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V/n).
+
 """
 
 from typing import Any, NamedTuple
@@ -13,29 +39,12 @@ from numpy.typing import ArrayLike
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
+from jointclosure.statistics.standard_errors import resampled
 
 NEGLIGIBLE_ROOT = 1e-30
 """Roots smaller than this share of the bound of all roots are due to rounding."""
 ITERATIONS = 200
 """Largest number of iterations of Newton's method with bisection; it needs far fewer."""
-
-
-def real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Return the distinct real roots of a polynomial (highest power first), ascending."""
-    coefficients = np.trim_zeros(np.asarray(coefficients, dtype=float), "f")
-    if coefficients.size <= 2:
-        return -coefficients[1:] / coefficients[:1]
-    # Fujiwara's bound of all roots
-    ratios = np.abs(coefficients[1:] / coefficients[0])
-    bound = 2.0 * float(np.max(ratios ** (1.0 / np.arange(1, ratios.size + 1))))
-    turns = real_roots(np.polyder(coefficients))
-    ends = np.concatenate([[-bound], turns[np.abs(turns) < bound], [bound]])
-    values = np.polyval(coefficients, ends)
-    signs = np.sign(values)  # a product of values may underflow
-    crossing = np.flatnonzero(signs[:-1] * signs[1:] < 0.0)
-    stated = (coefficients.tolist(),), 1e-300, 1e-15, 5000  # an end may be 1e17 times as far
-    inner = [scipy.optimize.brentq(_horner, ends[i], ends[i + 1], *stated) for i in crossing]
-    return np.unique([*ends[values == 0.0], *inner])
 
 
 def _horner(u: Any, coefficients: Any) -> Any:
@@ -69,7 +78,7 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     turns = np.sort(np.where(outside, -bound[:, None], turns), axis=1)
     ends = np.hstack([-bound[:, None], turns, bound[:, None]])
     values = _horner(ends, polynomials.T[..., None])
-    touching = np.where((values == 0.0) & (np.abs(ends) < bound[:, None]), ends, np.nan)
+    touching = np.where((values == 0.0) & (np.abs(ends) <= bound[:, None]), ends, np.nan)
     crossing = np.sign(values[:, :-1]) * np.sign(values[:, 1:]) < 0.0
     row, column = np.nonzero(crossing)
     roots = np.full(crossing.shape, np.nan)
@@ -156,14 +165,10 @@ def indifference_interval(
     levels, means, deviations, base = checked(
         levels, means, standard_deviations, samples, significance, base
     )
-    mean = fit_quadratic(levels, means, base)
-    deviation = fit_quadratic(levels, deviations, base)
-    critical, u = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2)), np.nan
-    if mean.b != 0.0 or mean.c != 0.0:
-        u = closest_to_zero(quartic(mean, deviation, samples, critical), deviation.d != 0.0)
-    root = base + u * mean.half_range
+    _, deviation, critical, (u,) = _solved(levels, means, deviations, samples, significance, base)
+    root = base + u * deviation.half_range
     return IndifferenceInterval(
-        length=abs(u) * mean.half_range,
+        length=abs(float(u)) * deviation.half_range,
         root=float(root),
         extrapolated=bool(root < levels[0] or root > levels[-1]),
         negative_deviation=bool(deviation.at(root) < 0.0),
@@ -183,19 +188,28 @@ def indifference_lengths(
     levels, means, deviations, base = checked(
         levels, means, deviations, samples, significance, base, many=True
     )
-    shape = means.shape[:-1]
-    mean = fit_quadratic(levels, means.reshape(-1, levels.size), base)
-    deviation = fit_quadratic(levels, deviations.reshape(-1, levels.size), base)
+    mean, _, _, u = _solved(levels, means, deviations, samples, significance, base)
+    return (np.abs(u) * mean.half_range).reshape(means.shape[:-1])
+
+
+def _solved(
+    levels: np.ndarray,
+    means: np.ndarray,
+    deviations: np.ndarray,
+    samples: int,
+    significance: float,
+    base: float,
+) -> tuple[Quadratic, Quadratic, float, np.ndarray]:
+    """Return quadratics of means and deviations (m, k), the critical value, and roots (m,) in u."""
+    mean, deviation = (
+        fit_quadratic(levels, values.reshape(-1, levels.size), base)
+        for values in (means, deviations)
+    )
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
-    coefficients = quartic(mean, deviation, samples, critical).T
     varies = (mean.b != 0.0) | (mean.c != 0.0)
     roots = np.full(varies.size, np.nan)
-    usual = varies & (coefficients[:, 4] < 0.0)
-    # the closest root in u is the largest in 1/u, with reversed coefficients
-    roots[usual] = 1.0 / largest_real_roots(coefficients[usual, ::-1])
-    for i in np.flatnonzero(varies & ~usual):
-        roots[i] = closest_to_zero(coefficients[i], scatter_at_zero=False)
-    return (np.abs(roots) * mean.half_range).reshape(shape)
+    roots[varies] = closest_roots(quartic(mean, deviation, samples, critical).T[varies])
+    return mean, deviation, critical, roots
 
 
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
@@ -209,17 +223,23 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
     return np.array([fourth, third, second, -2.0 * t2 * cs * ds, -2.0 * t2 * ds * ds])
 
 
-def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
-    """Return the real root closest to 0 of a quartic that is positive for significant changes."""
-    if not scatter_at_zero:
-        coefficients = coefficients[:3]
-        lowest = next((value for value in coefficients[::-1] if value != 0.0), 0.0)
-        odd = coefficients[2] == 0.0 and coefficients[1] != 0.0
-        if lowest > 0.0 or odd:
-            return 0.0
-        coefficients = np.trim_zeros(coefficients, "b")  # ignore the roots at the base
-    roots = real_roots(coefficients)
-    return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
+def closest_roots(quartics: np.ndarray) -> np.ndarray:
+    """Return the real roots (m,) closest to 0 of quartics (m, 5), NaN if there is none.
+
+    They are positive for significant changes. Their constant is 0 without scatter at 0.
+    """
+    usual = quartics[:, 4] < 0.0
+    roots = np.full(usual.size, np.nan)
+    # the closest root in u is the largest in 1/u, with reversed coefficients
+    roots[usual] = 1.0 / largest_real_roots(quartics[usual, ::-1])
+    for i in np.flatnonzero(~usual):
+        second, first, constant = quartics[i, :3]  # less the double root at 0
+        lowest = constant or first or second
+        if lowest > 0.0 or (constant == 0.0 and first != 0.0):
+            roots[i] = 0.0
+        elif constant < 0.0 and (second or first):
+            roots[i] = 1.0 / largest_real_roots(np.array([[constant, first, second]]))[0]
+    return roots
 
 
 def check_significance(significance: float) -> None:
@@ -264,3 +284,169 @@ def checked(
     if base not in levels:
         raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")
     return levels, means, deviations, float(base)
+
+
+class DifferenceScatter(NamedTuple):
+    """Variances on single surfaces: V of the slope, and sigma^2 of the irregular part."""
+
+    slope: np.ndarray
+    irregular: np.ndarray
+
+
+class PairedInterval(NamedTuple):
+    """As `IndifferenceInterval`, of a paired test; the root is the base if the length is 0.
+
+    ``linear_length``: without the curvature of the mean, infinite if the slope is not significant.
+    """
+
+    length: float
+    root: float
+    extrapolated: bool
+    linear_length: float
+    critical_value: float
+
+
+def paired_indifference_interval(
+    levels: ArrayLike,
+    samples: ArrayLike,
+    significance: float = 0.05,
+    base: float | None = None,
+    surfaces: int | None = None,
+) -> PairedInterval:
+    """Compute the smallest significant change in a paired t test on the same surfaces."""
+    levels, samples = real_array("levels", levels), real_array("samples", samples)
+    if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
+        raise InputError(
+            f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
+        )
+    means, deviations, n = samples.mean(axis=1), samples.std(axis=1, ddof=1), samples.shape[1]
+    levels, _, _, base = checked(levels, means, deviations, n, significance, base)
+    n = n if surfaces is None else surfaces
+    mean, scatter, critical, (u,) = _solved_pairs(levels, samples[None], n, significance, base)
+    root = base + u * mean.half_range
+    slope = float(n * mean.c[0] ** 2 - critical**2 * scatter.slope[0])
+    linear = np.inf
+    if slope > 0.0:
+        linear = critical * np.sqrt(2.0 * scatter.irregular[0] / slope) * mean.half_range
+    return PairedInterval(
+        length=abs(float(u)) * mean.half_range,
+        root=float(root),
+        extrapolated=bool(root < levels[0] or root > levels[-1]),
+        linear_length=float(linear),
+        critical_value=critical,
+    )
+
+
+def _solved_pairs(
+    levels: np.ndarray, samples: np.ndarray, n: int, significance: float, base: float
+) -> tuple[Quadratic, DifferenceScatter, float, np.ndarray]:
+    """Return quadratics and scatters of samples (m, k, n), critical value, and roots (m,) in u."""
+    mean = fit_quadratic(levels, samples.mean(axis=-1), base)
+    scatter = difference_scatter(levels, samples, base)
+    critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
+    size = np.maximum(np.abs(mean.b), np.abs(mean.c))
+    varies, t2 = size > 0.0, critical**2
+    size = size[varies]
+    b, c = mean.b[varies] / size, mean.c[varies] / size
+    slope, irregular = (value[varies] / size**2 for value in scatter)
+    quartics = [
+        n * b * b,
+        2.0 * (n * b * c),
+        n * c * c - t2 * slope,
+        0.0 * b,
+        -2.0 * t2 * irregular,
+    ]
+    roots = np.full(varies.size, np.nan)
+    roots[varies] = closest_roots(np.stack(quartics, axis=1))
+    return mean, scatter, critical, roots
+
+
+def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> DifferenceScatter:
+    """Estimate the scatter of differences from the base, from responses (..., k, n) of surfaces.
+
+    Level means are removed; each surface's deviations from them are fitted by a line. Residuals
+    give sigma^2, with (n - 1)(k - 2) degrees of freedom, and the variance of the slopes, less what
+    sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
+    the deviations are fitted by constants, and V is 0.
+    """
+    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
+    k, n = samples.shape[-2:]
+    u = (levels - base) / (0.5 * (levels[-1] - levels[0]))
+    deviations = samples - samples.mean(axis=-1, keepdims=True)
+    fits = []
+    for order in (1, 0):
+        design = np.vander(u, order + 1, increasing=True)
+        inverse = np.linalg.pinv(design)
+        last = inverse[-1] @ deviations
+        rest = deviations - design @ (inverse @ deviations)
+        irregular = np.sum(rest**2, axis=(-2, -1)) / ((n - 1) * (k - order - 1))
+        variance = np.sum(last**2, axis=-1) / (n - 1) - irregular * (inverse[-1] @ inverse[-1])
+        fits.append((variance, irregular))
+    (slope, of_lines), (_, of_constants) = fits
+    alike = slope < 0.0
+    return DifferenceScatter(np.where(alike, 0.0, slope), np.where(alike, of_constants, of_lines))
+
+
+def p_of_difference(first: ArrayLike, second: ArrayLike, paired: bool) -> float:
+    """Return the two-sided p of the t test that two levels have the same mean."""
+    first, second = real_array("first", first), real_array("second", second)
+    if first.shape != second.shape or first.ndim != 1 or first.size < 2:
+        raise InputError(
+            f"first {first.shape} and second {second.shape}: must be (n,) with equal n >= 2"
+        )
+    n = first.size
+    change = second - first
+    if paired:
+        error, freedom = change.std(ddof=1) / np.sqrt(n), n - 1
+    else:
+        error = np.sqrt((first.var(ddof=1) + second.var(ddof=1)) / n)
+        freedom = 2 * n - 2
+    if error == 0.0:
+        return 0.0 if change.any() else 1.0
+    return float(2.0 * scipy.stats.t.sf(abs(change.mean()) / error, freedom))
+
+
+class BootstrapInterval(NamedTuple):
+    """Percentile interval of a length, which is infinite without a root.
+
+    ``standard_error`` is half the central 68.3 % range, which single long lengths do not affect; it
+    is infinite if this range is not bounded.
+    """
+
+    low: float
+    high: float
+    share_without_root: float
+    standard_error: float
+
+
+def bootstrap_length(
+    levels: np.ndarray,
+    samples: np.ndarray,
+    random: np.random.Generator,
+    *,
+    base: float,
+    resamples: int,
+    confidence: float = 0.95,
+    significance: float = 0.05,
+    paired: bool = False,
+) -> BootstrapInterval:
+    """Compute the percentile bootstrap interval of a length from samples (k, n) at levels (k,)."""
+    drawn = resampled(samples, random, resamples, paired)
+    chosen = np.array(list(drawn))
+    if paired:
+        mean, *_, u = _solved_pairs(levels, chosen, chosen.shape[2], significance, base)
+        return interval_of_lengths(np.abs(u) * mean.half_range, confidence)
+    moments = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
+    lengths = indifference_lengths(levels, *moments, chosen.shape[2], significance, base)
+    return interval_of_lengths(lengths, confidence)
+
+
+def interval_of_lengths(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
+    """Return the percentile interval of lengths (resamples,); NaN, no root, counts as infinite."""
+    lengths = np.where(np.isnan(lengths), np.inf, lengths)
+    tail = 0.5 * (1.0 - confidence)
+    low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")
+    below, above = np.quantile(lengths, scipy.stats.norm.cdf([-1.0, 1.0]), method="higher")
+    error = 0.5 * (above - below) if np.isfinite(above) else np.inf
+    without = float(np.mean(np.isinf(lengths)))
+    return BootstrapInterval(float(low), float(high), without, float(error))

@@ -5,22 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.statistics.correlations import fit_quadratic
-
 
 class Estimate(NamedTuple):
     """Number and its standard error, in the same unit."""
 
     value: float
     standard_error: float
-
-
-class QuadraticErrors(NamedTuple):
-    """Standard errors (3,) of a quadratic's coefficients; ``covariance`` (3, 3) of those in u."""
-
-    reduced: np.ndarray  # of b, c, d of `Quadratic`
-    in_parameter: np.ndarray  # of those of Eqs. (24) and (26)
-    covariance: np.ndarray
 
 
 def mean_of(samples) -> Estimate:
@@ -79,34 +69,6 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
     shared = np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0.0)
     shared = shared / (2.0 * (np.shape(samples)[1] - 1))
     return shared if paired else np.diag(np.diag(shared))
-
-
-def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
-    """Compute the errors of the coefficients of `fit_quadratic`."""
-    levels = np.asarray(levels, dtype=float)
-    half_range = 0.5 * (levels[-1] - levels[0])
-    fit = np.linalg.pinv(np.vander((levels - base) / half_range, 3))
-    reduced, m = fit @ covariance @ fit.T, base / half_range
-    change = np.array([[1.0, 0.0, 0.0], [-2.0 * m, 1.0, 0.0], [m * m, -m, 1.0]])
-    change /= np.array([half_range**2, half_range, 1.0])[:, None]
-    in_parameter = change @ reduced @ change.T
-    in_u, errors = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (reduced, in_parameter))
-    return QuadraticErrors(in_u, errors, reduced)
-
-
-def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
-    """Compute d ln(mean)/d ln(parameter) at the base, from the fitted quadratic."""
-    samples = np.asarray(samples, dtype=float)
-    return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
-
-
-def elasticity_of(levels, means, covariance, base: float) -> Estimate:
-    """Compute the `elasticity` from means (k,) at levels (k,)."""
-    mean = fit_quadratic(levels, means, base)
-    value, reduced = mean.elasticity(), quadratic_errors(levels, covariance, base).covariance
-    gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
-    variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
-    return Estimate(float(value), float(np.sqrt(variance)))
 
 
 def rounded(value: float, standard_error: float) -> str:

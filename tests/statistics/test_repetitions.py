@@ -3,25 +3,23 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.statistics.drawn_studies import (
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.randomness import generator
+from jointclosure.statistics.repetitions import (
     Design,
     Pool,
     Sensitivity,
     draw_studies,
-    pool_error,
-    resampled_pools,
-    without_effect,
-)
-from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.predictive import (
     joint_test,
     length_distribution,
     log_likelihoods,
     p_of_table,
+    pool_error,
+    resampled_pools,
     share_as_short,
     two_sided_p,
+    without_effect,
 )
-from jointclosure.statistics.randomness import generator
 from tests.statistics.statistics_world import LEVELS, published, sensitivity, table_of
 
 
