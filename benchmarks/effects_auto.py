@@ -30,8 +30,8 @@ from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possi
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.storage.files import read_csv, write_csv, write_text
 from jointclosure.storage.provenance import origin
-from jointclosure.storage.text import read_csv, write_csv, write_text
 
 SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180)
 ALL, FEWER = jc.Effects(), jc.Effects(interaction=False)

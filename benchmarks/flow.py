@@ -31,7 +31,7 @@ import pandas as pd
 from yardstick import machine
 
 from jointclosure.joint.flow import flow_along
-from jointclosure.storage.text import write_csv
+from jointclosure.storage.files import write_csv
 from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")

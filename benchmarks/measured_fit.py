@@ -28,8 +28,7 @@ from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit
 from jointclosure.plotting.joint import fit_figure
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import write_csv
+from jointclosure.storage.files import save_figure, write_csv
 from jointclosure.walls.synthesis import ROLL_OFF
 from studies.measured_joints.observables import digitised_curve
 

@@ -26,8 +26,8 @@ from jointclosure.engine.walls import COPIES
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
+from jointclosure.storage.files import write_text
 from jointclosure.storage.provenance import origin
-from jointclosure.storage.text import write_text
 
 NONE, BASE, RADIUS = "none, as in the paper", "strength bounded by the base", "largest radius 20 mm"
 RULES = {

@@ -17,7 +17,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from jointclosure.engine.quantities import HEADINGS, QUANTITIES
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 
 ROOT = Path(__file__).parents[2]
 STUDIES = {

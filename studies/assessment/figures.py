@@ -13,7 +13,7 @@ from jointclosure.engine.assessment import HARD_CASES, JUDGED
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from studies.frame.summary import grouped
 
 _COLUMNS = 4

@@ -10,8 +10,8 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
+from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.storage.text import read_csv
 from studies.commands import existing, study_of
 from studies.frame.tables import succeeded
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.text import write_csv
 from studies.commands import study_of
 from studies.frame.tables import QUANTILES, band_table
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from jointclosure.engine.cache import is_kept
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import read_text
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.text import read_text
 from studies.commands.compare import differences
 from studies.frame.cases import dataset_of
 from studies.frame.closing import Ensemble, close_block

@@ -12,8 +12,8 @@ import xarray as xr
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
+from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.text import read_csv, read_text, write_text
 from studies.frame.configuration import model
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.jobs import check_folder

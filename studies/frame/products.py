@@ -15,9 +15,8 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.files import read_csv, save_figure, write_csv, write_text
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import read_csv, write_csv, write_text
 
 _WRITERS: dict[str, Callable[..., None]] = {
     **{".nc": write_netcdf, ".csv": write_csv, ".png": save_figure, ".pdf": save_figure},

@@ -3,8 +3,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import write_csv
 from studies import __main__ as cli
 from studies.commands.compare import (
     TARGETS,

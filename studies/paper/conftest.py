@@ -9,7 +9,7 @@ import pytest
 from jointclosure.joint.history import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.repetitions import Design
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from studies.frame.configuration import model, resolved
 from studies.frame.files import PAPER_TABLE_3, provenance
 from studies.frame.schema import json_schema

@@ -11,8 +11,8 @@ import xarray as xr
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
+from jointclosure.storage.files import read_csv, read_text
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from jointclosure.storage.text import read_csv, read_text
 from studies.frame.covariates import Covariates, as_dataset, from_dataset, known_covariates
 from studies.frame.covariates import measure_covariates as measure
 from studies.frame.files import configuration_text

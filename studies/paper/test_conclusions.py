@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from studies.paper import conclusions
 from studies.paper.claims import CLAIMS
 from studies.paper.conclusions import (

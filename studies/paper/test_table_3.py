@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from jointclosure.statistics.repetitions import Design
+from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.cases import cases_of, ensembles_of, pool_of, wall_name
 from studies.frame.files import PAPER_TABLE_3
 from studies.paper.closures import (

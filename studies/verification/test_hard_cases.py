@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine.assessment import HARD_CASES
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from studies.frame.files import read_plain
 from studies.verification.hard_cases import (
     curve_of,

@@ -20,7 +20,7 @@ from jointclosure.cli.exports import (
 )
 from jointclosure.joint.curves import cycle_table, stress_table
 from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.storage.figures import write_vtu
+from jointclosure.storage.files import write_vtu
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING, on_softer_half_spaces
 

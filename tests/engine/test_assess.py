@@ -16,7 +16,7 @@ from jointclosure.engine.assessment import (
 )
 from jointclosure.plotting.assessment import assessment_figure
 from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING
 
 LADDER = ["coarse", "middle", "fine"]

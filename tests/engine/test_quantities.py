@@ -12,7 +12,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from studies.frame.summary import mean_shown
 from tests.studied import ROOT
 

@@ -13,7 +13,7 @@ from PIL import Image
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.plotting import snapshots
-from jointclosure.storage.figures import save_animation
+from jointclosure.storage.files import save_animation
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
 

@@ -12,15 +12,22 @@ import xarray as xr
 
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
-from jointclosure.storage.files import DamagedFileError, atomically
-from jointclosure.storage.folders import RECORD, add_file, replace_files, written_files
+from jointclosure.storage.files import (
+    RECORD,
+    DamagedFileError,
+    add_file,
+    atomically,
+    read_csv,
+    replace_files,
+    write_csv,
+    written_files,
+)
 from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
     write_netcdf,
     write_netcdf_regions,
 )
-from jointclosure.storage.text import read_csv, write_csv
 
 
 def some_dataset(rows: int = 20) -> xr.Dataset:

@@ -5,8 +5,8 @@ import shutil
 import pytest
 
 from jointclosure.engine.points import as_table, joints_of
+from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.storage.text import read_csv
 from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiments_in
 from studies.frame.files import read_plain

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
 
 HOSTILE = [

@@ -9,7 +9,7 @@ from studies.frame.rocks import check_files, wall_files
 from studies.frame.cases import closed_keys, wall_digests
 from jointclosure.compilation.sources import ROOTS, code_digest
 from jointclosure.walls.scans import files_of
-from jointclosure.storage.text import read_text
+from jointclosure.storage.files import read_text
 from studies.frame import rocks
 from studies.paper.products import PRODUCTS
 from studies.frame.plan import BESIDE, Plan

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from jointclosure.engine.cache import make_missing
 from jointclosure.engine.points import as_dataset, as_table, entries_of
+from jointclosure.storage.files import read_csv, write_csv, write_text
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from jointclosure.storage.text import read_csv, write_csv, write_text
 from studies.frame.experiments import checked, experiment_named
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all, job, listed

@@ -5,8 +5,8 @@ import sys
 
 import pandas as pd
 
+from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import Logbook
-from jointclosure.storage.text import write_csv
 from studies.frame.jobs import job
 from studies.verification.hard_cases import (
     curve_of,

@@ -1,6 +1,6 @@
 """Compile all necessary kernels before parallel jobs start."""
 
-from jointclosure.storage.text import write_text
+from jointclosure.storage.files import write_text
 from studies.frame.jobs import compile_all, job
 
 if __name__ == "__main__":

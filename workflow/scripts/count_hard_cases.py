@@ -2,7 +2,7 @@
 
 import sys
 
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 
 
 def main(path: str) -> int:

@@ -3,8 +3,7 @@
 import itertools
 from pathlib import Path
 
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv, save_figure
 from studies.frame.experiments import checked, experiment_named
 from studies.frame.jobs import job, listed
 

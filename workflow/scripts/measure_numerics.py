@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import Logbook
-from jointclosure.storage.text import write_csv
 from studies.frame.jobs import job
 from studies.verification import printed, sweeps
 from studies.verification.analytic import analytic_table

@@ -5,10 +5,9 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.engine.assessment import FEATURES
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.files import read_csv, save_figure, write_csv
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of
-from jointclosure.storage.text import read_csv, write_csv
 from studies.frame.jobs import job, listed
 from studies.verification.figures import hard_case_page, numerics_figure
 from studies.verification.printed import formula_rows

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.storage.text import write_csv
+from jointclosure.storage.files import write_csv
 from studies.frame.closing import Ensemble
 from studies.frame.configuration import resolved
 from studies.frame.jobs import compile_all, job

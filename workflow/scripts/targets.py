@@ -18,7 +18,7 @@ from process_group import EndRequest
 
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
-from jointclosure.storage.text import read_csv, read_text, write_text
+from jointclosure.storage.files import read_csv, read_text, write_text
 from studies.frame.configuration import Configured, configured, merged_study, resolved, sections
 from studies.frame.experiments import checked_design
 from studies.frame.files import read_plain

@@ -21,7 +21,7 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import branch_of
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
-from jointclosure.storage.text import csv_text
+from jointclosure.storage.files import csv_text
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where

@@ -15,7 +15,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import in_unit, to_si
-from jointclosure.storage.folders import check_record
+from jointclosure.storage.files import check_record
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, registered
 
 UNITS = (

@@ -17,9 +17,8 @@ from jointclosure.inputs.extras import needs
 from jointclosure.joint.curves import members
 from jointclosure.joint.laws import LAWS, fitted_laws, law_words
 from jointclosure.joint.protocol import LOADING
-from jointclosure.storage.folders import add_file
+from jointclosure.storage.files import add_file, read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.storage.text import read_csv, read_text, write_text
 
 with needs("report", "a page"):
     from jointclosure.cli.page import ABSENT, number_text, provenance_rows, render, source

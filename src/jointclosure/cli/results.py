@@ -17,11 +17,16 @@ from jointclosure.joint.curves import cycle_table, has_flow
 from jointclosure.joint.history import branch_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, UNLOADING
 from jointclosure.statistics.standard_errors import significant
-from jointclosure.storage.figures import save_animation, save_figure, write_vtu
-from jointclosure.storage.folders import replace_files
+from jointclosure.storage.files import (
+    replace_files,
+    save_animation,
+    save_figure,
+    write_csv,
+    write_text,
+    write_vtu,
+)
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import origin, to_plain
-from jointclosure.storage.text import write_csv, write_text
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish

@@ -12,7 +12,7 @@ import pandas as pd
 
 from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 
 CLOSURE = "max_closure_seated_net"
 """Closure by which copies of a joint are compared."""

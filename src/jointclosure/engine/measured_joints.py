@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.files import read_csv
 
 _TABLE = Path(__file__).with_name("measured_joints.csv")
 JOINTS = ("1", "2", "3")

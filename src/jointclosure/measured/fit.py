@@ -41,7 +41,7 @@ from jointclosure.parameters import (
 )
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
-from jointclosure.storage.text import read_text
+from jointclosure.storage.files import read_text
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
 

@@ -19,7 +19,7 @@ import numpy as np
 from jointclosure.engine.measured_joints import measured
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import parsed_curve
-from jointclosure.storage.text import read_text
+from jointclosure.storage.files import read_text
 
 FILM_THRESHOLD = 2.5
 """Contact stress above which the film counts as in contact [MPa]."""

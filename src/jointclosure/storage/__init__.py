@@ -1,1 +1,1 @@
-"""Reading and writing of result files: a module a kind, so that code digests name what is used."""
+"""Reading and writing of result files."""

@@ -1,15 +1,32 @@
-"""Files that are written completely or not at all; sealed ones end with a digest."""
+"""Files and folders that are written completely or not at all; sealed files end with a digest.
+
+Folders of results may be used by several runs; files of an earlier run are replaced.
+"""
 
 import errno
 import glob
 import hashlib
+import json
 import os
 import shutil
 import socket
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
+import pandas as pd
+
+from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
+
+if TYPE_CHECKING:  # not loaded by jobs that draw nothing
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.figure import Figure
+
+RECORD = "written.json"
+"""File in a folder of results with the names of the files that each command wrote."""
 _SEAL = b"\nsha256 of all before this line: "
 END_DIGEST = 64
 """Length in bytes of the digest at the end of a sealed file."""
@@ -110,3 +127,105 @@ def check_seal(path: Path) -> None:
                 f"{path}: the file is not as jointclosure wrote it (wrong checksum): "
                 "delete it and start again; missing files are made again"
             )
+
+
+def csv_text(frame: pd.DataFrame, figures: int | None = None) -> str:
+    """Return a table as CSV; numbers have all digits, or ``figures`` significant ones."""
+    form = None if figures is None else f"%.{figures}g"
+    return frame.to_csv(index=False, float_format=form)
+
+
+def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
+    """Write a table as `csv_text`."""
+    write_text(csv_text(frame, figures), path)
+
+
+def read_csv(path: str | Path) -> pd.DataFrame:
+    """Read a table written by `write_csv`, or an input in the same form."""
+    return pd.read_csv(path, comment="#")
+
+
+def read_text(path: str | Path) -> str:
+    """Read a text, such as a log or a CSV; raise `InputError` unless it is UTF-8."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: must be UTF-8 text ({error.reason} at {error.start})") from None
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text, completely or not at all."""
+    atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def save_figure(figure: "Figure", path: str | Path) -> None:
+    """Write a figure in the format of its path, without a time stamp."""
+    metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
+    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
+
+
+def save_animation(animation: "FuncAnimation", path: str | Path) -> None:
+    """Write an animation as a GIF."""
+    atomically(path, lambda temporary: animation.save(str(temporary), writer="pillow", dpi=100))
+
+
+def write_vtu(
+    points: np.ndarray, triangles: np.ndarray, cell_fields: dict[str, np.ndarray], path: str | Path
+) -> None:
+    """Write a surface of points (n, 3) [m] and triangles (m, 3), with fields (m,) of these."""
+    with needs("exchange", "VTU"):
+        import meshio
+    mesh = meshio.Mesh(
+        points, [("triangle", triangles)], cell_data={k: [v] for k, v in cell_fields.items()}
+    )
+    atomically(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
+    """Replace the files of a command's earlier run, if no error occurs; return the new names."""
+    folder.mkdir(exist_ok=True)
+    earlier = written_files(folder, command)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
+        write(Path(unfinished))
+        names = sorted(os.listdir(unfinished))
+        # if the process ends here, the next run has all names in the record
+        _record(folder, command, sorted({*earlier, *names}))
+        for name in names:
+            os.replace(Path(unfinished) / name, folder / name)
+    for name in set(earlier) - set(names):
+        (folder / name).unlink(missing_ok=True)
+    _record(folder, command, names)
+    return names
+
+
+def add_file(folder: Path, command: str, name: str) -> None:
+    """Record a file as one of the files of a command, to be replaced with them."""
+    _record(folder, command, sorted({*written_files(folder, command), name}))
+
+
+def written_files(folder: Path, command: str) -> list[str]:
+    """Return the names of the files that the last run of a command wrote into a folder."""
+    return check_record(folder).get(command, [])
+
+
+def check_record(folder: Path) -> dict[str, list[str]]:
+    """Return the files of each command by a folder's record; `InputError` if it cannot be read."""
+    path = folder / RECORD
+    if not path.is_file():
+        return {}
+    try:
+        commands = json.loads(read_text(path))
+        names = [name for files in commands.values() for name in files]
+        if any(Path(name).name != name for name in names):
+            raise ValueError("a name with a folder")
+    except (AttributeError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{path}: must be a JSON object of lists of file names, as written by jointclosure "
+            f"({error}); delete it, and the files of earlier runs in the folder"
+        ) from None
+    return commands
+
+
+def _record(folder: Path, command: str, names: list[str]) -> None:
+    commands = check_record(folder) | {command: names}
+    write_text(json.dumps(commands, indent=1, sort_keys=True) + "\n", folder / RECORD)
