@@ -18,6 +18,9 @@ EXCESS = "excess"
 """Name of the excess at low stress: closure of loading to half the maximum stress, since the start
 of the cycle, less half of the maximum closure."""
 
+FOUND = ("found_share", "found_error", "found_low", "found_high")
+"""Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
+
 
 class Findings(NamedTuple):
     """Studies (R) of some rocks: responses by (rock, parameter), and names of the targets."""
@@ -66,27 +69,25 @@ TOLERANCE = NEGLIGIBLE / 0.2
 """Difference of elasticities that counts as none. A property of one rock is known to a fifth at
 best; such a change then changes the closure by less than `NEGLIGIBLE`."""
 
-Value = Any
-"""Number, or array of numbers."""
-Model = Any
-"""Model of a rock: `studies.paper.judged_claims.ClosedModel`, or its `Elasticities` alone."""
-
 
 class Elasticities(NamedTuple):
-    """Elasticities by (parameter, cycle) of one variable, and the rock's values of parameters."""
+    """Elasticities by (parameter, cycle) of one variable, and the rock's values of parameters.
 
-    by_cycle: Mapping[tuple[str, int], Value]
+    Like `studies.paper.judged_claims.ClosedModel` for statements that need no more.
+    """
+
+    by_cycle: Mapping[tuple[str, int], Any]
     bases: Mapping[str, float]
 
-    def elasticity(self, parameter: str, cycle: int, variable: str) -> Value:
+    def elasticity(self, parameter: str, cycle: int, variable: str) -> Any:
         """Return d ln(closure)/d ln(parameter) at the rock's value."""
         return self.by_cycle[parameter, cycle]
 
-    def slopes(self, parameter: str, cycle: int, variable: str) -> list[Value]:
+    def slopes(self, parameter: str, cycle: int, variable: str) -> list:
         """Return the elasticity itself in place of those between levels."""
         return [self.by_cycle[parameter, cycle]]
 
-    def change(self, parameter: str, cycle: int, change: float) -> Value:
+    def change(self, parameter: str, cycle: int, change: float) -> Any:
         """Return the relative change of the closure with a change, by a power of the parameter."""
         return (1.0 + change / self.bases[parameter]) ** self.by_cycle[parameter, cycle] - 1.0
 
@@ -94,15 +95,16 @@ class Elasticities(NamedTuple):
 class Statement(NamedTuple):
     """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
-    It is true if all ``margins`` exceed ``above``, or lie ``within`` it; ``finds`` are the studies
-    (R,) that confirm it. ``alike`` is the largest difference that counts as none; ``before``: it
-    compares with the cycle before; ``of_elasticities``: it needs only these and values of the rock.
+    It is true if all ``margins`` of a model exceed ``above``, or lie ``within`` it; ``finds`` are
+    the studies (R,) that confirm it. ``alike`` is the largest difference that counts as none;
+    ``before``: it compares with the cycle before; ``of_elasticities``: it needs only these.
     """
 
     number: str
     text: str
+    parameter: str
     parameters: tuple[str, ...]
-    margins: Callable[[Model, int, str], Mapping[str, Value]]
+    margins: Callable[[Any, int, str], Mapping[str, Any]]
     finds: Callable[[Findings, str, int, str], np.ndarray]
     above: float = TOLERANCE
     alike: float | None = None
@@ -114,7 +116,7 @@ class Statement(NamedTuple):
         """Return the cycles that the statement needs."""
         return (cycle - 1, cycle) if self.before else (cycle,)
 
-    def least(self, model: Model, cycle: int, variable: str = TARGET) -> np.ndarray:
+    def least(self, model: Any, cycle: int, variable: str = TARGET) -> np.ndarray:
         """Return the smallest of its margins; with ``within`` the least distance to the bound."""
         margins = list(self.margins(model, cycle, variable).values())
         if self.within:
@@ -135,33 +137,25 @@ class Statement(NamedTuple):
         return 0.0 if self.within else self.above
 
 
-Percents = dict[str, np.ndarray]
-"""Lengths of studies (R,) in percent of the rock's value, by parameter."""
-
-
-def _shortest(percents: Percents, parameter: str, place: int = 0) -> np.ndarray:
-    """Return whether ``place`` other intervals are shorter, and this one is finite."""
-    every = np.array(list(percents.values()))
-    shorter = (every < percents[parameter]).sum(axis=0)
+def _shortest(percents: dict[str, np.ndarray], parameter: str, place: int = 0) -> np.ndarray:
+    """Return whether ``place`` other intervals (R,) are shorter, and this one is finite."""
+    shorter = (np.array(list(percents.values())) < percents[parameter]).sum(axis=0)
     return (shorter == place) & np.isfinite(percents[parameter])
 
 
-_second = partial(_shortest, place=1)
-
-
-def _widest(percents: Percents, parameter: str) -> np.ndarray:
-    """Return whether no other interval is longer, and some are finite."""
+def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
+    """Return whether no other interval (R,) is longer, and some are finite."""
     every = np.array(list(percents.values()))
     return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
 
 
 def _ranked(
-    number: str, text: str, pairs: list[tuple[str, str]], parameter: str, finds: Callable
+    number: str, text: str, parameter: str, finds: Callable, *pairs: tuple[str, str]
 ) -> Statement:
     """Make the statement that closure is more sensitive to the first of each pair."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
-        size = {name: np.abs(model.elasticity(name, cycle, variable)) for name in PROPERTIES}
+    def margins(model: Any, *at: Any) -> dict[str, Any]:
+        size = {name: np.abs(model.elasticity(name, *at)) for name in PROPERTIES}
         return {
             f"|e({SYMBOLS[one]})| - |e({SYMBOLS[other]})|": size[one] - size[other]
             for one, other in pairs
@@ -170,102 +164,83 @@ def _ranked(
     def confirms(studies: Findings, *at: Any) -> np.ndarray:
         return finds(studies.percents(*at), parameter)
 
-    return Statement(number, text, PROPERTIES, margins, confirms, alike=TOLERANCE)
+    return Statement(number, text, parameter, PROPERTIES, margins, confirms, alike=TOLERANCE)
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
 
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
+    def margins(model: Any, cycle: int, variable: str) -> dict[str, Any]:
         before, here = (
             np.abs(model.elasticity(parameter, c, variable)) for c in (cycle - 1, cycle)
         )
-        more, less = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
+        more, less = (cycle, cycle - 1)[::sign]
         return {f"|e({SYMBOLS[parameter]})| of cycle {more} - {less}": sign * (here - before)}
 
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         before, here = (studies.lengths(parameter, rock, c, variable) for c in (cycle - 1, cycle))
-        return here < before if sign > 0 else here > before
+        return sign * here < sign * before
 
-    return Statement(number, text, (parameter,), margins, confirms, alike=TOLERANCE, before=True)
+    about = number, text, parameter, (parameter,)
+    return Statement(*about, margins, confirms, alike=TOLERANCE, before=True)
 
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
     """Make the statement that closure rises (sign 1) or falls (-1) with a parameter."""
     name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
-
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
-        slopes = model.slopes(parameter, cycle, variable)
-        return {f"{name}, step {i + 1}": sign * slope for i, slope in enumerate(slopes)}
-
-    def confirms(studies: Findings, *at: Any) -> np.ndarray:
-        return np.all(sign * np.diff(studies.means(parameter, *at), axis=1) > 0.0, axis=1)
-
-    return Statement(number, text, (parameter,), margins, confirms)
-
-
-def _no_effect(number: str, text: str, parameter: str, change: float) -> Statement:
-    """Make the statement that this change of a parameter has a negligible effect on the closure."""
-
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
-        return {
-            f"change with {SYMBOLS[parameter]} {by:+g}": model.change(parameter, cycle, by)
-            for by in (-change, change)
-        }
-
-    def confirms(studies: Findings, *at: Any) -> np.ndarray:
-        return studies.lengths(parameter, *at) >= change
-
-    return Statement(number, text, (parameter,), margins, confirms, NEGLIGIBLE, within=True)
-
-
-def _significant(number: str, text: str, parameter: str, percent: float) -> Statement:
-    """Make the statement that this change of a parameter is significant in a study."""
-    name = f"change with {percent:g} % of {SYMBOLS[parameter]}, over a significant one"
-
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
-        change = 0.01 * percent * np.abs(model.elasticity(parameter, cycle, variable))
-        return {name: change / model.significant(cycle)}
-
-    def confirms(studies: Findings, *at: Any) -> np.ndarray:
-        return studies.percents(*at)[parameter] <= percent
-
-    return Statement(number, text, (parameter,), margins, confirms, 1.0, of_elasticities=False)
+    return Statement(
+        number, text, parameter, (parameter,),
+        lambda model, *at: {
+            f"{name}, step {i}": sign * slope
+            for i, slope in enumerate(model.slopes(parameter, *at), start=1)
+        },
+        lambda studies, *at: np.all(
+            sign * np.diff(studies.means(parameter, *at), axis=1) > 0.0, axis=1
+        ),
+    )  # fmt: skip
 
 
 def _positive(number: str, text: str, reads: str) -> Statement:
     """Make the statement that `LOOP` or `EXCESS` of the base case is positive."""
-
-    def margins(model: Model, cycle: int, variable: str) -> Mapping[str, Value]:
-        return {f"{reads} over closure": model.share(reads, cycle)}
-
-    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return studies.base_means(rock, cycle, reads) > 0.0
-
-    return Statement(number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False)
+    return Statement(
+        number, text, "", (),
+        lambda model, cycle, _: {f"{reads} over closure": model.share(reads, cycle)},
+        lambda studies, rock, cycle, _: studies.base_means(rock, cycle, reads) > 0.0,
+        NEGLIGIBLE, of_elasticities=False,
+    )  # fmt: skip
 
 
 NU_LEAST = _ranked(
-    "1a", "Poisson's ratio matters least", [(one, NU) for one in (E, STRENGTH, JRC)], NU, _widest
+    "1a", "Poisson's ratio matters least", NU, _widest, (E, NU), (STRENGTH, NU), (JRC, NU)
 )
-NU_NO_EFFECT = _no_effect("1b", "No effect of a change of Poisson's ratio by 0.1", NU, 0.1)
+NU_NO_EFFECT = Statement(
+    "1b", "No effect of a change of Poisson's ratio by 0.1", NU, (NU,),
+    lambda model, cycle, _: {
+        f"change with {SYMBOLS[NU]} {by:+g}": model.change(NU, cycle, by) for by in (-0.1, 0.1)
+    },
+    lambda studies, *at: studies.lengths(NU, *at) >= 0.1,
+    NEGLIGIBLE, within=True,
+)  # fmt: skip
 E_MOST = _ranked(
-    "2a", "Young's modulus matters most", [(E, one) for one in (NU, STRENGTH, JRC)], E, _shortest
+    "2a", "Young's modulus matters most", E, _shortest, (E, NU), (E, STRENGTH), (E, JRC)
 )
 E_RISES = _with_the_cycle("2c", "Young's modulus matters more than on the cycle before", E, 1)
 STRENGTH_NEXT = _ranked(
-    "3",
-    "Compressive strength matters next after Young's modulus",
-    [(E, STRENGTH), (STRENGTH, NU), (STRENGTH, JRC)],
-    STRENGTH,
-    _second,
-)
+    "3", "Compressive strength matters next after Young's modulus", STRENGTH,
+    partial(_shortest, place=1), (E, STRENGTH), (STRENGTH, NU), (STRENGTH, JRC),
+)  # fmt: skip
 STRENGTH_RISES = _with_the_cycle(
     "3b", "Compressive strength matters more than on the cycle before", STRENGTH, 1
 )
-STRENGTH_SIGNIFICANT = _significant(
-    "3c", "A change of compressive strength by 5 % is significant", STRENGTH, 5.0
-)
+STRENGTH_SIGNIFICANT = Statement(
+    "3c", "A change of compressive strength by 5 % is significant", STRENGTH, (STRENGTH,),
+    lambda model, cycle, variable: {
+        f"change with 5 % of {SYMBOLS[STRENGTH]}, over a significant one": 0.05
+        * np.abs(model.elasticity(STRENGTH, cycle, variable)) / model.significant(cycle)
+    },
+    lambda studies, *at: studies.percents(*at)[STRENGTH] <= 5.0,
+    1.0, of_elasticities=False,
+)  # fmt: skip
 JRC_FALLS = _with_the_cycle("4", "JRC matters less than on the cycle before", JRC, -1)
 FALLS_WITH_E = _trend("5a", "Closure rises when E falls", E, -1)
 RISES_WITH_STRENGTH = _trend("5b", "Closure rises when sigma_c rises", STRENGTH, 1)
@@ -285,8 +260,8 @@ class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
     ``section``: of the paper, or `OURS`. ``statement``: `UNJUDGED` if no sensitivity study can
-    judge it. ``shown``: where the paper has numbers, `TABLE_3` for entries of ``parameter``.
-    ``negated``: the claim is that the statement is *not* true in every rock.
+    judge it. ``shown``: where the paper has numbers, `TABLE_3` for entries of the
+    statement's parameter. ``negated``: the statement is *not* true in every rock.
     """
 
     number: str
@@ -295,7 +270,6 @@ class Claim(NamedTuple):
     statement: Statement
     cycles: tuple[int, ...]
     shown: str = TABLE_3
-    parameter: str = ""
     variable: str = TARGET
     negated: bool = False
     remark: str = ""
@@ -315,12 +289,8 @@ class Claim(NamedTuple):
         cycles = self.cycles_among(studies.names)
         if not cycles or not (rocks := studies.rocks(self.statement.parameters)):
             return None
-        by_rock = [
-            self.statement.finds(studies, rock, cycle, self.variable)
-            for rock in rocks
-            for cycle in cycles
-        ]
-        every = np.logical_and.reduce(by_rock)
+        at = ((studies, rock, cycle, self.variable) for rock in rocks for cycle in cycles)
+        every = np.logical_and.reduce([self.statement.finds(*one) for one in at])
         return ~every if self.negated else every
 
 
@@ -334,39 +304,35 @@ _NOT_SHOWN = "described, not shown"
 _FIG_5 = "Fig. 5"
 
 CLAIMS = (
-    Claim("1a, cycle 1", "Poisson's ratio matters least on the first cycle", _BOTH,
-          NU_LEAST, (1,), parameter="poisson_ratio"),
+    Claim("1a, cycle 1", "Poisson's ratio matters least on the first cycle", _BOTH, NU_LEAST, (1,)),
     Claim("1a, cycle 2", "Poisson's ratio matters least on the second cycle", _BOTH,
-          NU_LEAST, (2,), parameter="poisson_ratio"),
-    Claim("1b", "No effect of a change of Poisson's ratio by ±0.1", _NEXT,
-          NU_NO_EFFECT, (1, 2), parameter="poisson_ratio"),
+          NU_LEAST, (2,)),
+    Claim("1b", "No effect of a change of Poisson's ratio by ±0.1", _NEXT, NU_NO_EFFECT, (1, 2)),
     Claim("2a", "Young's modulus is the most sensitive parameter on the second cycle", _MOST,
-          E_MOST, (2,), parameter="youngs_modulus"),
+          E_MOST, (2,)),
     Claim("2a, net", "Young's modulus is the most sensitive parameter on the second cycle, net of "
-          "bulk indentation", OURS, E_MOST, (2,), parameter="youngs_modulus",
-          variable=NET),
-    Claim("2b", "Young's modulus is the most sensitive parameter on the first cycle", _MOST,
-          E_MOST, (1,), parameter="youngs_modulus"),
+          "bulk indentation", OURS, E_MOST, (2,), variable=NET),
+    Claim("2b", "Young's modulus is the most sensitive parameter on the first cycle", _MOST, E_MOST,
+          (1,)),
     Claim("2c", "Sensitivity to Young's modulus rises from the first cycle to the second",
-          "Section 6", E_RISES, (2,), parameter="youngs_modulus"),
+          "Section 6", E_RISES, (2,)),
     Claim("3, cycle 1", "Compressive strength is the next sensitive parameter on the first cycle",
-          _NEXT, STRENGTH_NEXT, (1,), parameter="compressive_strength"),
+          _NEXT, STRENGTH_NEXT, (1,)),
     Claim("3, cycle 2", "Compressive strength is the next sensitive parameter on the second cycle",
-          _NEXT, STRENGTH_NEXT, (2,), parameter="compressive_strength"),
+          _NEXT, STRENGTH_NEXT, (2,)),
     Claim("3b", "Sensitivity to compressive strength rises from the first cycle to the second",
-          "Section 6", STRENGTH_RISES, (2,), parameter="compressive_strength"),
+          "Section 6", STRENGTH_RISES, (2,)),
     Claim("3c", "A change of compressive strength by 5 % is significant on the second cycle",
-          "Section 6", STRENGTH_SIGNIFICANT, (2,), parameter="compressive_strength"),
+          "Section 6", STRENGTH_SIGNIFICANT, (2,)),
     Claim("4", "Sensitivity to JRC falls from the first cycle to the second", _NEXT,
-          JRC_FALLS, (2,), parameter="jrc"),
-    Claim("5a", "Cycle-2 closure rises when E falls", _BOTH, FALLS_WITH_E, (2,),
-          _NOT_SHOWN),
+          JRC_FALLS, (2,)),
+    Claim("5a", "Cycle-2 closure rises when E falls", _BOTH, FALLS_WITH_E, (2,), _NOT_SHOWN),
     Claim("5a, net", "Cycle-2 closure rises when E falls, net of bulk indentation", OURS,
           FALLS_WITH_E, (2,), _NOT_SHOWN, variable=NET),
-    Claim("5b", "Cycle-2 closure rises when sigma_c rises", _BOTH,
-          RISES_WITH_STRENGTH, (2,), _NOT_SHOWN),
-    Claim("5c", "Cycle-1 closure falls when JRC falls", "Section 6", RISES_WITH_JRC,
-          (1,), _NOT_SHOWN),
+    Claim("5b", "Cycle-2 closure rises when sigma_c rises", _BOTH, RISES_WITH_STRENGTH, (2,),
+          _NOT_SHOWN),
+    Claim("5c", "Cycle-1 closure falls when JRC falls", "Section 6", RISES_WITH_JRC, (1,),
+          _NOT_SHOWN),
     Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
           RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
     Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",

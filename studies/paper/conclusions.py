@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
-from studies.paper.claims import CLAIMS, Claim
+from studies.paper.claims import CLAIMS, FOUND, Claim
 
 DEPENDS = "depends on what is unstated"
 """Conclusion that is true under some readings or choices, and false under others."""
@@ -20,8 +20,6 @@ UNJUDGED = frozenset(claim.number for claim in CLAIMS if not claim.cycles)
 NEARLY_ALL = 0.9
 """Share of the open choices that must agree with a verdict for it to be independent of them."""
 
-FOUND = ("found_share", "found_error", "found_low", "found_high")
-"""Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
 SHARES = ("share", "share_error", "share_low", "share_high")
 """Columns of the share of choices, here with the prefix ``choices_``."""
 COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": UNDECIDED}
@@ -57,12 +55,12 @@ def conclusion_table(
 
 
 def _of_jrc(number: str, jrc_range: pd.DataFrame | None) -> dict:
-    if jrc_range is None:
-        return dict.fromkeys((f"jrc_{name}" for name in ("half_width", *FOUND)), np.nan)
-    rows = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
-    widest = rows.sort_values("half_width").reindex(columns=["half_width", *FOUND])
-    last = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
-    return {f"jrc_{name}": last[name] for name in widest.columns}
+    names = ["half_width", *FOUND]
+    widest = pd.Series(np.nan, names)
+    if jrc_range is not None:
+        rows = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
+        widest = next((row for _, row in rows.nlargest(1, "half_width").iterrows()), widest)
+    return {f"jrc_{name}": widest[name] for name in names}
 
 
 def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
@@ -88,9 +86,8 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
 
 
 def _named(titles: list[str]) -> str:
-    named = "; ".join(titles[:_MOST_NAMED])
-    rest = len(titles) - _MOST_NAMED
-    return f"{named}; {rest} more" if rest > 0 else named
+    rest = [f"{len(titles) - _MOST_NAMED} more"] if len(titles) > _MOST_NAMED else []
+    return "; ".join([*titles[:_MOST_NAMED], *rest])
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
@@ -103,9 +100,7 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
         return answer
     least = together.loc[together.share.idxmin()]
     share, error, low, high = least[list(SHARES)]
-    if claim.negated:
-        share, low, high = 1.0 - share, 1.0 - high, 1.0 - low
-    shares = (share, error, low, high)
+    shares = (1.0 - share, error, 1.0 - high, 1.0 - low) if claim.negated else least[list(SHARES)]
     answer |= {f"choices_{name}": x for name, x in zip(SHARES, shares, strict=True)}
     moved = _rows_of(margins, claim).dropna(subset="share")
     moved = moved[moved.cycle == least.cycle]

@@ -30,13 +30,22 @@ from jointclosure.statistics.repetitions import (
 )
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
-from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, OURS, TABLE_3, TARGET, Claim, Findings
+from studies.paper.claims import (
+    CLAIMS,
+    EXCESS,
+    FOUND,
+    LOOP,
+    NET,
+    OURS,
+    TABLE_3,
+    TARGET,
+    Claim,
+    Findings,
+)  # fmt: skip
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 
 CONFIDENCE = 0.95
-YES, NO = "yes", "no"
-COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark"]
-COLUMNS += ["found_here", "found_share", "found_error", "found_low", "found_high"]
+COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark", "found_here"]
 OF_PAPER = ["section", "paper", "paper_finds"]
 """Columns that are left out in a study of other rocks."""
 MARGIN_COLUMNS = ["number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high"]
@@ -70,12 +79,12 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
         row |= {"paper": _papers_figures(claim, paper, set(sizes)), "remark": claim.remark}
         row |= {"verdict": verdict, "found_here": _yes(claim.found_in(study))}
         if claim.number in often:
-            row |= zip(COLUMNS[-4:], often[claim.number], strict=True)
+            row |= zip(FOUND, often[claim.number], strict=True)
         if claim.shown == TABLE_3 and claim.section != OURS:
             row["paper_finds"] = _yes(claim.found_in(published))
         rows.append(row)
         margin_rows += of_model
-    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=[*COLUMNS, *FOUND])
     of_models = pd.DataFrame(margin_rows, columns=MARGIN_COLUMNS)
     if not published.drawn:
         table = table[table.number.isin(of_models.number)].reset_index(drop=True)
@@ -145,20 +154,19 @@ def _with_squares(sample: RockSample) -> RockSample:
 
 def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estimate]]:
     """Return the margins of a rock by claim, and by name and cycle, for properties that vary."""
-    asked = {
-        claim: cycles
+    asked = [
+        (claim, cycle)
         for claim in CLAIMS
-        if (cycles := claim.cycles_among(sample.names))
-        and set(claim.statement.parameters) <= set(sample.levels)
-    }
+        if set(claim.statement.parameters) <= set(sample.levels)
+        for cycle in claim.cycles_among(sample.names)
+    ]
     whole = _with_squares(sample)
 
     def numbers(means: np.ndarray) -> dict[tuple, float]:
         model = ClosedModel(whole, means, critical)
         return {
             (claim.number, name, cycle): value
-            for claim, cycles in asked.items()
-            for cycle in cycles
+            for claim, cycle in asked
             for name, value in claim.statement.margins(model, cycle, claim.variable).items()
         }
 
@@ -191,7 +199,7 @@ def _true(
 
 
 def _yes(finds: np.ndarray | None) -> str | None:
-    return None if finds is None else YES if finds[0] else NO
+    return None if finds is None else "yes" if finds[0] else "no"
 
 
 def as_found(samples: list[RockSample], significance: float) -> Findings:
@@ -203,26 +211,26 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
             means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
             n = values.shape[2]
             lengths = indifference_lengths(levels, means, deviations, n, significance, base)
-            lengths = np.where(np.isnan(lengths), np.inf, lengths)
-            drawn[sample.rock, parameter] = DrawnResponse(
-                levels, base, means[None], deviations[None], lengths[None]
-            )
+            parts = (means, deviations, np.nan_to_num(lengths, nan=np.inf))
+            drawn[sample.rock, parameter] = DrawnResponse(levels, base, *(x[None] for x in parts))
     return Findings(drawn, samples[0].names if samples else ())
 
 
 def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
     """Return the paper's Table 3 as a study: lengths without means."""
     cycles = sorted({int(cycle) for cycle in paper.cycle})
+    published = paper.set_index(["rock", "parameter", "cycle"]).paper_length.to_dict()
     drawn = {}
     for sample in samples:
         for parameter, (levels, _, base) in sample.levels.items():
-            part = paper[(paper.rock == sample.rock) & (paper.parameter == parameter)]
-            if part.empty:
+            at = [(sample.rock, parameter, cycle) for cycle in cycles]
+            if not published.keys() & at:
                 continue
-            lengths = part.set_index("cycle").paper_length.reindex(cycles).to_numpy(dtype=float)
-            lengths = np.where(np.isnan(lengths), np.inf, lengths * PROPERTIES[parameter].size)
-            none = np.full((1, len(cycles), levels.size), np.nan)
-            drawn[sample.rock, parameter] = DrawnResponse(levels, base, none, none, lengths[None])
+            lengths = PROPERTIES[parameter].size * np.array([published.get(x, np.nan) for x in at])
+            none = np.full((1, len(at), levels.size), np.nan)
+            drawn[sample.rock, parameter] = DrawnResponse(
+                levels, base, none, none, np.nan_to_num(lengths, nan=np.inf)[None]
+            )
     return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))
 
 
@@ -230,19 +238,15 @@ def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
     """Return entries of the paper's Table 3 on a claim, or where else the paper shows it."""
     if claim.shown != TABLE_3:
         return claim.shown
-    part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
-    needed = {c for cycle in claim.cycles for c in claim.statement.cycles(cycle)}
-    part = part[part.cycle.isin(needed)]
-    return "; ".join(
-        f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
-        for cycle, rows in part.groupby("cycle")
-    )
-
-
-def _entry(row) -> str:
-    if pd.isna(row.paper_length):
-        return f"{row.rock} –"
-    return f"{row.rock} {row.paper_length:g} ({row.paper_percent:g} %)"
+    statement = claim.statement
+    needed = {c for cycle in claim.cycles for c in statement.cycles(cycle)}
+    part = paper[(paper.parameter == statement.parameter) & paper.rock.isin(rocks)]
+    entries = {}
+    for row in part[part.cycle.isin(needed)].itertuples():
+        known = pd.notna(row.paper_length)
+        text = f"{row.paper_length:g} ({row.paper_percent:g} %)" if known else "–"
+        entries.setdefault(row.cycle, []).append(f"{row.rock} {text}")
+    return "; ".join(f"cycle {cycle}: {', '.join(entries[cycle])}" for cycle in sorted(entries))
 
 
 SQUARE = "squared deviation"
@@ -250,14 +254,12 @@ SQUARE = "squared deviation"
 Name = TypeVar("Name", bound=Hashable)
 
 
-class ClosedModel:
+class ClosedModel(NamedTuple):
     """Mean closures (targets, cases) of a rock; ``critical``: change that is significant, in S."""
 
-    def __init__(self, sample: RockSample, means: np.ndarray, critical: float) -> None:
-        self.sample = sample
-        self.means = means
-        self.critical = critical
-        self._fits: dict[tuple[str, int, str], Quadratic] = {}
+    sample: RockSample
+    means: np.ndarray
+    critical: float
 
     def elasticity(self, parameter: str, cycle: int, variable: str) -> float:
         """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
@@ -266,12 +268,8 @@ class ClosedModel:
     def slopes(self, parameter: str, cycle: int, variable: str) -> list[float]:
         """Return the elasticities between neighbouring levels, about their middle."""
         levels, means, _ = self._means(parameter, cycle, variable)
-        return [
-            float((after - before) / (after + before) * (upper + lower) / (upper - lower))
-            for before, after, lower, upper in zip(
-                means, means[1:], levels, levels[1:], strict=False
-            )
-        ]
+        changes = np.diff(means) / (means[1:] + means[:-1])
+        return (changes * (levels[1:] + levels[:-1]) / np.diff(levels)).tolist()
 
     def change(self, parameter: str, cycle: int, change: float) -> float:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
@@ -294,10 +292,8 @@ class ClosedModel:
         levels, cases, base = self.sample.levels[parameter]
         return levels, self.means[self.sample.target(variable, cycle), cases], base
 
-    def _fit(self, *of) -> Quadratic:
-        if of not in self._fits:
-            self._fits[of] = fit_quadratic(*self._means(*of))
-        return self._fits[of]
+    def _fit(self, parameter: str, cycle: int, variable: str) -> Quadratic:
+        return fit_quadratic(*self._means(parameter, cycle, variable))
 
 
 def estimated(

@@ -6,9 +6,10 @@ from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDEC
 from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
 from studies.paper.layout import markdown_rows, table_3
-from studies.paper.report.tables import conclusion_sheet, probability
+from studies.paper.report.page import cell
+from studies.paper.report.tables import concluded, probability
 
-COLUMNS = ["No.", "Claim", "As configured", "Studies that find it", "Open choices", "Conclusion"]
+COLUMNS = ["number", "claim", "verdict", "found", "choices", "conclusion"]
 VERDICTS = {STANDS: "stand", FALLS: "fall", UNDECIDED: "undecided", NO_DIFFERENCE: "no difference"}
 REST = "not judged"
 
@@ -21,10 +22,8 @@ def intervals(table: list[dict], rocks: list[dict], of: str = "") -> str:
 
 def conclusions(table: list[dict]) -> list[list[str]]:
     """Cells of the table of conclusions, by row."""
-    sheet = conclusion_sheet(pd.DataFrame(table))
-    frame = pd.DataFrame([[cell.text for cell in row] for row in sheet.rows], columns=sheet.titles)
-    frame = frame.rename(columns={"True for so many open choices": "Open choices"})[COLUMNS]
-    return frame.map(lambda text: text.partition(" (")[0]).to_numpy().tolist()
+    shown = concluded(pd.DataFrame(table))[COLUMNS].map(lambda value: cell(value).text)
+    return shown.map(lambda text: text.partition(" (")[0]).to_numpy().tolist()
 
 
 def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:

@@ -20,14 +20,8 @@ def page(material):
     return content(material)
 
 
-def rows_of(page, name):
-    """Cells of a table by heading, by row."""
-    sheet = page["sheets"][name]
-    return [dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows]
-
-
 def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
-    row = {title: cell.key for title, cell in rows_of(page, "in-short")[0].items()}
+    row = page["frames"]["in_short"].iloc[0, 1:].map(lambda cell: cell.key)
     closures = material.tables["max_closure"]
     base = closures[closures.parameter == "base"]
     own = base[base.rock == base.rock.iloc[0]].set_index("cycle")

@@ -1,7 +1,7 @@
 """Content of the page: values for the template, from a study and its tables."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.cli.page import number_text, provenance_rows
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
+from jointclosure.statistics.standard_errors import harmonic_mean, ratio_of_means
 from jointclosure.statistics.verdicts import (
     FALLS,
     NO_DIFFERENCE,
@@ -23,21 +23,15 @@ from jointclosure.statistics.verdicts import (
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.closures import estimate_columns
-from studies.paper.report import tables
-from studies.paper.report.page import Picture, Sheet, sheet
+from studies.paper.layout import test_name
+from studies.paper.report.page import Picture, known_cell
+from studies.paper.report.tables import About, flag_names, frames_of
 
 FIRST_PICTURES = {
     "independent": ("closure_since_seating", "table_3_intervals"),
     "common": ("closure_since_seating",),
 }
 """Figures of the first screen by the draws of a study; missing ones are left out."""
-MATED = "Walls are random and mated in part, as the configuration says."
-INDEPENDENT = (
-    "Walls are random and independent of each other. Natural joints mate in part, close less and "
-    "are stiffer: the numbers are not theirs."
-)
-UNMODELLED = "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
 _CLOSURE = "Net closure since seating, cycle {} (mm)"
 STAYS = "Share that remains at seating (%)"
 _LEFT_OUT = ("assessment",)
@@ -63,12 +57,11 @@ def content(material: Material) -> dict:
     titles = {name: rock.title for name, rock in configuration.rocks.items()}
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
-    numbers = summary_sheet(study, known["max_closure"], titles)
+    numbers = summary_frame(study, known["max_closure"], titles)
     counts = outcome(study)
     drawn = FIRST_PICTURES[configuration.study.draws]
     return {
         "finding": finding(numbers, known.get("elasticities"), configuration),
-        "validity": validity(configuration, counts),
         "first_pictures": [picture for picture in material.pictures if picture.name in drawn],
         "configuration": configuration,
         "rocks": configuration.rocks,
@@ -76,6 +69,7 @@ def content(material: Material) -> dict:
         "outcome": counts,
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
+        "test": test_name(known.get("table_3_indifference", pd.DataFrame())),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": departures(rows),
@@ -83,14 +77,15 @@ def content(material: Material) -> dict:
         "pictures": material.pictures,
         "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
-        "sheets": {sheet.name: sheet for sheet in (*_sheets(material, titles, rows), numbers)},
+        "frames": frames_of(study, known, About(titles, of_paper))
+        | {"configuration": rows, "in_short": numbers},
     }
 
 
 def outcome(study: xr.Dataset) -> dict:
     """Count simulations: all, used, failed, and those with each remark or failure."""
     good = succeeded(study)
-    used, names = good.sum("realization"), tables.flag_names(study)
+    used, names = good.sum("realization"), flag_names(study)
     counts = {name: int(((study.status & mask) > 0).sum()) for mask, name in names.items()}
     return {
         "simulations": good.size,
@@ -108,76 +103,39 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
     return claims[~ours].verdict.value_counts(sort=False).to_dict()
 
 
-def _sheets(material: Material, titles: dict[str, str], rows: pd.DataFrame) -> Iterator[Sheet]:
-    """Generate all tables of the page; a study need not have all that they are made of."""
-    study, known = material.study, material.tables
-    of_paper = set(titles) & set(material.paper.rock)
-    compared = bool(of_paper)
-    yield tables.status_sheet(study, titles)
-    yield tables.failure_sheet(study)
-    yield setting_sheet(rows)
-    if "claim_margins" in known:
-        yield tables.evidence_sheet(known["claims"], known["claim_margins"], titles, compared)
-    intervals = known.get("table_3_indifference", pd.DataFrame())
-    if len(intervals) and "percent" in intervals:
-        yield tables.layout_sheet(intervals, titles, of_paper)
-    made: list[tuple] = [
-        ("max_closure", tables.closure_sheet, titles),
-        ("checks", tables.check_sheet),
-        ("claims", tables.claim_sheet, compared),
-        ("conclusions", tables.conclusion_sheet),
-        ("hydraulic_aperture", tables.flow_sheet, titles),
-        ("measured_fit", tables.measured_sheet, titles),
-        ("table_3_predictive", tables.predictive_sheet, titles, compared),
-        ("table_3_joint_tests", tables.joint_sheet),
-        ("elasticities", tables.elasticity_sheet, titles),
-        ("accuracy_reached", tables.reached_sheet, titles),
-        ("assessment", tables.assessment_sheet),
-        ("hardness", tables.hardness_sheet),
-    ]
-    for name, make, *about in made:
-        if len(known.get(name, ())):
-            yield make(known[name], *about)
-
-
-def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+def summary_frame(
+    study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]
+) -> pd.DataFrame:
     """Tabulate closure, residual share and net normal stiffness of each rock's base case."""
     base = closures[closures.parameter == "base"]
     rows = []
     for rock, of_rock in base.groupby("rock", sort=False):
         case = study.sel(case=of_rock.case.iloc[0])
         used = case.isel(realization=succeeded(case).values)
-        first = used.sel(cycle=1)
-        stays = ratio_of_means(
-            first.residual_closure_seated_net.values, first.max_closure_seated_net.values
-        )
-        row = {"rock": titles[rock]} | estimate_columns("stays", stays, 100.0)
+        row: dict[str, object] = {"Rock": titles[str(rock)]}
+        name = "max_closure_seated_net_mean_mm"
         for cycle, means in of_rock.set_index("cycle").iterrows():
-            name = "max_closure_seated_net_mean_mm"
-            closure = Estimate(means[name], means[f"{name}_standard_error"])
+            closure = means[name], means[f"{name}_standard_error"]
+            row[_CLOSURE.format(cycle)] = known_cell(*closure)
+        over, under = (
+            used[f"{end}_closure_seated_net"].sel(cycle=1).values for end in ("residual", "max")
+        )
+        row[STAYS] = known_cell(*(100.0 * part for part in ratio_of_means(over, under)))
+        for cycle in of_rock.cycle:
             stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
-            row |= estimate_columns(f"closure_{cycle}", closure)
-            row |= estimate_columns(f"kn_{cycle}", stiffness, 1e-9)
+            row[f"Net kn, cycle {cycle} (MPa/mm)"] = known_cell(*(1e-9 * x for x in stiffness))
         rows.append(row)
-    cycles = [int(cycle) for cycle in study.cycle.values]
-    columns = {"rock": "Rock"} | {f"closure_{cycle}": _CLOSURE.format(cycle) for cycle in cycles}
-    columns |= {"stays": STAYS}
-    columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
-    caption = (
-        "Mean maximum net closure since seating of each rock's base case, share of that of the "
-        "first cycle that remains at seating, and net normal stiffness kn on loading from half "
-        "of the maximum stress to the small steps before the maximum; ± standard error"
-    )
-    return sheet("in-short", caption, pd.DataFrame(rows), columns)
+    return pd.DataFrame(rows)
 
 
-def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
+def finding(
+    numbers: pd.DataFrame, elasticities: pd.DataFrame | None, configuration: Configuration
+) -> str:
     """Describe closures of the first and last cycle, and their sensitivity, in sentences."""
-    named = dict(zip(numbers.titles, zip(*numbers.rows, strict=True), strict=True))
-    rocks = named.pop("Rock")
-    ranges = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
+    rocks, named = numbers["Rock"], numbers.drop(columns="Rock")
+    ranges = {name: _range([cell.key for cell in named[name]]) for name in named}
     stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
-    who = rocks[0].text.lower() if len(rocks) == 1 else f"{len(rocks)} rocks"
+    who = rocks[0].lower() if len(rocks) == 1 else f"{len(rocks)} rocks"
     first = ranges[_CLOSURE.format(1)]
     text = f"Joints of {who} close {first} mm when they are first loaded to {stresses} MPa"
     if _CLOSURE.format(2) in ranges:
@@ -243,24 +201,6 @@ def _range(values: list) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def validity(configuration: Configuration, outcome: dict) -> list[str]:
-    """Describe the validity of the numbers, in sentences."""
-    surface, sentences = configuration.surface, []
-    if any(rock.walls is None for rock in configuration.rocks.values()):
-        mated = surface.correlation > 0.0 or surface.mismatch_wavelength is not None
-        sentences.append(MATED if mated else INDEPENDENT)
-    sentences.append(UNMODELLED)
-    if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
-        sentences.append("Maximum stresses are assumptions.")
-    flagged = outcome["flags"]["outside_model_range"]
-    if flagged or outcome["failed"]:
-        sentences.append(
-            f"{flagged} of {outcome['simulations']} simulations are outside of the model's range, "
-            f"{outcome['failed']} failed."
-        )
-    return sentences
-
-
 def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
     """Every key of a study with its value, the paper's, whether they differ, and its meaning."""
     chosen = {key: value for key, value in configuration.items() if key not in _LEFT_OUT}
@@ -278,13 +218,6 @@ def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame
 def departures(rows: pd.DataFrame) -> list[str]:
     """Return the keys in which a study differs from the paper's, without its name."""
     return rows[rows.differs & (rows.key != "study.name")].key.tolist()
-
-
-def setting_sheet(rows: pd.DataFrame) -> Sheet:
-    """Make the table of the configuration."""
-    titles = {"key": "Key", "value": "This study", "paper": "The paper's study"}
-    titles |= {"differs": "Differs", "meaning": "What it is"}
-    return sheet("configuration", "Every key of this study", rows, titles)
 
 
 def _leaves(value: dict, schema: dict, path: str):

@@ -1,10 +1,11 @@
-"""Rendering of the page of a study: cells and tables with captions, figures and theirs.
+"""Rendering of the page of a study: cells and tables, figures and their captions.
 
 The caption of a figure is a page of reStructuredText that Snakemake's report reads too, with Jinja
 expressions for values of the configuration; its title and alternative text are comments.
 """
 
 import hashlib
+from collections.abc import Mapping
 from importlib import resources
 from numbers import Integral, Real
 from typing import NamedTuple
@@ -52,10 +53,8 @@ class Cell(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """Table with its caption; ``name`` is its id, and the first cell of a row is its heading."""
+    """Headings and rows of a table; the first cell of a row is its heading."""
 
-    name: str
-    caption: str
     titles: list[str]
     rows: list[list[Cell]]
 
@@ -65,23 +64,29 @@ class Sheet(NamedTuple):
         return [_kind([row[i] for row in self.rows]) for i in range(len(self.titles))]
 
 
-def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Make a table of the titled columns; numbers are rounded to columns with _standard_error."""
-    shown = frame[list(titles)].astype(object)
-    for column in titles:
+def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
+    """Make a table of named columns, or of all, which then have the names of their headings.
+
+    Numbers are rounded to columns with _standard_error.
+    """
+    names = columns.split() or list(frame.columns)
+    shown = (frame[names] if columns else frame).astype(object)
+    for column in names:
         if (error := f"{column}_standard_error") in frame:
-            shown[column] = [
-                cell(value)._replace(text=rounded(value, spread))
-                for value, spread in zip(frame[column], frame[error], strict=True)
-            ]
+            shown[column] = list(map(known_cell, frame[column], frame[error]))
     rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
-    return Sheet(name, caption, list(titles.values()), rows)
+    return Sheet([heads.get(column) or heading_of(column) for column in names], rows)
 
 
-def headings(*columns: str) -> dict[str, str]:
-    """Return headings of columns of quantities, or of their means ("max_closure_mean_mm")."""
-    titles = {column: HEADINGS[column.replace("_mean_", "_")] for column in columns}
-    return {column: title[0].upper() + title[1:] for column, title in titles.items()}
+def heading_of(column: str) -> str:
+    """Return the heading of a quantity, of its mean ("max_closure_mean_mm"), or of the column."""
+    title = HEADINGS.get(column.replace("_mean_", "_"), column.replace("_", " "))
+    return title[0].upper() + title[1:]
+
+
+def known_cell(value: float, error: float) -> Cell:
+    """Format a number rounded to its error."""
+    return cell(value)._replace(text=rounded(value, error))
 
 
 def cell(value: object) -> Cell:
@@ -127,7 +132,9 @@ _TONES = {
 
 def render(content: dict) -> str:
     """Render the content of `studies.paper.report.content.content` as HTML."""
-    return page.render(content | {"tones": _TONES}, "page.html.j2", "studies.paper.report")
+    return page.render(
+        content | {"tones": _TONES, "sheet": sheet}, "page.html.j2", "studies.paper.report"
+    )
 
 
 def template_digest() -> str:
