@@ -20,21 +20,17 @@ Run as `python benchmarks/continuum.py`; `make publish STUDY=results/continuum` 
 and figure for the page.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-
-import argparse
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine, options
+
+# isort: split
 import numpy as np
 import pandas as pd
 import peers
 from matplotlib.figure import Figure
-from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine
 
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.curves import closures_at, landing_stress
@@ -302,9 +298,5 @@ def main(realizations: int, stress: float, output: Path) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--realizations", type=int, default=10)
-    parser.add_argument("--stress", type=float, default=30e6, help="largest, in Pa")
-    parser.add_argument("--output", type=Path, default=RESULTS, help="folder")
-    arguments = parser.parse_args()
-    main(arguments.realizations, arguments.stress, arguments.output)
+    asked = options(__doc__, realizations=10, stress=30e6, output=RESULTS)
+    main(asked.realizations, asked.stress, asked.output)

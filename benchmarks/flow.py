@@ -14,24 +14,18 @@ Run as `python benchmarks/flow.py`. Without that package only our times are prin
 `python docs/site/publish.py build/benchmarks flow` stores it for the page.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-
-import argparse
 import itertools
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from yardstick import machine, options, show, timed
+
+# isort: split
 import numpy as np
 import pandas as pd
-from yardstick import machine
 
 from jointclosure.joint.flow import flow_along
-from jointclosure.storage.files import write_csv
 from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
@@ -65,16 +59,13 @@ def codes() -> dict[str, Callable[[np.ndarray], float]]:
 
 def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
     """Print processor times and errors of all codes; write them as flow.csv in a folder."""
-    if output:
-        output.mkdir(parents=True, exist_ok=True)
     runs, rows = codes(), []
     for number in cells:
         gap = published_gap(number)
         times: dict[str, list[float]] = {name: [] for name in runs}
         for repeat, name in itertools.product(range(repeats + 1), runs):
-            start = time.process_time()
-            flux = runs[name](gap)
-            times[name] += [time.process_time() - start] if repeat else []
+            seconds, flux = timed(partial(runs[name], gap))
+            times[name] += [seconds] if repeat else []
             if repeat == repeats:
                 error = flux / PUBLISHED_FLUXES[number] - 1.0
                 published = {"cells": number, "published": PUBLISHED_FLUXES[number]}
@@ -83,16 +74,9 @@ def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
             row |= {"median s": np.median(times[row["code"]])}
             row |= {"least s": min(times[row["code"]]), "most s": max(times[row["code"]])}
             row["over ours"] = row["median s"] / np.median(times["jointclosure"])
-    print(f"\n{machine()}\n{repeats} runs in turn\n")
-    table = pd.DataFrame(rows)
-    print(table.to_string(index=False, float_format="%.3g"))
-    if output:
-        write_csv(table.assign(runs=repeats), output / "flow.csv")
+    print(machine())
+    show(f"{repeats} runs in turn", pd.DataFrame(rows).assign(runs=repeats), output, "flow")
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--cells", type=int, nargs="+", default=list(PUBLISHED_FLUXES))
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--output", type=Path)
-    main(**vars(parser.parse_args()))
+    main(**vars(options(__doc__, cells=list(PUBLISHED_FLUXES), repeats=5, output=Path)))

@@ -19,22 +19,10 @@ closed in each scene, on walls with and without a roll-off. FFT pairs (benchmark
 timed in between. One thread. Run as `python benchmarks/growth.py`.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-os.environ["MPLBACKEND"] = "Agg"
-
-import argparse
 import itertools
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import matplotlib.ticker
-import numpy as np
-import pandas as pd
-import scipy.stats
-import seaborn as sns
 from yardstick import (
     SCENES,
     SPACING,
@@ -44,6 +32,7 @@ from yardstick import (
     close,
     machine,
     median_time,
+    options,
     peak_memory,
     show,
     spread,
@@ -51,8 +40,15 @@ from yardstick import (
     warm_up,
 )
 
+# isort: split
+import numpy as np
+import pandas as pd
+import scipy.stats
+import seaborn as sns
+
 import jointclosure as jc
 from jointclosure.engine.joints import close_case
+from jointclosure.plotting.style import styled, subplots
 from jointclosure.walls.synthesis import ROLL_OFF
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
@@ -229,10 +225,10 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
     axes.legend(frameon=False, loc="upper left")
 
 
+@styled
 def figure_of(table: pd.DataFrame):
     """Time against each of the four, and what is the same in all."""
-    sns.set_theme(context="paper", style="ticks", palette="colorblind", font_scale=1.1)
-    figure, panels = plt.subplots(2, 2, figsize=(9.0, 7.0), layout="constrained")
+    figure, panels = subplots(2, 2, figsize=(9.0, 7.0))
     for axes, axis in zip(panels.flat, TITLES, strict=True):
         draw(axes, axis, table)
     sns.despine(figure)
@@ -269,15 +265,7 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--surfaces", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=200.0, help="most for one surface")
-    parser.add_argument("--beyond", type=int, default=1000, help="cells along the largest grid")
-    parser.add_argument("--output", type=Path, help="folder for a CSV and a figure")
-    parser.add_argument("--once", action="store_true", help="only close the largest grid, once")
-    arguments = parser.parse_args()
-    if arguments.once:
-        raise SystemExit(once(arguments.beyond, arguments.output))
-    main(arguments.surfaces, arguments.seconds, arguments.beyond, arguments.output)
+    asked = options(__doc__, surfaces=5, seconds=200.0, beyond=1000, output=Path, once=False)
+    if asked.once:
+        raise SystemExit(once(asked.beyond, asked.output))
+    main(asked.surfaces, asked.seconds, asked.beyond, asked.output)

@@ -25,20 +25,27 @@ Times are medians of runs in turn, also in pairs of transforms (scipy.fft.rfft2 
 Eigen.) A peer that is not installed is named and left out. Run as `python benchmarks/peers.py`.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-
-import argparse
 import itertools
 from importlib.metadata import version
 from pathlib import Path
 
+from yardstick import (
+    DOLERITE,
+    ELASTIC,
+    POINTS,
+    SPACING,
+    Pair,
+    close,
+    joint_walls,
+    machine,
+    options,
+    timed,
+)
+
+# isort: split
 import numpy as np
 import pandas as pd
 import scipy.fft
-from yardstick import DOLERITE, ELASTIC, POINTS, SPACING, Pair, close, joint_walls, machine, timed
 
 import jointclosure as jc
 
@@ -331,9 +338,5 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--output", type=Path, help="CSV file")
-    arguments = parser.parse_args()
-    main(arguments.seed, arguments.repeats, arguments.output)
+    asked = options(__doc__, seed=1, repeats=7, output=Path)
+    main(asked.seed, asked.repeats, asked.output)

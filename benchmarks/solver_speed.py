@@ -22,18 +22,10 @@ Run as `python benchmarks/solver_speed.py --parts elastic study`, or all parts w
 the reference takes some ten minutes, the others three together.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-
-import argparse
 import subprocess
 import tempfile
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
 from yardstick import (
     FIRST_CALL,
     FULL,
@@ -49,6 +41,7 @@ from yardstick import (
     joint_walls,
     machine,
     median_time,
+    options,
     paper_study,
     peak_memory,
     show,
@@ -57,6 +50,10 @@ from yardstick import (
     timing_parts,
     warm_up,
 )
+
+# isort: split
+import numpy as np
+import pandas as pd
 
 import jointclosure as jc
 from jointclosure.engine.joints import close_case
@@ -228,13 +225,6 @@ def main(arguments) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--residual", type=float, default=jc.Numerics().force_tolerance)
-    parser.add_argument("--cells", type=int, default=512, help="along the large elastic grids")
-    parser.add_argument("--minute", type=float, default=60.0, help="for the reference [s]")
-    parser.add_argument("--output", type=Path, help="folder for a CSV of each table")
-    main(parser.parse_args())
+    residual = jc.Numerics().force_tolerance
+    main(options(__doc__, parts=list(PARTS), repeats=5, residual=residual, cells=512, minute=60.0,
+                 output=Path))  # fmt: skip

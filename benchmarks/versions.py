@@ -13,14 +13,9 @@ differences. Both need the same packages, and `jointclosure.simulate`.
 Run as `python benchmarks/versions.py`; --help lists what can be changed.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-
-import argparse
 import contextlib
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -28,19 +23,23 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, NamedTuple
 
-import numpy as np
-import pandas as pd
-import scipy.stats
 from yardstick import (
     Pair,
     block_settings,
     machine,
+    merged_study,
+    options,
     paired_change,
     paper_study,
     ratio_of_sums,
     show,
     walls_of,
 )
+
+# isort: split
+import numpy as np
+import pandas as pd
+import scipy.stats
 
 ROOT = Path(__file__).parents[1]
 CLOSE = """
@@ -111,8 +110,7 @@ def source_of(revision: str, folder: Path, *parts: str) -> Path:
 def joints(folder: Path, arguments) -> dict[str, list[dict]]:
     """Write the walls of each simulation to files, and return its request, by rock."""
     cells = {"grid": {"cells_x": arguments.cells, "cells_y": arguments.cells}}
-    rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
-    configuration, cases = paper_study(cells, rocks)
+    configuration, cases = paper_study(cells, {"study": {"rocks": arguments.rocks}})
     requests: dict[str, list[dict]] = {}
     for case in cases:
         settings = block_settings(
@@ -188,13 +186,6 @@ def main(arguments) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--against", default="108bd62", help="revision of the other version")
-    parser.add_argument("--rocks", nargs="+", help="of the study; all, if left out")
-    parser.add_argument("--surfaces", type=int, default=20)
-    parser.add_argument("--cells", type=int, default=100, help="along a wall")
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--output", type=Path, help="folder for the table as CSV")
-    main(parser.parse_args())
+    paper = merged_study()["study"]["rocks"]
+    main(options(__doc__, against="108bd62", rocks=paper, surfaces=20, cells=100, repeats=3,
+                 output=Path))  # fmt: skip

@@ -2,13 +2,15 @@
 
 The yardstick of all times is one FFT pair: scipy.fft.rfft2 and irfft2 of 200 x 200 doubles on one
 thread, which is the padded size of the paper's 100 x 100 cells. It is timed again before every
-measurement, so that a machine that slows down slows both. Benchmarks set the environment variables
-of the threads before they import this or numpy.
+measurement, so that a machine that slows down slows both. Benchmarks import this before numpy: it
+sets the number of threads.
 """
 
+import argparse
 import contextlib
 import itertools
 import json
+import os
 import platform
 import re
 import resource
@@ -18,6 +20,9 @@ import time
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import numpy as np
 import pandas as pd
@@ -31,6 +36,21 @@ from jointclosure.solvers import fast
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, configured, merged, merged_study
 from studies.frame.files import ConfigurationError
+
+
+def options(text: str, **defaults: object) -> argparse.Namespace:
+    """Options of the command line: a list takes one or more of its kind, a type has no default."""
+    parser = argparse.ArgumentParser(
+        description=text, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    for name, default in defaults.items():
+        several = isinstance(default, list)
+        kind = default if isinstance(default, type) else type(default[0] if several else default)
+        given = {} if isinstance(default, type) else {"default": default, "help": f"{default}"}
+        form = {"action": "store_true"} if kind is bool else {"type": kind}
+        parser.add_argument(f"--{name}", **given, **form, **({"nargs": "+"} if several else {}))
+    return parser.parse_args()
+
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

@@ -241,7 +241,7 @@ def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
     statement = claim.statement
     needed = {c for cycle in claim.cycles for c in statement.cycles(cycle)}
     part = paper[(paper.parameter == statement.parameter) & paper.rock.isin(rocks)]
-    entries = {}
+    entries: dict[int, list[str]] = {}
     for row in part[part.cycle.isin(needed)].itertuples():
         known = pd.notna(row.paper_length)
         text = f"{row.paper_length:g} ({row.paper_percent:g} %)" if known else "–"

@@ -32,7 +32,7 @@ from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, r
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
 from studies.frame.schema import problems
-from studies.verification.hard_case_keys import CaseKeys, HardCasesKeys, hard_walls
+from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
 from studies.verification.requirements import EXTRA, broken_requirements
 
 _LENGTHS = ("displacement_step", "breakage_step")
@@ -54,10 +54,10 @@ class Outcome(NamedTuple):
 def merged_cases(study: dict) -> dict[str, dict]:
     """Return cases by name, merged over the defaults, in SI; one for each way of breakage."""
     _refuse(problems(HardCasesKeys, study))
-    cases = {}
+    cases, keys = {}, case_keys(study["defaults"])
     for case in study["cases"]:
         alone = _over_defaults(case, study["defaults"])
-        _refuse(f"{case.get('name')}: {line}" for line in problems(CaseKeys, alone))
+        _refuse(f"{case.get('name')}: {line}" for line in problems(keys, alone))
         for method in case.get("breakage", study["defaults"]["breakage"]):
             whole = _over_defaults(case, study["defaults"])
             whole["numerics"]["breakage"] = method
