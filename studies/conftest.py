@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointclosure.engine.points import close_points
+from jointclosure.engine.ensembles import close_points
 from tests.studied import checked_study
 
 

@@ -5,7 +5,7 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.engine.assess import LADDER
-from jointclosure.engine.points import close_points
+from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.walls import maker_of, walls_of
 from studies.assessment.study import EXPERIMENT
 from studies.frame.files import read_plain

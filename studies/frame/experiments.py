@@ -1,7 +1,8 @@
 """Experiments: points at which joints are closed, and the tables and figures made of them.
 
 An experiment is a folder of `studies` with its section of the configuration (``section.py``) and a
-constant ``EXPERIMENT`` (``study.py``). The engine (`jointclosure.engine.points`) closes its points.
+constant ``EXPERIMENT`` (``study.py``). Its points are closed by
+`jointclosure.engine.ensembles`.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pandas as pd
 
 from jointclosure.engine.cache import Entry
-from jointclosure.engine.points import Jobs, Samples, entries_of, samples_of
+from jointclosure.engine.ensembles import Jobs, Samples, entries_of, samples_of
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
 from studies.frame.cases import block_settings

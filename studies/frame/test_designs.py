@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from jointclosure.engine.points import close_points
+from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.quantities import QUANTITIES
 from studies.frame.configuration import sections
 from studies.frame.experiments import checked_design, experiment_named, experiments_in

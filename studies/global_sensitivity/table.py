@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.points import gridded
+from jointclosure.engine.ensembles import gridded
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import jackknife_error
 from jointclosure.statistics.variance_indices import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.engine.points import close_points
+from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.walls import walls_of
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings

@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.points import Point
+from jointclosure.engine.ensembles import Point
 from jointclosure.engine.settings import ClosureSettings
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.points import Point
+from jointclosure.engine.ensembles import Point
 from jointclosure.engine.quantities import titles_of_cycles
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.engine.points import gridded
+from jointclosure.engine.ensembles import gridded
 from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls

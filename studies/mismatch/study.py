@@ -13,7 +13,7 @@ import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.points import Point
+from jointclosure.engine.ensembles import Point
 from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of

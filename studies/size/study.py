@@ -14,7 +14,7 @@ import scipy
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engine.points import Point, gridded
+from jointclosure.engine.ensembles import Point, gridded
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.engine.settings import Grid
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to

@@ -102,7 +102,9 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
     marker = tmp_path / "killed"
-    monkeypatch.setattr(ensembles, "_closed", functools.partial(kill_worker_once, marker=marker))
+    monkeypatch.setattr(
+        ensembles, "close_joint", functools.partial(kill_worker_once, marker=marker)
+    )
     with pytest.warns(UserWarning, match=r"closing again: seeds \[1\]") as warned:
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from jointclosure.engine.points import as_table, joints_of
+from jointclosure.engine.ensembles import as_table, joints_of
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections

@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from jointclosure.engine.cache import make_missing
-from jointclosure.engine.points import as_dataset, as_table, entries_of
+from jointclosure.engine.ensembles import as_dataset, as_table, entries_of
 from jointclosure.storage.files import read_csv, write_csv, write_text
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.experiments import checked, experiment_named

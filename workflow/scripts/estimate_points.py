@@ -2,7 +2,7 @@
 
 import math
 
-from jointclosure.engine.points import estimated_time
+from jointclosure.engine.ensembles import estimated_time
 from jointclosure.storage.files import write_csv
 from studies.frame.experiments import checked, experiment_named
 from studies.frame.jobs import compile_all, job

@@ -1,16 +1,26 @@
-"""Closure of many joints under the same conditions, without a workflow."""
+"""Closure of many joints: an ensemble of the same rock and load, and points of an experiment.
+
+An experiment states as points which joints are closed. This module closes, times and reads them, as
+a table with one row per joint and cycle. Failed joints stay in datasets and tables, with their
+status and without readings.
+"""
 
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from typing import Any, Unpack
+from functools import cache
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.joints import Reading, Row, Walls, close_joint, stacked
+from jointclosure.engine.cache import Entry
+from jointclosure.engine.joints import Reading, close_joint, stacked
 from jointclosure.engine.progress import bar
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.engine.quantities import QUANTITIES, names_of_case
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.walls import Walls, maker_of
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
@@ -21,6 +31,7 @@ from jointclosure.joint.conditions import (
 )
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FLAGS
+from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.walls.plausibility import doubts
 
 NOT_SIMULATED = np.int16(2 * max(FLAGS))
@@ -84,11 +95,10 @@ def simulate_ensemble(
     conditions = stated.checked()
     stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
     reading = Reading(conditions, names_of_case(conditions.flow), stresses)
-    labels, pairs = _pairs(walls, seeds)
+    labels, pairs = _pairs(walls, seeds, spacing)
     if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
         warnings.warn(doubtful, stacklevel=2)
-    tasks = [(pair, reading) for pair in pairs]
-    answers = _rows(tasks, labels, number_of_workers(workers), progress)
+    answers = _rows(pairs, reading, labels, number_of_workers(workers), progress)
     if all(isinstance(answer, Failed) for answer in answers):
         raise answers[0].error
     rows = [{"status": NOT_SIMULATED} if isinstance(a, Failed) else a for a in answers]
@@ -106,27 +116,33 @@ def simulate_ensemble(
     )
 
 
-def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:
+def _rows(
+    pairs: list[Any], reading: Reading, labels: np.ndarray, workers: int, progress: bool
+) -> list[Any]:
     """Return rows of all joints; joints whose process was lost are tried once more."""
-    rows: list[Any] = [None] * len(tasks)
-    with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
-        for done, (place, row) in enumerate(shared(_closed, tasks, workers), start=1):
-            rows[place] = row
+    rows = pairs.copy()
+
+    def close(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
+        tasks = [(pairs[place], reading) for place in places]
+        for done, (at, row) in enumerate(shared(close_joint, tasks, workers), start=1):
+            rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
-    lost = [
-        i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), ProcessLostError)
-    ]
-    if lost:
-        _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
-        # fewer at a time, because the usual reason is lack of memory; never in this process
-        for place, row in shared(_closed, [tasks[i] for i in lost], min(workers, 2)):
-            rows[lost[place]] = row
-    failed = [i for i, row in enumerate(rows) if isinstance(row, Failed)]
-    if failed and len(failed) < len(rows):
+
+    def failed(kind: type[Exception]) -> list[int]:
+        return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
+
+    valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
+    with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
+        close(valid, workers, show)
+        if lost := failed(ProcessLostError):
+            _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
+            # fewer at a time, because the usual reason is lack of memory; never in this process
+            close(lost, min(workers, 2), show)
+    if 0 < len(without := failed(Exception)) < len(rows):
         _warn(
-            f"{len(failed)} of {len(rows)} joints could not be closed and are NaN: seeds "
-            f"{labels[failed].tolist()}; `error` states the reasons, the first is "
-            f"{rows[failed[0]].error}"
+            f"{len(without)} of {len(rows)} joints could not be closed and are NaN: seeds "
+            f"{labels[without].tolist()}; `error` states the reasons, the first is "
+            f"{rows[without[0]].error}"
         )
     return rows
 
@@ -135,37 +151,226 @@ def _warn(message: str) -> None:
     warnings.warn(message, stacklevel=4)
 
 
-def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
-    """Return seeds and pairs of walls, made in this process so that functions are not pickled."""
-    if callable(walls):
-        numbers = list(seeds)
-        pairs = [walls(number) for number in numbers]
-    else:
-        pairs = list(walls)
-        numbers = list(range(len(pairs)))
-    if not pairs:
+def _pairs(walls: Any, seeds: Iterable[int], spacing: float) -> tuple[np.ndarray, list[Any]]:
+    """Return seeds, and checked pairs of walls, `Failed` for those that are not allowed.
+
+    They are made in this process, so that functions are not pickled.
+    """
+    numbers = list(seeds) if callable(walls) else []
+    made = [walls(number) for number in numbers] if callable(walls) else list(walls)
+    if not made:
         raise InputError("walls: there are none")
-    return np.array(numbers), pairs
-
-
-def _closed(walls: Walls, reading: Reading) -> Row:
-    """Close a joint as those of a study; invalid walls make only this joint fail."""
-    return close_joint(checked_walls(*walls, reading.conditions.grid_spacing), reading)
-
-
-def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
-    """Describe probable errors in pairs of walls; invalid pairs are skipped and fail later."""
-    doubtful = {}
-    for label, (upper, lower) in zip(labels, pairs, strict=True):
+    pairs: list[Any] = []
+    for upper, lower in made:
         try:
-            walls = checked_walls(upper, lower, spacing)
-        except InputError:
-            continue
-        if sentences := doubts(*walls, spacing):
-            doubtful[label] = sentences
+            pairs.append(checked_walls(upper, lower, spacing))
+        except InputError as error:
+            pairs.append(Failed(error))
+    return np.array(numbers or range(len(pairs))), pairs
+
+
+def _doubts(pairs: list[Any], labels: np.ndarray, spacing: float) -> str:
+    """Describe probable errors in pairs of walls."""
+    known = {at: pair for at, pair in enumerate(pairs) if not isinstance(pair, Failed)}
+    doubtful = [(at, words) for at, (a, b) in known.items() if (words := doubts(a, b, spacing))]
     if not doubtful:
         return ""
-    first, sentences = next(iter(doubtful.items()))
-    return f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {first}: " + "; ".join(
-        sentences
+    first, words = doubtful[0]
+    of = f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {labels[first]}: "
+    return of + "; ".join(words)
+
+
+class Point(NamedTuple):
+    """Joints of an experiment that are closed under the same conditions, one a realisation.
+
+    ``coordinates`` are columns of the table [SI]; ``walls`` names their maker (`maker_of`), which
+    gets the settings and ``options``.
+    """
+
+    coordinates: dict[str, Any]
+    settings: ClosureSettings
+    walls: str = "synthetic"
+    options: Mapping[str, Any] = {}
+
+
+Jobs = Mapping[str, Sequence[Point]]
+"""Points by the name of the job that closes them; names are never parsed."""
+
+
+class JobsOnDemand(Mapping[str, Sequence[Point]]):
+    """Jobs whose points are made when first used, by ``points_of`` from the arguments of a job."""
+
+    def __init__(
+        self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
+    ) -> None:
+        self._arguments = arguments
+        self._made = cache(lambda name: points_of(*arguments[name]))
+
+    def __getitem__(self, name: str) -> Sequence[Point]:
+        return self._made(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arguments)
+
+    def __len__(self) -> int:
+        return len(self._arguments)
+
+
+class Sample(NamedTuple):
+    """Similar points whose mean time is that of a number of ``joints``."""
+
+    points: Sequence[Point]
+    joints: int
+
+
+Samples = Mapping[str, Sequence[Sample]]
+"""Samples by the row of the estimate to which they belong, usually a job."""
+
+
+def close_points(
+    points: Iterable[Point],
+    quantities: Sequence[str],
+    report: Callable[[str], None] = lambda line: None,
+) -> pd.DataFrame:
+    """Close all joints of points and read quantities of them (`QUANTITIES`).
+
+    One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
+    ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a failed
+    joint. ``report`` receives a line for each point.
+    """
+    parts = []
+    for point in points:
+        settings, rows = point.settings, []
+        reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
+        pairs = maker_of(point.walls)(settings, **point.options)
+        for realization, walls in enumerate(pairs, settings.surfaces.first_realization):
+            row = close_joint(walls, reading)
+            at = point.coordinates | {
+                "realization": realization,
+                "cycle": np.arange(1, settings.cycles + 1),
+                "status": int(row["status"]),
+                "seconds": row["timing_simulation"],
+            }
+            rows.append(pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities}))
+        parts.append(part := pd.concat(rows))
+        at_point = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
+        statuses = np.unique(part.status).tolist()
+        report(f"{at_point}: {part.seconds.mean():.2f} s a joint, statuses {statuses}")
+    return pd.concat(parts, ignore_index=True)
+
+
+def closed_table(
+    points: Sequence[Point], quantities: Sequence[str], report: Callable[[str], None]
+) -> xr.Dataset:
+    """Return `close_points` as a dataset (`as_dataset`)."""
+    return as_dataset(close_points(points, quantities, report))
+
+
+def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
+    """Sample the first point of every grid in each job."""
+    samples = {}
+    for job, points in jobs.items():
+        alike: dict[tuple, list[Point]] = {}
+        for point in points:
+            grid = point.settings.surfaces.grid, tuple(sorted(point.options))
+            alike.setdefault(grid, []).append(point)
+        samples[job] = [Sample(group[:1], joints_of(group)) for group in alike.values()]
+    return samples
+
+
+def estimated_time(
+    samples: Samples, report: Callable[[str], None] = lambda line: None
+) -> pd.DataFrame:
+    """Estimate processor time by closing one joint of each point of the samples.
+
+    A row has ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these,
+    NaN where a sample is a single point.
+    """
+    closed: dict[str, float] = {}
+
+    def seconds(point: Point) -> float:
+        key = repr(point)
+        if key not in closed:
+            if not closed:
+                _seconds_of_one(point)  # loads the kernels
+            closed[key] = _seconds_of_one(point)
+        return closed[key]
+
+    rows = []
+    for job, parts in samples.items():
+        times = [_mean([seconds(point) for point in part.points]) for part in parts]
+        counts = np.array([part.joints for part in parts], dtype=float)
+        means, errors = np.array(times).reshape(-1, 2).T
+        rows.append(
+            {
+                "job": job,
+                "joints": sum(part.joints for part in parts),
+                "seconds": float(counts @ means),
+                "error": float(np.hypot.reduce(counts * errors)),
+            }
+        )
+        report(f"{job}: about {rows[-1]['seconds']:.0f} s")
+    return pd.DataFrame(rows)
+
+
+def _mean(times: list[float]) -> Estimate:
+    return mean_of(times) if len(times) > 1 else Estimate(times[0], np.nan)
+
+
+def _seconds_of_one(point: Point) -> float:
+    """Measure the processor time of the first joint of a point [s]."""
+    return float(close_points([one_joint(point)], ()).seconds.iloc[0])
+
+
+def one_joint(point: Point) -> Point:
+    """Return the point with only its first realisation."""
+    surfaces = point.settings.surfaces._replace(realizations=1)
+    return point._replace(settings=point.settings._replace(surfaces=surfaces))
+
+
+def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
+    """Return the files of a cache with the joints of each job of an experiment."""
+    return [
+        Entry(
+            f"{name}/{job}",
+            closed_table,
+            (list(points), tuple(quantities)),
+            joints=joints_of(points),
+        )
+        for job, points in jobs.items()
+    ]
+
+
+def joints_of(points: Iterable[Point]) -> int:
+    """Return the number of joints that are closed at some points."""
+    return sum(point.settings.surfaces.realizations for point in points)
+
+
+def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
+    """Arrange joints of `close_points` over columns, including ``realization``, and the cycle.
+
+    ``status`` and ``seconds`` do not depend on the cycle.
+    """
+    grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
+    for name in ("status", "seconds"):
+        grid[name] = grid[name].isel(cycle=0, drop=True)
+    return grid
+
+
+def as_dataset(table: pd.DataFrame) -> xr.Dataset:
+    """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
+    dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
+    for name in set(table) & set(QUANTITIES):
+        dataset[name].attrs = QUANTITIES[name].attributes
+    if "seconds" in dataset:
+        dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
+    return dataset
+
+
+def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
+    """Convert datasets of `as_dataset` back to one table; empty without any."""
+    tables = (
+        pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+        for dataset in datasets
     )
+    return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()

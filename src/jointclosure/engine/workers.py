@@ -20,8 +20,6 @@ from typing import Any, NamedTuple
 from jointclosure.inputs import InputError, check_number
 
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-
-
 _PR_SET_PDEATHSIG = 1
 
 
@@ -57,7 +55,7 @@ def shared(
         for place, task in enumerate(tasks):
             yield place, _answer(function, task)
         return
-    with _Workers() as pool, ThreadPoolExecutor(min(workers, len(tasks))) as threads:
+    with _Workers() as pool, ThreadPoolExecutor(min(workers, len(tasks) or 1)) as threads:
         waiting = {threads.submit(pool.ask, function, task): i for i, task in enumerate(tasks)}
         try:
             for done in as_completed(waiting):
@@ -73,7 +71,6 @@ class _Workers:
     def __init__(self) -> None:
         self._of_thread = threading.local()
         self._all: list[subprocess.Popen] = []
-        self._stopped = False
 
     def __enter__(self) -> "_Workers":
         return self
