@@ -25,7 +25,7 @@ import pandas as pd
 from scipy.optimize import minimize
 
 import jointclosure as jc
-from jointclosure.engine.assessment import ASSESSED, JUDGED
+from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name

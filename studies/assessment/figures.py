@@ -9,7 +9,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assessment import HARD_CASES, JUDGED
+from jointclosure.engine.assess import HARD_CASES, JUDGED
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots

@@ -8,8 +8,7 @@ from typing import Any
 import pandas as pd
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.assess import READ, variants_of
-from jointclosure.engine.assessment import assessed, worst_first
+from jointclosure.engine.assess import READ, assessed, variants_of, worst_first
 from jointclosure.engine.ensembles import Point
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.engine.walls import COPIES, Walls, walls_of

@@ -15,7 +15,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.assessment import ASSESSED, JUDGED
+from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.engine.quantities import QUANTITIES, shown_unit
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths

@@ -19,8 +19,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine import judging, oracle
-from jointclosure.engine.assess import closures_of
-from jointclosure.engine.assessment import FEATURES, features_of
+from jointclosure.engine.assess import FEATURES, closures_of, features_of
 from jointclosure.engine.judging import Judge, JudgedSolver
 from jointclosure.engine.walls import COPIES
 from jointclosure.inputs import InputError

@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine import assess as module
-from jointclosure.engine.assessment import (
+from jointclosure.engine.assess import (
     ASSESSED,
     FEATURES,
     HARD_CASES,

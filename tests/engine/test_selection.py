@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.assessment import ASSESSED
+from jointclosure.engine.assess import ASSESSED
 from jointclosure.engine.selection import (
     CRUSHED,
     ENOUGH,

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.engine.assessment import FEATURES
+from jointclosure.engine.assess import FEATURES
 from jointclosure.storage.files import read_csv, save_figure, write_csv
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.provenance import commit, processor, versions_of

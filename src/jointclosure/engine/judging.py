@@ -79,22 +79,24 @@ class Judge:
 
     def __call__(self, state: oracle.State) -> None:
         verdict = oracle.judge(self._given, state)
-        numbers = verdict._asdict()
         limits = limits_of(verdict, self._given.effects, self._tolerances)
-        for name, value in numbers.items():
-            limit = limits.get(name, 0.0)
-            if name not in self.worst or _closer(value, limit, self.worst[name], self.limits[name]):
+        for name, value in verdict._asdict().items():
+            limit, worst = limits.get(name, 0.0), self.worst.get(name, -np.inf)
+            if not _share(value, limit) <= _share(worst, self.limits.get(name, 0.0)):
                 self.worst[name], self.limits[name] = value, limit
         self.states += 1
 
+    @property
+    def ratio(self) -> float:
+        """Largest number over its limit; infinite for a number above a limit of 0."""
+        both = zip(self.worst.values(), self.limits.values(), strict=True)
+        shares = [value / limit if limit else math.inf for value, limit in both if value or limit]
+        return float(np.max(shares))
 
-def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
-    """Return whether a value is worse relative to its limit than another one."""
-    if np.isinf(limit):  # only reported
-        return value > worst
-    if limit > 0.0 and its_limit > 0.0:
-        return not value / limit <= worst / its_limit
-    return not value - limit <= worst - its_limit
+
+def _share(value: float, limit: float) -> float:
+    """Return a number over its limit; itself if the limit is 0, or infinite (only reported)."""
+    return value / limit if 0.0 < limit < np.inf else value
 
 
 class JudgedSolver:
@@ -129,14 +131,12 @@ class JudgedSolver:
 
     def _judge(self, joint: Joint, settled: Settled) -> None:
         self._seen += 1
-        large = settled.contacts > _LARGEST_JUDGED and self._seen % 10 != 1
-        if settled.outcome != CONVERGED or large:
+        if settled.outcome != CONVERGED or (
+            settled.contacts > _LARGEST_JUDGED and self._seen % 10 != 1
+        ):
             return
-        self._show(
-            oracle.State(
-                joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
-            )
-        )
+        state = joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
+        self._show(oracle.State(*state))
 
 
 def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:
@@ -155,13 +155,10 @@ def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> fl
     broken = snapshot.snapshot_upper.values - datums[0], snapshot.snapshot_lower.values - datums[1]
     upper, lower = (wall - datum for wall, datum in zip(walls, datums, strict=True))
     model = conditions.rock, conditions.effects, conditions.choices
-    joint = oracle.Joint(upper, lower, conditions.grid_spacing, *model)
+    judge = Judge(
+        oracle.Joint(upper, lower, conditions.grid_spacing, *model),
+        tolerances_of(conditions.effects, conditions.numerics),
+    )
     total = float(closed.normal_stress[step]) * area
-    state = oracle.State(*broken, force, float(closed.closure[step]), total)
-    verdict = oracle.judge(joint, state)
-    tolerances = tolerances_of(conditions.effects, conditions.numerics)
-    limits = limits_of(verdict, conditions.effects, tolerances)
-    numbers = verdict._asdict()
-    beyond = [math.inf for name, value in numbers.items() if value > limits.get(name, 0.0) == 0.0]
-    within = [numbers[name] / limit for name, limit in limits.items() if 0.0 < limit < math.inf]
-    return max([*beyond, *within])
+    judge(oracle.State(*broken, force, float(closed.closure[step]), total))
+    return judge.ratio

@@ -23,8 +23,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.assess import DROPS, checked_pairs
-from jointclosure.engine.assessment import ASSESSED, CLOSURE, JUDGED
+from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
 from jointclosure.engine.joints import Reading, read_joint
 from jointclosure.engine.quantities import broken_share
 from jointclosure.engine.walls import Walls

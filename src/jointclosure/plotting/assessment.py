@@ -8,7 +8,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assessment import ASSESSED, JUDGED, Assessment
+from jointclosure.engine.assess import ASSESSED, JUDGED, Assessment
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
 

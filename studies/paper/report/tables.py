@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.assessment import ASSESSED, JUDGED
+from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
