@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError, real_array
+from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import (
     BootstrapInterval,
     indifference_lengths,
@@ -67,7 +67,7 @@ def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.nda
     all surfaces, residuals e and leverages h, those without surface i are
     beta - (X'X)^-1 x_i e_i/(1 - h_i).
     """
-    values, covariates = _checked(values, covariates, known_means)
+    values, covariates = np.asarray(values, float), np.asarray(covariates, float)
     # scale columns, so that their rank does not depend on their units
     scale = covariates.std(axis=-2, keepdims=True)
     if not np.all(scale > 0.0):
@@ -102,7 +102,7 @@ def adjusted_deviations(
     uncertainty of these means: with a hundred times as many surfaces as were simulated it would add
     a percent.
     """
-    samples, covariates = _checked(samples, covariates, known.means)
+    samples, covariates = np.asarray(samples, float), np.asarray(covariates, float)
     if not tell_scatter:
         return deviations_of(samples)
     n, means = samples.shape[-1], np.asarray(known.means, dtype=float)
@@ -146,17 +146,3 @@ def adjusted_length(
     length = float(indifference_lengths(levels, means.values, deviations, **of))
     lengths = indifference_lengths(levels, drawn, scattered, **of)
     return length, interval_of_lengths(lengths, confidence)
-
-
-def _checked(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
-    values, covariates = real_array("values", values), real_array("covariates", covariates)
-    known_means = real_array("known_means", known_means)
-    n, m = values.shape[-1] if values.ndim else 0, known_means.size
-    if covariates.shape != (*values.shape, m) or known_means.ndim != 1:
-        raise InputError(
-            f"values {values.shape}, covariates {covariates.shape}, known_means "
-            f"{known_means.shape}: must be (..., n), (..., n, m) and (m,)"
-        )
-    if n < m + 3:
-        raise InputError(f"values: {n} surfaces for {m} covariates, must be {m + 3} or more")
-    return values, covariates

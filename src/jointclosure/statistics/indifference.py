@@ -307,21 +307,15 @@ class PairedInterval(NamedTuple):
 
 
 def paired_indifference_interval(
-    levels: ArrayLike,
-    samples: ArrayLike,
+    levels: np.ndarray,
+    samples: np.ndarray,
     significance: float = 0.05,
     base: float | None = None,
     surfaces: int | None = None,
 ) -> PairedInterval:
     """Compute the smallest significant change in a paired t test on the same surfaces."""
-    levels, samples = real_array("levels", levels), real_array("samples", samples)
-    if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
-        raise InputError(
-            f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
-        )
-    means, deviations, n = samples.mean(axis=1), samples.std(axis=1, ddof=1), samples.shape[1]
-    levels, _, _, base = checked(levels, means, deviations, n, significance, base)
-    n = n if surfaces is None else surfaces
+    base = float(levels[levels.size // 2]) if base is None else base
+    n = samples.shape[1] if surfaces is None else surfaces
     mean, scatter, critical, (u,) = _solved_pairs(levels, samples[None], n, significance, base)
     root = base + u * mean.half_range
     slope = float(n * mean.c[0] ** 2 - critical**2 * scatter.slope[0])
@@ -387,13 +381,8 @@ def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> Di
     return DifferenceScatter(np.where(alike, 0.0, slope), np.where(alike, of_constants, of_lines))
 
 
-def p_of_difference(first: ArrayLike, second: ArrayLike, paired: bool) -> float:
+def p_of_difference(first: np.ndarray, second: np.ndarray, paired: bool) -> float:
     """Return the two-sided p of the t test that two levels have the same mean."""
-    first, second = real_array("first", first), real_array("second", second)
-    if first.shape != second.shape or first.ndim != 1 or first.size < 2:
-        raise InputError(
-            f"first {first.shape} and second {second.shape}: must be (n,) with equal n >= 2"
-        )
     n = first.size
     change = second - first
     if paired:

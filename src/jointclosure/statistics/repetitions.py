@@ -22,7 +22,6 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.standard_errors import jackknife_error
 
@@ -89,7 +88,6 @@ def draw_studies(
     random: np.random.Generator,
 ) -> dict[Key, DrawnResponse]:
     """Draw repetitions of a study with independent draws at every level."""
-    _check(sensitivities, design, repetitions)
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
     drawn = {}
@@ -167,32 +165,6 @@ def _responses(sensitivity, chosen, design) -> DrawnResponse:
     return DrawnResponse(levels, sensitivity.base, means, deviations, lengths)
 
 
-def _check(sensitivities, design, repetitions) -> None:
-    for name, value, least in (("draws", design.draws, 2), ("repetitions", repetitions, 1)):
-        check_number(name, value, whole=True)
-        if value < least:
-            raise InputError(f"{name} = {value}: must be a whole number from {least} on")
-    sizes: dict[str, int] = {}
-    for key, (levels, base, pools) in sensitivities.items():
-        if len(levels) != len(pools) or base not in levels:
-            raise InputError(
-                f"{key}: {len(pools)} pools for {len(levels)} levels, base = {base!r}: must be "
-                "one pool for each level, and base one of the levels"
-            )
-        for pool in pools:
-            values = real_array(f"{key}, pool of {pool.surfaces}", pool.values)
-            if values.ndim != 2 or values.shape[1] < 2:
-                raise InputError(
-                    f"{key}, pool of {pool.surfaces}: shape {values.shape}, must be (targets, N) "
-                    "with at least two surfaces"
-                )
-            if sizes.setdefault(pool.surfaces, values.shape[1]) != values.shape[1]:
-                raise InputError(
-                    f"{key}, pool of {pool.surfaces}: {values.shape[1]} surfaces, another pool of "
-                    f"these surfaces has {sizes[pool.surfaces]}"
-                )
-
-
 class LengthDistribution(NamedTuple):
     """Median, ranges, and share of repetitions without a root, whose length is infinite.
 
@@ -208,9 +180,8 @@ class LengthDistribution(NamedTuple):
     share_without_root: float
 
 
-def length_distribution(lengths) -> LengthDistribution:
+def length_distribution(lengths: np.ndarray) -> LengthDistribution:
     """Summarise the lengths (R,) of repeated studies, infinite without a root."""
-    lengths = _lengths(lengths)
     middle = np.quantile(lengths, 0.5, method="inverted_cdf")
     low = np.quantile(lengths, [0.05, 0.025], method="lower")
     high = np.quantile(lengths, [0.95, 0.975], method="higher")
@@ -218,32 +189,19 @@ def length_distribution(lengths) -> LengthDistribution:
     return LengthDistribution(*map(float, (middle, low[0], high[0], low[1], high[1], without)))
 
 
-def two_sided_p(lengths, observed: float) -> float:
+def two_sided_p(lengths: np.ndarray, observed: float) -> float:
     """Compute the two-sided mid-p value of a published length."""
-    lengths, observed = _lengths(lengths), _outcome(observed)
+    observed = np.inf if np.isnan(observed) else observed
     shorter = np.count_nonzero(lengths < observed)
     equal = np.count_nonzero(lengths == observed)
     below = (shorter + 0.5 * (equal + 1)) / (lengths.size + 1)
     return float(2.0 * min(below, 1.0 - below))
 
 
-def share_as_short(lengths, observed: float) -> float:
+def share_as_short(lengths: np.ndarray, observed: float) -> float:
     """Return the probability of a length at most as long as the published one; 1 for a dash."""
-    lengths, observed = _lengths(lengths), _outcome(observed)
+    observed = np.inf if np.isnan(observed) else observed
     return float((1 + np.count_nonzero(lengths <= observed)) / (lengths.size + 1))
-
-
-def _outcome(observed: float) -> float:
-    if observed < 0.0:
-        raise InputError(f"observed = {observed!r}: must be a length, or NaN for no root")
-    return np.inf if np.isnan(observed) else float(observed)
-
-
-def _lengths(lengths) -> np.ndarray:
-    lengths = np.asarray(lengths, dtype=float)
-    if lengths.ndim != 1 or lengths.size == 0 or np.isnan(lengths).any():
-        raise InputError(f"lengths: shape {lengths.shape}, must be (R,), with infinity for no root")
-    return lengths
 
 
 class JointTest(NamedTuple):
@@ -254,7 +212,7 @@ class JointTest(NamedTuple):
     p: float  # share of repetitions that are equally or less likely
 
 
-def joint_test(lengths, observed) -> JointTest:
+def joint_test(lengths: np.ndarray, observed: np.ndarray) -> JointTest:
     """Test a table, or some of its entries, against repetitions of a study.
 
     Densities are Gaussian kernel estimates of log(length) (Silverman's bandwidth) with a heavy tail
@@ -263,16 +221,14 @@ def joint_test(lengths, observed) -> JointTest:
     repetition is evaluated with a density to which it contributed. The log-likelihood itself uses
     all repetitions; its standard error is from a jackknife over `GROUPS` groups of repetitions.
     """
-    lengths, observed = _checked(lengths, observed)
     group = np.arange(lengths.shape[0]) % GROUPS
     parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
     whole, error = log_likelihoods(lengths, observed[None])[0], jackknife_error(parts)
     return JointTest(float(whole), float(error), p_of_table(lengths, observed))
 
 
-def p_of_table(lengths, observed) -> float:
+def p_of_table(lengths: np.ndarray, observed: np.ndarray) -> float:
     """Return only the p of `joint_test`."""
-    lengths, observed = _checked(lengths, observed)
     halves = lengths[::2], lengths[1::2]
     as_unlikely = 0
     for half, other in (halves, halves[::-1]):
@@ -308,20 +264,3 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
     tail = scipy.stats.t.pdf((at - quarters[1]) / scale, 3) / scale
     kernel = np.interp(at, grid, kernel, left=0.0, right=0.0)
     return np.log((1.0 - TAIL_SHARE) * kernel + TAIL_SHARE * tail)
-
-
-def _checked(lengths, observed) -> tuple[np.ndarray, np.ndarray]:
-    lengths, observed = np.asarray(lengths, dtype=float), np.asarray(observed, dtype=float)
-    if lengths.ndim != 2 or observed.shape != lengths.shape[1:]:
-        raise InputError(
-            f"lengths {lengths.shape} and observed {observed.shape}: must be (repetitions, "
-            "entries) and (entries,)"
-        )
-    if lengths.shape[0] < 100:
-        raise InputError(f"lengths: {lengths.shape[0]} repetitions, must be 100 or more")
-    for name, values in (("lengths", lengths), ("observed", observed)):
-        if np.any(values <= 0.0):
-            raise InputError(f"{name}: the smallest is {np.nanmin(values)}, must be positive")
-    if np.isnan(lengths).any():
-        raise InputError("lengths: NaN, must be infinite where there is no root")
-    return lengths, np.where(np.isnan(observed), np.inf, observed)
