@@ -9,8 +9,8 @@ from studies.paper.report.content import (
     STAYS,
     content,
     departures,
+    headline,
     most_sensitive,
-    sensitivity_sentence,
     setting_rows,
 )
 
@@ -62,5 +62,5 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     ]
     table = pd.DataFrame(rows).assign(elasticity_standard_error=error)
     assert most_sensitive(table, "youngs_modulus") == verdict
-    plain = "is most sensitive to Young's modulus in all 2 rocks" in sensitivity_sentence(table)
-    assert plain == (verdict == "stands")
+    about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
+    assert headline(table) == about

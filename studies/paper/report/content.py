@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,14 +12,7 @@ from jointclosure.cli.page import number_text, provenance_rows
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import harmonic_mean, ratio_of_means
-from jointclosure.statistics.verdicts import (
-    FALLS,
-    NO_DIFFERENCE,
-    STANDS,
-    UNDECIDED,
-    t_interval,
-    verdict,
-)
+from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
@@ -27,12 +20,6 @@ from studies.paper.layout import test_name
 from studies.paper.report.page import Picture, known_cell
 from studies.paper.report.tables import About, flag_names, frames_of
 
-FIRST_PICTURES = {
-    "independent": ("closure_since_seating", "table_3_intervals"),
-    "common": ("closure_since_seating",),
-}
-"""Figures of the first screen by the draws of a study; missing ones are left out."""
-_CLOSURE = "Net closure since seating, cycle {} (mm)"
 STAYS = "Share that remains at seating (%)"
 _LEFT_OUT = ("assessment",)
 """Sections of the configuration for other targets."""
@@ -58,15 +45,13 @@ def content(material: Material) -> dict:
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_frame(study, known["max_closure"], titles)
-    counts = outcome(study)
-    drawn = FIRST_PICTURES[configuration.study.draws]
     return {
-        "finding": finding(numbers, known.get("elasticities"), configuration),
-        "first_pictures": [picture for picture in material.pictures if picture.name in drawn],
+        "ranges": ranges_of(numbers, configuration),
+        "headline": headline(known.get("elasticities")),
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
-        "outcome": counts,
+        "outcome": outcome(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
         "test": test_name(known.get("table_3_indifference", pd.DataFrame())),
@@ -116,7 +101,7 @@ def summary_frame(
         name = "max_closure_seated_net_mean_mm"
         for cycle, means in of_rock.set_index("cycle").iterrows():
             closure = means[name], means[f"{name}_standard_error"]
-            row[_CLOSURE.format(cycle)] = known_cell(*closure)
+            row[f"Net closure since seating, cycle {cycle} (mm)"] = known_cell(*closure)
         over, under = (
             used[f"{end}_closure_seated_net"].sel(cycle=1).values for end in ("residual", "max")
         )
@@ -128,46 +113,30 @@ def summary_frame(
     return pd.DataFrame(rows)
 
 
-def finding(
-    numbers: pd.DataFrame, elasticities: pd.DataFrame | None, configuration: Configuration
-) -> str:
-    """Describe closures of the first and last cycle, and their sensitivity, in sentences."""
-    rocks, named = numbers["Rock"], numbers.drop(columns="Rock")
-    ranges = {name: _range([cell.key for cell in named[name]]) for name in named}
-    stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
-    who = rocks[0].lower() if len(rocks) == 1 else f"{len(rocks)} rocks"
-    first = ranges[_CLOSURE.format(1)]
-    text = f"Joints of {who} close {first} mm when they are first loaded to {stresses} MPa"
-    if _CLOSURE.format(2) in ranges:
-        text += f", and {ranges[_CLOSURE.format(2)]} mm when they are loaded again"
-    text += f" (net of the half-spaces, since {1e-6 * configuration.seating_stress:g} MPa)"
-    text += f"; {ranges[STAYS]} % of the first closure remains."
-    return f"{text} {sensitivity_sentence(elasticities)}".strip()
+def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
+    """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses."""
+    stresses = [1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()]
+    named = numbers.drop(columns="Rock")
+    return {"stress": _range(stresses)} | {
+        name: _range([cell.key for cell in named[name]]) for name in named
+    }
 
 
-def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
-    """State the property with the largest effect on the last cycle's closure, if it is clear."""
+def headline(elasticities: pd.DataFrame | None) -> dict[str, Any]:
+    """Return the property with the largest effect on the last cycle's closure, and its verdict."""
     if elasticities is None or not len(elasticities):
-        return ""
+        return {}
     last = elasticities[elasticities.cycle == elasticities.cycle.max()]
     last = last.dropna(subset="elasticity")
     sizes = last.assign(size=last.elasticity.abs()).groupby("rock", sort=False)
-    rocks = len(sizes)
-    if not rocks or sizes.size().min() < 2:
-        return ""
-    first = last.loc[sizes["size"].idxmax()].parameter.value_counts().index[0]
-    answer = most_sensitive(last, str(first))
-    cycle = last.cycle.iloc[0]
-    if answer == STANDS:
-        where = "" if rocks == 1 else f" in all {rocks} rocks"
-        title = _lower(PROPERTIES[str(first)].title)
-        return f"In cycle {cycle} closure is most sensitive to {title}{where}."
-    reason = {
-        FALLS: "differs between rocks",
-        NO_DIFFERENCE: "makes no difference worth noticing",
-        UNDECIDED: "cannot be decided from so few joints",
-    }[answer]
-    return f"Which property the closure of cycle {cycle} is most sensitive to {reason}."
+    if not len(sizes) or sizes.size().min() < 2:
+        return {}
+    first = str(last.loc[sizes["size"].idxmax()].parameter.value_counts().index[0])
+    title = PROPERTIES[first].title
+    if not title.startswith(("Young", "Poisson", "JRC")):  # names keep their capitals
+        title = title[0].lower() + title[1:]
+    about = {"property": title, "rocks": len(sizes), "cycle": last.cycle.iloc[0]}
+    return about | {"verdict": most_sensitive(last, first)}
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
@@ -186,11 +155,6 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
             lows.append(low)
             highs.append(high)
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
-
-
-def _lower(title: str) -> str:
-    """Return a property's title within a sentence: names keep their capitals."""
-    return title if title.startswith(("Young", "Poisson", "JRC")) else title[0].lower() + title[1:]
 
 
 def _range(values: list) -> str:

@@ -116,25 +116,9 @@ def _kind(cells: list[Cell]) -> str:
     return "word" if longest <= _LONGEST_WORD else "text"
 
 
-_TONES = {
-    "reproduced": "good",
-    "stands": "good",
-    "falls": "bad",
-    "undecided": "unsure",
-    "holds": "good",
-    "passed": "good",
-    "not reproduced": "bad",
-    "does not hold": "bad",
-    "FAILED": "bad",
-    "cannot be judged": "unsure",
-}
-
-
 def render(content: dict) -> str:
     """Render the content of `studies.paper.report.content.content` as HTML."""
-    return page.render(
-        content | {"tones": _TONES, "sheet": sheet}, "page.html.j2", "studies.paper.report"
-    )
+    return page.render(content | {"sheet": sheet}, "page.html.j2", "studies.paper.report")
 
 
 def template_digest() -> str:
