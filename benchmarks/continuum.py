@@ -1,23 +1,19 @@
 """The same walls in the asperity model, and in continuum codes with their nearest law.
 
-The continuum is one elastic half-space of modulus 1/(1/E1* + 1/E2*), pressed by the sum of both
-walls, with a constant pressure on each cell (as in `peers.py`, whose set-ups are used). Its
-nearest law to strength is a hardness: no pressure is larger, and what would overlap there stays
-as plastic displacement (Almqvist et al. 2007), solved by ContactMechanics. Three hardnesses: none
-(elastic); the mean Hertz pressure at which our asperities break, 2/3 sigma_c/c(nu); and
-2.8 sigma_c, that of a fully plastic contact (Tabor 1951) of a yield stress sigma_c. tamaas and
-aspher are elastic.
+The continuum is one elastic half-space, as in `peers.py`, whose set-ups are used. Its nearest law
+to strength is a hardness: no pressure is larger, and what would overlap there stays as plastic
+displacement (Almqvist et al. 2007), solved by ContactMechanics. Hardnesses: none (elastic; also by
+tamaas and aspher); the mean Hertz pressure at which our asperities break, 2/3 sigma_c/c(nu); and
+2.8 sigma_c, that of a fully plastic contact (Tabor 1951).
 
-Walls are those of the paper's study of dolerite. Loading, unloading and reloading; numbers are
-means over realisations with their standard errors, and `ratio` is to the asperity model, by pairs.
-The stiffness of loading is read, in all models, to the stress at which the asperity model begins
-to land on the maximum.
+Walls are those of the paper's study of dolerite. Numbers are means over realisations with standard
+errors; `ratio` is to the asperity model, by pairs. The stiffness of loading is read, in all models,
+to the stress at which the asperity model begins to land on the maximum.
 
     .venv/bin/python -m pip install -e '.[peers]'
 
-aspher is compiled, with Eigen (see `peers.py`). A code that is not installed is named and left out.
-Run as `python benchmarks/continuum.py`; `make publish STUDY=results/continuum` stores its tables
-and figure for the page.
+A code that is not installed is named and left out. Run as `python benchmarks/continuum.py`;
+`make publish STUDY=results/continuum` stores its tables and figure for the page.
 """
 
 from collections.abc import Callable

@@ -1,17 +1,12 @@
 """How long the flow through a published gap takes, here and in reynoldsflow.
 
 Both codes solve the same discretisation of Reynolds' equation on the same gap with periodic sides
-(`studies.verification.analytic`), and must give the published flux. Times are those of
-one thread's processor time, of the whole call (connections, matrix, factorisation, solution,
-fluxes), medians of runs in turn after one that is not counted. Its solvers that need only its own
-dependencies are asked for: "scipy-spsolve" factorises by SuperLU as we do, "scipy.amg-rs" is
-multigrid; "cholesky" (CHOLMOD) needs scikit-sparse and SuiteSparse.
+(`studies.verification.analytic`), and must give the published flux. Times are processor times of
+whole calls, medians of runs in turn after one that is not counted. "scipy-spsolve" factorises by
+SuperLU as we do, "scipy.amg-rs" is multigrid; "cholesky" needs scikit-sparse and SuiteSparse.
 
-    pip install reynoldsflow
-
-Run as `python benchmarks/flow.py`. Without that package only our times are printed. With
-`--output build/benchmarks` the table is written too, and
-`python docs/site/publish.py build/benchmarks flow` stores it for the page.
+`pip install reynoldsflow`, then `python benchmarks/flow.py --output build/benchmarks`;
+`python docs/site/publish.py build/benchmarks flow` stores the table for the page.
 """
 
 import itertools

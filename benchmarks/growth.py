@@ -1,44 +1,23 @@
 """How the time to close a joint grows with cells, stress, realisations and roughness.
 
 One cycle of dolerite walls of 100 x 100 cells, JRC 8, to 30 MPa, of which one value at a time is
-changed: the cells along a square grid of fixed spacing, the maximum stress, the number of
-realisations that are made and closed as a case of a study, or the JRC. Each in the elastic scene
-(20 stresses up the curve) and in the full model (the paper's displacement and breakage steps,
-whatever the grid and the walls).
-
-Every surface is closed in a process of its own, after a small joint that loads the kernels: seconds
-of CPU time (what takes less than one is called again, and its median taken), and the peak memory. A
-point is the median over --surfaces random surfaces. A grid is left out, and those beyond it, if the
-last two let expect more than --seconds for one surface.
+changed, in the elastic scene (20 stresses) and in the full model. Every surface is closed in a
+process of its own after a small joint that loads the kernels: seconds of CPU time (of less than
+one: the median of further calls) and peak memory. A grid, and those beyond it, are left out if the
+last two let expect more than --seconds.
 
 The curve is a parabola of log time over log value, by least squares over all surfaces, with the
-interval that holds 95 % of single surfaces. Exponents are its slopes at both ends, with standard
-errors; of the cells they are those of their number. The time on 1,000 x 1,000 cells (--beyond) is
-what the curve gives there, with that interval: an extrapolation. With --once only one such joint is
-closed in each scene, on walls with and without a roll-off. FFT pairs (benchmarks/yardstick.py) are
-timed in between. One thread. Run as `python benchmarks/growth.py`.
+interval that holds 95 % of single surfaces; exponents are its slopes at both ends. The time on
+--beyond cells along a side is an extrapolation; with --once only such a joint is closed in each
+scene, with and without a roll-off. FFT pairs (benchmarks/yardstick.py) are timed in between.
 """
 
 import itertools
+from functools import partial
 from pathlib import Path
 
 import matplotlib.ticker
-from yardstick import (
-    SCENES,
-    SPACING,
-    Pair,
-    called_alone,
-    case_settings,
-    close,
-    machine,
-    median_time,
-    options,
-    peak_memory,
-    show,
-    spread,
-    timed,
-    warm_up,
-)
+import yardstick
 
 # isort: split
 import numpy as np
@@ -73,57 +52,51 @@ def abscissa(axis: str, values) -> np.ndarray:
 
 def one_joint(scene, seed: int, cells: int, stress_mpa: float, jrc: float, roll_off=None):
     """A function that closes a joint."""
-    walls = jc.wall_pair(jrc, (cells, cells), SPACING, seed, roll_off=roll_off)
-    return lambda: close(walls, SCENES[scene], 1e6 * stress_mpa)
+    walls = jc.wall_pair(jrc, (cells, cells), yardstick.SPACING, seed, roll_off=roll_off)
+    return lambda: yardstick.close(walls, yardstick.SCENES[scene], 1e6 * stress_mpa)
 
 
 def case_of(scene: str, seed: int, realisations: int):
     """A function that makes and closes a number of realisations."""
-    settings = case_settings(
-        realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], SCENES[scene],
+    settings = yardstick.case_settings(
+        realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], yardstick.SCENES[scene],
         cycles=1, root_seed=seed,
     )  # fmt: skip
     case = settings.case._replace(jrc=BASE["jrc"])
-    settings = settings._replace(
-        case=case, surfaces=settings.surfaces._replace(jrc=case.jrc), seating_stress=0.0
-    )
-
-    def run():
-        return close_case(settings)
-
-    return run
+    surfaces = settings.surfaces._replace(jrc=case.jrc)
+    return partial(close_case, settings._replace(case=case, surfaces=surfaces, seating_stress=0.0))
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:
     """Seconds, and peak memory [MB] of this process, for one point of an axis."""
-    warm_up("fast")
+    yardstick.warm_up("fast")
     if axis == "realisations":
         run = case_of(scene, seed, int(value))
     else:
         changed = BASE | {axis: value}
         run = one_joint(scene, seed, int(changed.pop("cells")), **changed)
-    seconds, _ = timed(run)
-    return (seconds if seconds > 1.0 else median_time(run, 3)), peak_memory()
+    seconds, _ = yardstick.timed(run)
+    return (seconds if seconds > 1.0 else yardstick.median_time(run, 3)), yardstick.peak_memory()
 
 
 def closed_once(scene: str, cells: int, roll_off: float | None) -> tuple[float, float, float]:
     """Seconds, peak memory [MB] and maximum closure [mm] of one joint, closed once."""
-    warm_up("fast")
-    seconds, closed = timed(one_joint(scene, 0, **BASE | {"cells": cells}, roll_off=roll_off))
-    return seconds, peak_memory(), 1e3 * float(closed.max_closure[0])
+    yardstick.warm_up("fast")
+    seconds, closed = yardstick.timed(
+        one_joint(scene, 0, **BASE | {"cells": cells}, roll_off=roll_off)
+    )
+    return seconds, yardstick.peak_memory(), 1e3 * float(closed.max_closure[0])
 
 
 def once(cells: int, output: Path | None) -> None:
     """Print the cost of one large joint in each scene, on walls with and without a roll-off."""
-    print(machine(), flush=True)
-    if output:
-        output.mkdir(parents=True, exist_ok=True)
+    print(yardstick.machine(), flush=True)
     rows = []
     for roll_off, scene in itertools.product((ROLL_OFF, None), ("elastic", "full")):
-        seconds, memory, closure = called_alone(closed_once, scene, cells, roll_off)
+        seconds, memory, closure = yardstick.called_alone(closed_once, scene, cells, roll_off)
         rows.append({"scene": scene, "cells": cells, "roll-off mm": 1e3 * (roll_off or np.nan)})
         rows[-1] |= {"s": seconds, "MB": memory, "closure mm": closure}
-        show("One joint", pd.DataFrame(rows), output, "growth_once")
+        yardstick.show("One joint", pd.DataFrame(rows), output, "growth_once")
 
 
 def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
@@ -135,10 +108,10 @@ def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
             slope = np.log(late / early) / np.log(last / before)
             if late * (value / last) ** slope > limit:
                 break
-        pair, times = Pair(), []
+        pair, times = yardstick.Pair(), []
         for seed in range(surfaces):
             pair.sample()
-            seconds, memory = called_alone(closed_alone, axis, scene, seed, float(value))
+            seconds, memory = yardstick.called_alone(closed_alone, axis, scene, seed, float(value))
             times.append(seconds)
             row = {"axis": axis, "scene": scene, "value": value, "seed": seed}
             rows.append(row | {"ms": 1e3 * seconds, "MB": memory})
@@ -179,7 +152,7 @@ def summarised(closed: pd.DataFrame) -> pd.DataFrame:
         rows = []
         for value, group in part.groupby("value"):
             row = {"axis": axis, "scene": scene, "value": value, "surfaces": len(group)}
-            row |= spread(list(group.ms), "ms", 1.0) | {"MB": group.MB.max()}
+            row |= yardstick.spread(list(group.ms), "ms", 1.0) | {"MB": group.MB.max()}
             row |= {"pairs": group.ms.median() / group["pair ms"].max()}
             rows.append(row | {"pair ms": group["pair ms"].max()})
         table = pd.DataFrame(rows)
@@ -200,7 +173,7 @@ def extrapolated(closed: pd.DataFrame, cells: int) -> pd.DataFrame:
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
     """Time against one of the four, with the curves, their interval and the memory."""
     title, label = TITLES[axis]
-    for k, scene in enumerate(SCENES):
+    for k, scene in enumerate(yardstick.SCENES):
         part = table[(table.axis == axis) & (table.scene == scene)]
         x = abscissa(axis, part["value"])
         error = (part.ms - part["ms min"], part["ms max"] - part.ms)
@@ -243,11 +216,11 @@ def figure_of(table: pd.DataFrame):
 
 def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
     """Print machine and times; write them, and the figure."""
-    print(machine(), flush=True)
-    warm_up("fast")
+    print(yardstick.machine(), flush=True)
+    yardstick.warm_up("fast")
     rows = []
     for axis in VALUES:
-        for scene in SCENES:
+        for scene in yardstick.SCENES:
             rows += points(axis, scene, surfaces, limit)
             print(f"measured {axis}, {scene}", flush=True)
             if output:
@@ -256,8 +229,10 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
     closed = pd.DataFrame(rows)
     table = summarised(closed)
     for axis, part in table.groupby("axis", sort=False):
-        show(TITLES[axis][0], part.drop(columns=["axis", "surfaces", "pair ms"]), None, axis)
-    show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
+        yardstick.show(
+            TITLES[axis][0], part.drop(columns=["axis", "surfaces", "pair ms"]), None, axis
+        )
+    yardstick.show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
     if output:
         table.to_csv(output / "growth.csv", index=False)
         (output / "growth_so_far.csv").unlink()
@@ -265,7 +240,9 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    asked = options(__doc__, surfaces=5, seconds=200.0, beyond=1000, output=Path, once=False)
+    asked = yardstick.options(
+        __doc__, surfaces=5, seconds=200.0, beyond=1000, output=Path, once=False
+    )
     if asked.once:
         raise SystemExit(once(asked.beyond, asked.output))
     main(asked.surfaces, asked.seconds, asked.beyond, asked.output)

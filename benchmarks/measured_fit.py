@@ -1,20 +1,17 @@
 """Fits of the three measured joints by `jointclosure.fit`, and of joints of known wavelength.
 
 The wavelength is fitted to the first loading (closure and recovery), by `fit` on the first cycle of
-`digitised_curve`. The readings of both loadings are then compared with the joints of `fit` on both
-cycles. Conditions are those of measured_joints.yaml. Then simulated joints of granite whose
-wavelength is known are fitted alike, to count how often the interval contains it. Run as `python
-benchmarks/measured_fit.py`, about five minutes of processor time; `python docs/site/publish.py
-build/benchmarks measured_fit` stores its tables for docs/beyond.md.
+`digitised_curve`; readings of both loadings are compared with the joints of `fit` on both cycles,
+by the conditions of measured_joints.yaml. Simulated joints of granite of known wavelength are
+fitted alike, to count how often the interval contains it. `python benchmarks/measured_fit.py` takes
+five minutes; `python docs/site/publish.py build/benchmarks measured_fit` stores its tables.
 """
 
-import os
-
-os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
-
-import argparse
 from pathlib import Path
 
+from yardstick import options
+
+# isort: split
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -47,10 +44,9 @@ GRANITE = jc.Conditions(
 
 def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
     """Close a joint of the model, as a measured curve."""
-    mismatch = None if np.isinf(wavelength) else wavelength
-    shape = (CELLS[0], CELLS[0])
-    walls = jc.wall_pair(JRC, shape, SPACING, seed, mismatch_wavelength=mismatch, roll_off=None)
-    return curve_of(jc.simulate(*walls, conditions=GRANITE))
+    walls = {"mismatch_wavelength": None if np.isinf(wavelength) else wavelength, "roll_off": None}
+    pair = jc.wall_pair(JRC, (CELLS[0], CELLS[0]), SPACING, seed, **walls)
+    return curve_of(jc.simulate(*pair, conditions=GRANITE))
 
 
 def curve_of(joint: xr.Dataset) -> MeasuredCurve:
@@ -133,15 +129,15 @@ def main() -> None:
         joints = None  # closed once for all curves, which differ in their readings only
         for joint in JOINTS:
             curve = digitised_curve(joint)
-            options = {
+            stated = {
                 "rock": ROCK, "jrc": JRC, "shape": (cells, cells), "spacing": SPACING,
                 "seating_stress": 1e6 * measured("seating_stress").value, "surfaces": SURFACES,
                 "closure_error": ERROR, "roll_off": None, "numerics": RESOLVED,
                 "choices": PAPER,
             }  # fmt: skip
-            both = jc.fit(curve, **options, simulated=joints)
+            both = jc.fit(curve, **stated, simulated=joints)
             joints = both.simulated
-            result = jc.fit(first_cycle(curve), **options, simulated=of_first_cycle(joints))
+            result = jc.fit(first_cycle(curve), **stated, simulated=of_first_cycle(joints))
             about = {"joint": joint, "side_mm": 1e3 * SPACING * cells}
             fits.append(about | fitted(result))
             readings += [about | reading._asdict() for reading in both.agreements()]
@@ -157,5 +153,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
+    options(__doc__)
     main()

@@ -2,45 +2,29 @@
 
 The same two walls are closed to 30 MPa in 20 equal steps of stress. The peers solve frictionless
 elasticity at the scale of a cell: one rigid surface, the sum of both walls, on a half-space of
-modulus 1/(1/E1* + 1/E2*) with free boundaries and a constant pressure on each cell. They must
-agree, and the second table shows whether they do. jointclosure solves another model on the same
-walls (in each cell Hertz asperities on their substrates, and the interaction of all), so its
+modulus 1/(1/E1* + 1/E2*) with free boundaries and a constant pressure on each cell; whether they
+agree is in the second table. jointclosure solves another model on the same walls, so that its
 closures are others, and its error is the residual of its own equilibrium.
 
-Every peer has the set-up that is fastest for it: one thread, each stress started from the scaled
-forces of the last, and the loosest tolerance of its own (in quarters of a decade) that keeps
-error = sum p (gap - least gap) / (sum p * closure) <= 1e-6 at every stress, measured by one
-operator for all. What is built once for a surface (operator, plans) is not timed. jointclosure
-is timed as `simulate` is called, with all that it builds and the unloading of its one cycle; it
-may solve closer than the tolerance that it is asked for. About one cell in a hundred touches:
-"own, by matrix" is one of the peers' methods without transforms of the whole surface, to show
-how much of a difference in time comes from working in the contacts only, as jointclosure does.
-Times are medians of runs in turn, also in pairs of transforms (scipy.fft.rfft2 and irfft2 of
-200 x 200, one thread) that are timed in between.
+Every peer has its fastest set-up: one thread, each stress started from the scaled forces of the
+last, and its loosest tolerance (in quarters of a decade) that keeps error = sum p (gap - least
+gap) / (sum p * closure) <= 1e-6 at every stress, measured by one operator for all. What is built
+once for a surface is not timed. "own, by matrix" shows how much is due to working in the contacts
+only (one cell in a hundred), as jointclosure does. Times are medians of runs in turn, also in pairs
+of transforms that are timed in between.
 
     pip install ContactMechanics tamaas pyfftw tinydb && pip install --no-deps slippy
     CMAKE_ARGS=-DASPHER_NATIVE=ON pip install aspher
 
-(slippy asks for numpy before 1.21, but `slippy.core` runs with later ones; aspher is compiled, with
-Eigen.) A peer that is not installed is named and left out. Run as `python benchmarks/peers.py`.
+A peer that is not installed is named and left out. Run as `python benchmarks/peers.py`.
 """
 
 import itertools
 from importlib.metadata import version
 from pathlib import Path
 
-from yardstick import (
-    DOLERITE,
-    ELASTIC,
-    POINTS,
-    SPACING,
-    Pair,
-    close,
-    joint_walls,
-    machine,
-    options,
-    timed,
-)
+import yardstick
+from yardstick import DOLERITE, SPACING
 
 # isort: split
 import numpy as np
@@ -52,7 +36,7 @@ import jointclosure as jc
 MODULUS = 0.5 * DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2)  # 1/(1/E1* + 1/E2*)
 CELLS = 100
 SIDE, CELL, PADDED = CELLS * SPACING, SPACING**2, (2 * CELLS, 2 * CELLS)
-STRESSES = np.linspace(0.0, 30e6, POINTS + 1)[1:]
+STRESSES = np.linspace(0.0, 30e6, yardstick.POINTS + 1)[1:]
 TOLERANCE = 1e-6
 
 
@@ -271,8 +255,8 @@ def peer_row(name, solve, gap, exact) -> dict:
 
 def simulate(walls):
     """jointclosure, at the same stresses."""
-    numerics = jc.Numerics(force_tolerance=TOLERANCE, curve_points=POINTS)
-    return close(walls, ELASTIC, STRESSES[-1], numerics=numerics)
+    numerics = jc.Numerics(force_tolerance=TOLERANCE, curve_points=yardstick.POINTS)
+    return yardstick.close(walls, yardstick.ELASTIC, STRESSES[-1], numerics=numerics)
 
 
 def joint_row(walls) -> dict:
@@ -294,7 +278,7 @@ def joint_row(walls) -> dict:
 
 def main(seed: int, repeats: int, output: Path | None) -> None:
     """Print the machine, the times and the curves of all codes; write the times as CSV."""
-    walls = joint_walls(CELLS, seed)
+    walls = yardstick.joint_walls(CELLS, seed)
     gap = np.max(walls[0] + walls[1]) - (walls[0] + walls[1])
     exact = curve(own(gap), gap, 1e-10, STRESSES)  # which it does not use
     rows, runs = {"jointclosure": joint_row(walls)}, {"jointclosure": (simulate, walls)}
@@ -309,28 +293,24 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
         rows[name] = {"version": used} | peer_row(name, solve, gap, exact)
         runs[name] = (curve, solve, gap, rows[name]["tolerance"], exact[0])
 
-    times, pair = {name: [] for name in runs}, Pair(PADDED[0])
+    times, pair = {name: [] for name in runs}, yardstick.Pair(PADDED[0])
     for _, (name, (run, *given)) in itertools.product(range(repeats), runs.items()):
         pair.sample()
-        times[name].append(1e3 * timed(lambda run=run, given=given: run(*given))[0])
+        times[name].append(1e3 * yardstick.timed(lambda run=run, given=given: run(*given))[0])
 
     print(
-        f"\n{machine()}\nJRC 8, {CELLS} x {CELLS} cells of {1e3 * SPACING:g} mm, seed {seed}; "
-        f"{DOLERITE}\nmedians of {repeats}; one pair of transforms {1e3 * pair.seconds:.3f} ms"
+        f"\n{yardstick.machine()}\nJRC 8, {CELLS} x {CELLS} cells of {1e3 * SPACING:g} mm, "
+        f"seed {seed}; {DOLERITE}\n"
+        f"medians of {repeats}; one pair of transforms {1e3 * pair.seconds:.3f} ms"
     )
     table = pd.DataFrame(rows).T.rename_axis("code")
     table["ms"] = [np.median(times[name]) for name in table.index]
     table["pairs"] = table.ms / (1e3 * pair.seconds)
     table["um at 30 MPa"] = [1e6 * closures[-1] for closures in table.closure]
-    shape = dict.fromkeys(("tolerance", "error", "d closure", "d force"), "{:.1e}")
-    shape |= {"ms": "{:.1f}", "pairs": "{:.0f}", "um at 30 MPa": "{:.4f}"}
     columns = ["version", "ms", "pairs", "products", "tolerance", "error", "um at 30 MPa"]
     columns += ["d closure", "d force", "solves"]
-    table[columns].to_csv(output) if output else None
-    for name, text in shape.items():
-        table[name] = [text.format(value).replace("nan", "-") for value in table[name]]
-    print("d: largest difference from our own to 1e-10, of closures, of forces sum|p-q| / sum q\n")
-    print(table[columns].to_string())
+    title = "d: largest difference from our own to 1e-10, of closures, of forces sum|p-q| / sum q"
+    yardstick.show(title, table[columns].reset_index(), output, "peers")
     for name, unit, title in (("closure", 1e6, "Closure [um]"), ("cells", 1, "Cells in contact")):
         curves = {code: values * unit for code, values in table[name].items()}
         shown = pd.DataFrame(curves, index=1e-6 * STRESSES).iloc[[0, 4, 9, 14, 19]].T
@@ -338,5 +318,5 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    asked = options(__doc__, seed=1, repeats=7, output=Path)
+    asked = yardstick.options(__doc__, seed=1, repeats=7, output=Path)
     main(asked.seed, asked.repeats, asked.output)

@@ -1,55 +1,25 @@
 """How fast the solvers are, how soon they start, and what memory they take.
 
-elastic     one cycle to 30 MPa without breakage in 20 stresses, dolerite, JRC 8, dataset
-            included: 100 x 100 cells, 512 x 512 (or --cells), and as many of nearly mated walls
-            (lower = -upper + 0.1 um of white noise), with the peak memory of a process of its own
-study       the base case of each rock of config/default.yaml, both cycles, as the study closes it,
-            or to another residual of equilibrium (--residual), and where the time goes
-reference   the paper's own loop against the fast solver, on the same walls, one cycle to 3 MPa,
-            on the largest square grid whose first surface the loop closes within a minute (or
-            --minute seconds), with breakage and without. A ratio of times means what it says only
-            where the closures of both are equal, which are given too
-first_call  a fresh process whose kernels are on disk: import, first and second call, 24 x 24
-            cells to 1 MPa, and what it compiled: numba's cache misses over all kernels of the
-            package, and all its compilations
-memory      a fresh process that makes and closes 5, 20, 80 and 320 realisations of dolerite, to
-            1 MPa, by files
+elastic     one cycle to 30 MPa without breakage in 20 stresses: 100 x 100 cells, 512 x 512 (or
+            --cells), and as many of nearly mated walls, with the peak memory of a process
+study       the base case of each rock of the paper's study, as the study closes it, or to another
+            residual of equilibrium (--residual)
+reference   the paper's own loop against the fast solver, one cycle to 3 MPa, on the largest grid
+            whose first surface the loop closes within a --minute [s]; ratios of times mean what
+            they say only where the closures of both are equal, which are given too
+first_call  a fresh process whose kernels are on disk: import, first and second call, compilations
+memory      a fresh process that makes and closes 5, 20, 80 and 320 realisations, to 1 MPa
 
-Every part is measured on --repeats surfaces (or processes), whose median is given with the
-extremes; 100 x 100 elastic cells are closed as many times each. Kernels are compiled beforehand.
-Times are also given in FFT pairs, timed in between (benchmarks/yardstick.py), all on one thread.
-Run as `python benchmarks/solver_speed.py --parts elastic study`, or all parts without an argument:
-the reference takes some ten minutes, the others three together.
+Medians and extremes over --repeats surfaces (or processes); kernels are compiled beforehand. Times
+are also given in FFT pairs, timed in between (benchmarks/yardstick.py), on one thread.
+Run as `python benchmarks/solver_speed.py --parts elastic study`, or all parts without an argument.
 """
 
 import subprocess
 import tempfile
 from pathlib import Path
 
-from yardstick import (
-    FIRST_CALL,
-    FULL,
-    POINTS,
-    SCENES,
-    Pair,
-    base_case,
-    by_solver,
-    called_alone,
-    case_settings,
-    curve,
-    fresh_process,
-    joint_walls,
-    machine,
-    median_time,
-    options,
-    paper_study,
-    peak_memory,
-    show,
-    spread,
-    timed,
-    timing_parts,
-    warm_up,
-)
+import yardstick
 
 # isort: split
 import numpy as np
@@ -71,32 +41,39 @@ TARGETS = {
 
 def curve_memory(cells: int, mated: bool) -> tuple[float, float]:
     """Peak memory [MB] of this process before a closure curve, and after."""
-    before = peak_memory()
-    curve(joint_walls(cells, 0, mated))
-    return before, peak_memory()
+    before = yardstick.peak_memory()
+    yardstick.curve(yardstick.joint_walls(cells, 0, mated))
+    return before, yardstick.peak_memory()
 
 
 def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
     """Closure curves without breakage."""
     rows = []
     for cells, mated in ((100, False), (arguments.cells, False), (arguments.cells, True)):
-        pair, own = Pair(), Pair(2 * cells, 5)
+        pair, own = yardstick.Pair(), yardstick.Pair(2 * cells, 5)
         times, curves = [], []
         for seed in range(arguments.repeats):
-            walls = joint_walls(cells, seed, mated)
+            walls = yardstick.joint_walls(cells, seed, mated)
             pair.sample()
             own.sample()
-            seconds, found = timed(lambda walls=walls: curve(walls))
+            seconds, found = yardstick.timed(lambda walls=walls: yardstick.curve(walls))
             if seconds < 0.1:
-                seconds = median_time(lambda w=walls: curve(w), arguments.repeats, pair.sample)
+                seconds = yardstick.median_time(
+                    lambda w=walls: yardstick.curve(w), arguments.repeats, pair.sample
+                )
             times.append(seconds)
             curves.append(found)
-        before, peak = called_alone(curve_memory, cells, mated)
+        before, peak = yardstick.called_alone(curve_memory, cells, mated)
         products = np.median([int(found.solver_iterations) for found in curves])
         row = {"walls": "nearly mated" if mated else "independent", "cells": cells}
-        row |= spread(times, "ms", 1e3) | spread(times, "pairs", 1.0 / pair.seconds)
+        row |= yardstick.spread(times, "ms", 1e3) | yardstick.spread(
+            times, "pairs", 1.0 / pair.seconds
+        )
         row |= {"pairs of own size": np.median(times) / own.seconds}
-        row |= {"own pair ms": 1e3 * own.seconds, "products per stress": products / POINTS}
+        row |= {
+            "own pair ms": 1e3 * own.seconds,
+            "products per stress": products / yardstick.POINTS,
+        }
         row["largest contact fraction"] = max(float(c.contact_fraction.max()) for c in curves)
         row["worst status"] = max(int(found.status) for found in curves)
         rows.append(row | {"peak MB": peak, "before MB": before, "pair ms": 1e3 * pair.seconds})
@@ -105,25 +82,24 @@ def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
 
 def study(arguments) -> tuple[pd.DataFrame, tuple]:
     """The base cases of the paper's study."""
-    configuration, cases = paper_study({"numerics": {"force_tolerance": arguments.residual}})
+    configuration, cases = yardstick.paper_study(
+        {"numerics": {"force_tolerance": arguments.residual}}
+    )
     small = configuration._replace(grid=configuration.grid._replace(cells_x=24, cells_y=24))
     rows = []
     for case in cases:
-        base_case(small, case, 0)  # to compile
-        pair, times, closed, parts = Pair(), [], [], []
+        yardstick.base_case(small, case, 0)  # to compile
+        pair, times, closed = yardstick.Pair(), [], []
         for realization in range(arguments.repeats):
             pair.sample()
-            with timing_parts() as spent:
-                seconds, found = base_case(configuration, case, realization)
+            seconds, found = yardstick.base_case(configuration, case, realization)
             times.append(seconds)
             closed.append(found)
-            parts.append([100.0 * each / seconds for each in spent.values()])
         steps = np.array([int(found.breakage_steps) for found in closed])
-        row = {"rock": case.rock} | spread(times, "ms", 1e3)
-        row |= spread(times, "pairs", 1.0 / pair.seconds)
+        row = {"rock": case.rock} | yardstick.spread(times, "ms", 1e3)
+        row |= yardstick.spread(times, "pairs", 1.0 / pair.seconds)
         row |= {"breakage steps": np.median(steps)}
         row["ns of all time per step"] = 1e9 * np.median(times / steps)
-        row["breaking %"], row["equilibrium %"] = np.median(parts, axis=0)
         row["products"] = np.median([int(found.solver_iterations) for found in closed])
         row["worst status"] = max(int(found.status) for found in closed)
         rows.append(row | {"pair ms": 1e3 * pair.seconds})
@@ -136,7 +112,9 @@ def largest_grid(scene: str, minute: float) -> int:
     done = SIZES[0]
     try:
         for cells in SIZES:
-            seconds, _ = called_alone(by_solver, cells, 0, scene, "reference", timeout=minute + 9)
+            seconds, _ = yardstick.called_alone(
+                yardstick.by_solver, cells, 0, scene, "reference", timeout=minute + 9
+            )
             if seconds > minute:
                 break
             done = cells
@@ -148,16 +126,18 @@ def largest_grid(scene: str, minute: float) -> int:
 def reference(arguments) -> tuple[pd.DataFrame, tuple]:
     """The paper's loop and the fast solver on the same walls."""
     rows = []
-    for scene in SCENES:
-        cells, pair, runs = largest_grid(scene, arguments.minute), Pair(), []
+    for scene in yardstick.SCENES:
+        cells, pair, runs = largest_grid(scene, arguments.minute), yardstick.Pair(), []
         for seed in range(arguments.repeats):
             pair.sample()
-            runs.append([by_solver(cells, seed, scene, name) for name in ("reference", "fast")])
+            runs.append(
+                [yardstick.by_solver(cells, seed, scene, name) for name in ("reference", "fast")]
+            )
         (slow, closure), (fast, other) = np.array(runs).transpose(1, 2, 0)
         difference = 100.0 * (other - closure) / closure.mean()
         row = {"scene": scene, "cells": cells, "surfaces": arguments.repeats}
-        row |= spread(slow, "reference s", 1.0) | spread(fast, "fast ms", 1e3)
-        row |= spread(slow / fast, "ratio", 1.0)
+        row |= yardstick.spread(slow, "reference s", 1.0) | yardstick.spread(fast, "fast ms", 1e3)
+        row |= yardstick.spread(slow / fast, "ratio", 1.0)
         row |= {"reference pairs": np.median(slow) / pair.seconds}
         row |= {"fast pairs": np.median(fast) / pair.seconds, "pair ms": 1e3 * pair.seconds}
         row |= {"reference closure um": closure.mean(), "fast closure um": other.mean()}
@@ -172,16 +152,16 @@ def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
     """What a fresh process waits for."""
     rows = []
     for scene, breakage in (("full", True), ("elastic", False)):
-        program = FIRST_CALL.format(breakage)
-        fresh_process(program)  # fills the cache, if it is cold
-        pair, runs = Pair(), []
+        program = yardstick.FIRST_CALL.format(breakage)
+        yardstick.fresh_process(program)  # fills the cache, if it is cold
+        pair, runs = yardstick.Pair(), []
         for _ in range(arguments.repeats):
             pair.sample()
-            runs.append(fresh_process(program))
+            runs.append(yardstick.fresh_process(program))
         runs = pd.DataFrame(runs)
         beyond = runs["first"] - runs["second"]
         row = {"scene": scene, "import s": runs.imported.median()}
-        row |= spread(beyond, "first beyond second s", 1.0)
+        row |= yardstick.spread(beyond, "first beyond second s", 1.0)
         row |= {"pairs": beyond.median() / pair.seconds, "second ms": 1e3 * runs.second.median()}
         row |= {"kernels": runs.kernels.max(), "cache hits": runs.hits.max()}
         row |= {"cache misses": runs.misses.max(), "compilations": runs.compilations.max()}
@@ -193,16 +173,16 @@ def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
 
 def ensemble_memory(realizations: int) -> dict:
     """Peak memory [MB] of this process after each stage of a case, file by file as in a study."""
-    row = {"realisations": realizations, "imported": peak_memory()}
-    settings = case_settings(realizations, 100, 1e6, FULL)
+    row = {"realisations": realizations, "imported": yardstick.peak_memory()}
+    settings = yardstick.case_settings(realizations, 100, 1e6, yardstick.FULL)
     with tempfile.TemporaryDirectory() as folder:
         write_netcdf(close_case(settings), f"{folder}/closures.nc")
-        return row | {"closed": peak_memory()}
+        return row | {"closed": yardstick.peak_memory()}
 
 
 def memory(arguments) -> tuple[pd.DataFrame, tuple]:
     """Peak memory of cases of several realisations."""
-    rows = [called_alone(ensemble_memory, number) for number in (5, 20, 80, 320)]
+    rows = [yardstick.called_alone(ensemble_memory, number) for number in (5, 20, 80, 320)]
     return pd.DataFrame(rows), (rows[1]["closed"],)
 
 
@@ -211,20 +191,20 @@ PARTS = {part.__name__: part for part in (elastic, study, reference, first_call,
 
 def main(arguments) -> None:
     """Print machine and tables, and which targets are met."""
-    print(machine(), flush=True)
-    warm_up("fast", "reference")
+    print(yardstick.machine(), flush=True)
+    yardstick.warm_up("fast", "reference")
     met = []
     for name in arguments.parts:
         table, measured = PARTS[name](arguments)
-        show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
+        yardstick.show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
         for (what, target), value in zip(TARGETS[name], measured, strict=True):
             row = {"part": name, "what": what, "target": target, "measured": value}
             met.append(row | {"verdict": "met" if value <= target else "NOT met"})
     if met:
-        show("targets", pd.DataFrame(met), arguments.output, "targets")
+        yardstick.show("targets", pd.DataFrame(met), arguments.output, "targets")
 
 
 if __name__ == "__main__":
     residual = jc.Numerics().force_tolerance
-    main(options(__doc__, parts=list(PARTS), repeats=5, residual=residual, cells=512, minute=60.0,
-                 output=Path))  # fmt: skip
+    defaults = {"parts": list(PARTS), "repeats": 5, "cells": 512, "minute": 60.0, "output": Path}
+    main(yardstick.options(__doc__, residual=residual, **defaults))

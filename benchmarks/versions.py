@@ -1,16 +1,13 @@
 """How much faster the study's simulations are than those of another version of this project.
 
-Takes the source of a revision from the repository's history (--against, such as a commit or tag)
-and closes the study's own walls of each rock's base case (config/default.yaml), both cycles, in two
-processes that wait for each other: one of that version, one of this. Each closes as its own
-defaults say, after one joint that loads the kernels and is not timed. They take turns on each
-surface, each repetition in the other order, and the least CPU time of all repetitions counts, as
-others on the machine only add to it; FFT pairs are timed in between (benchmarks/yardstick.py). The
-median of the ratios of single surfaces has the interval between two of them that holds it in 95 %
-of samples. "identical" counts surfaces of which every number of the result is the same to the last
-bit. Differences are of means over the surfaces, with the standard error of a mean of paired
-differences. Both need the same packages, and `jointclosure.simulate`.
-Run as `python benchmarks/versions.py`; --help lists what can be changed.
+Takes the source of a revision from the repository's history (--against) and closes the study's own
+walls of each rock's base case, both cycles, in two processes that take turns on each surface, each
+by its own defaults, after one joint that is not timed. The least CPU time of all repetitions
+counts, as others on the machine only add to it; FFT pairs are timed in between. The median of the
+ratios of single surfaces has the interval that holds it in 95 % of samples. "identical" counts
+surfaces of which every number is the same to the last bit. Differences are of means over the
+surfaces, with errors by pairs. Both versions need the same packages, and `jointclosure.simulate`.
+Run as `python benchmarks/versions.py`.
 """
 
 import contextlib
@@ -23,18 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from yardstick import (
-    Pair,
-    block_settings,
-    machine,
-    merged_study,
-    options,
-    paired_change,
-    paper_study,
-    ratio_of_sums,
-    show,
-    walls_of,
-)
+import yardstick
 
 # isort: split
 import numpy as np
@@ -110,14 +96,14 @@ def source_of(revision: str, folder: Path, *parts: str) -> Path:
 def joints(folder: Path, arguments) -> dict[str, list[dict]]:
     """Write the walls of each simulation to files, and return its request, by rock."""
     cells = {"grid": {"cells_x": arguments.cells, "cells_y": arguments.cells}}
-    configuration, cases = paper_study(cells, {"study": {"rocks": arguments.rocks}})
+    configuration, cases = yardstick.paper_study(cells, {"study": {"rocks": arguments.rocks}})
     requests: dict[str, list[dict]] = {}
     for case in cases:
-        settings = block_settings(
+        settings = yardstick.block_settings(
             configuration, {case.label: case}, case.label, range(arguments.surfaces)
         )
         conditions = settings.conditions()
-        for number, (upper, lower) in enumerate(walls_of(settings.surfaces)):
+        for number, (upper, lower) in enumerate(yardstick.walls_of(settings.surfaces)):
             walls = folder / f"{case.rock}_{number}.npz"
             np.savez(walls, upper=upper, lower=lower)
             about = {"walls": str(walls), "rock": list(conditions.rock)}
@@ -135,7 +121,7 @@ def median_interval(values: np.ndarray) -> tuple[float, float]:
 
 def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: int) -> dict:
     """One rock's base case by both versions, the other one first: a row."""
-    pair = Pair()
+    pair = yardstick.Pair()
     least: dict = {}
     for version in versions:
         version.close(surfaces[0])  # compiled before anything is timed
@@ -150,7 +136,7 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
     seconds = np.array([[run["s"] for run in each] for each in runs])
     ratios = seconds[1] / seconds[0]
     row = {"rock": rock, "surfaces": len(surfaces)}
-    row["time over"], row["time over +-"] = ratio_of_sums(seconds[1], seconds[0])
+    row["time over"], row["time over +-"] = yardstick.ratio_of_sums(seconds[1], seconds[0])
     row["median ratio"] = float(np.median(ratios))
     row["from"], row["to"] = median_interval(ratios)
     row["identical"] = sum(
@@ -162,14 +148,16 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
         row |= {f"products {name}": np.mean([run["products"] for run in each])}
         row |= {f"breakage steps {name}": np.mean([run["steps"] for run in each])}
     before, now = (np.array([run["closures"] for run in each]) for each in runs)
-    for cycle, (change, error) in enumerate(zip(*paired_change(now, before), strict=True), start=1):
+    for cycle, (change, error) in enumerate(
+        zip(*yardstick.paired_change(now, before), strict=True), start=1
+    ):
         row |= {f"cycle {cycle} %": change, f"cycle {cycle} +- %": error}
     return row | {"pair ms": 1e3 * pair.seconds}
 
 
 def main(arguments) -> None:
     """Print the table."""
-    print(machine(), flush=True)
+    print(yardstick.machine(), flush=True)
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder = Path(name).resolve()
         sources = (source_of(arguments.against, folder), ROOT / "src")
@@ -177,7 +165,7 @@ def main(arguments) -> None:
         rows = []
         for rock, surfaces in joints(folder, arguments).items():
             rows.append(compare(rock, surfaces, versions, arguments.repeats))
-            show(
+            yardstick.show(
                 f"This version over {arguments.against}",
                 pd.DataFrame(rows),
                 arguments.output,
@@ -186,6 +174,6 @@ def main(arguments) -> None:
 
 
 if __name__ == "__main__":
-    paper = merged_study()["study"]["rocks"]
-    main(options(__doc__, against="108bd62", rocks=paper, surfaces=20, cells=100, repeats=3,
-                 output=Path))  # fmt: skip
+    rocks = yardstick.merged_study()["study"]["rocks"]
+    counts = {"surfaces": 20, "cells": 100, "repeats": 3}
+    main(yardstick.options(__doc__, against="108bd62", rocks=rocks, output=Path, **counts))

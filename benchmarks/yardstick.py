@@ -7,7 +7,6 @@ sets the number of threads.
 """
 
 import argparse
-import contextlib
 import itertools
 import json
 import os
@@ -18,7 +17,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
@@ -32,7 +30,7 @@ import jointclosure as jc
 from jointclosure.engine.settings import BASE, Case, ClosureSettings
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.simulation import close_walls
-from jointclosure.solvers import fast
+from jointclosure.storage.provenance import processor, versions_of
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, configured, merged, merged_study
 from studies.frame.files import ConfigurationError
@@ -87,15 +85,9 @@ print(json.dumps(dict(
 def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options):
     """Close a joint of dolerite [Pa] by the paper's model: the dataset."""
     return jc.simulate(
-        *walls,
-        choices=jc.Choices(strength_bound="none"),
-        spacing=SPACING,
-        rock=DOLERITE,
-        max_normal_stress=stress,
-        cycles=cycles,
-        effects=effects,
-        **options,
-    )
+        *walls, choices=jc.Choices(strength_bound="none"), spacing=SPACING, rock=DOLERITE,
+        max_normal_stress=stress, cycles=cycles, effects=effects, **options,
+    )  # fmt: skip
 
 
 def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
@@ -175,30 +167,6 @@ def base_case(configuration: Configuration, case: Case, realization: int) -> tup
     return timed(lambda: close_walls(*walls, settings.conditions()))
 
 
-@contextlib.contextmanager
-def timing_parts():
-    """Seconds that the fast solver spends in breaking, and in equilibrium, while this holds."""
-    path = fast._PathToRest
-    spent = dict.fromkeys(("break_to_rest", "solve"), 0.0)
-    own = {name: getattr(path, name) for name in spent}
-
-    def timing(name):
-        def part(*arguments):
-            seconds, answer = timed(lambda: own[name](*arguments))
-            spent[name] += seconds
-            return answer
-
-        return part
-
-    for name in spent:
-        setattr(path, name, timing(name))
-    try:
-        yield spent
-    finally:
-        for name, method in own.items():
-            setattr(path, name, method)
-
-
 class Pair:
     """One FFT pair of size x size doubles: `sample` times it, `seconds` is the median so far."""
 
@@ -223,37 +191,25 @@ class Pair:
 
 def machine() -> str:
     """Processor and versions in one line."""
-    cpu = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").is_file() else ""
-    model = re.search(r"model name\s*: (.*)", cpu)
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "numba"))
-    name = model[1] if model else platform.processor()
-    return f"{name}, Python {platform.python_version()}, {packages}"
+    versions = versions_of("numpy", "scipy", "numba")
+    packages = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return f"{processor()}, Python {platform.python_version()}, {packages}"
 
 
 def peak_memory() -> float:
     """Largest resident memory of this process so far [MB].
 
-    From VmHWM where there is one: ru_maxrss starts, on Linux, at that of the process that
-    started this one.
+    From VmHWM, as on Linux ru_maxrss starts at that of the process that started this one.
     """
     status = Path("/proc/self/status")
-    peak = re.search(r"VmHWM:\s*(\d+)", status.read_text()) if status.is_file() else None
-    if peak:
+    if status.is_file() and (peak := re.search(r"VmHWM:\s*(\d+)", status.read_text())):
         return 1024e-6 * int(peak[1])
     unit = 1e-6 if sys.platform == "darwin" else 1024e-6
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def fresh_process(program: str, timeout: float | None = None):
-    """Run Python source in a process of its own; what it prints last is JSON.
-
-    Raises
-    ------
-    subprocess.CalledProcessError
-        The program failed; its message is on standard error.
-    subprocess.TimeoutExpired
-        It took longer than the timeout [s], and was ended.
-    """
+    """Run Python source in a process, at most so long [s]; what it prints last is JSON."""
     path = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
     command = [sys.executable, "-c", path + program]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=timeout)

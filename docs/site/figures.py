@@ -104,15 +104,14 @@ def composite() -> Figure:
     for axes, title in zip(panels, ("(a) two walls", "(b) composite", "(c) here"), strict=True):
         axes.set_title(title)
         axes.axis("off")
-    for axes, shape in ((panels[0], "polygon"), (panels[2], "asperities")):
+    for axes in panels[::2]:
         axes.fill_between(cells, -2.5, lower, color="0.8", lw=0)
         axes.fill_between(cells, 3.2, gap - upper, color="0.65", lw=0)
-        if shape == "asperities":
-            for heights, up in ((lower, 1), (gap - upper, -1)):
-                bends = np.abs(np.gradient(np.gradient(heights)))
-                for x, z, bend in zip(cells, heights, bends, strict=True):
-                    arc = np.linspace(-0.5, 0.5, 9)
-                    axes.plot(x + arc, z - up * 0.5 * bend * arc**2, color="C0", lw=1.5)
+    for heights, up in ((lower, 1), (gap - upper, -1)):
+        bends = np.abs(np.gradient(np.gradient(heights)))
+        for x, z, bend in zip(cells, heights, bends, strict=True):
+            arc = np.linspace(-0.5, 0.5, 9)
+            panels[2].plot(x + arc, z - up * 0.5 * bend * arc**2, color="C0", lw=1.5)
     panels[1].bar(cells, lower + upper + 2.5, 0.9, bottom=-2.5, color="0.8")
     panels[1].axhline(gap, color="0.3")
     return figure

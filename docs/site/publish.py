@@ -57,23 +57,17 @@ def _origin(results: Path, run: str) -> dict:
     default = pd.json_normalize(merged_study()).iloc[0].to_dict()
     flat = pd.json_normalize(keys).iloc[0].to_dict()
     name = keys["study"]["name"]
-    file = next(ROOT.glob(f"studies/*/{name}.yaml"), ROOT / f"config/{name}.yaml")
+    files = (*ROOT.glob(f"studies/*/{name}.yaml"), ROOT / f"config/{name}.yaml")
+    file = next((path for path in files if path.is_file()), ROOT / "config/default.yaml")
+    differs = {key: value for key, value in flat.items() if str(default.get(key)) != str(value)}
+    stated_in = {"file": str(file.relative_to(ROOT)), "differs": differs}
     return {
         "run": run,
         "commit": (made or now)["provenance_commit"],
         "stored_at": now["provenance_commit"],
         "root_seed": keys["study"]["root_seed"] if made else None,
         "date": datetime.datetime.fromtimestamp(newest, datetime.UTC).date().isoformat(),
-        "configuration": {
-            "file": str(
-                (file if file.is_file() else ROOT / "config/default.yaml").relative_to(ROOT)
-            ),
-            "differs": {
-                key: value for key, value in flat.items() if str(default.get(key)) != str(value)
-            },
-        }
-        if made
-        else None,
+        "configuration": stated_in if made else None,
         "cpu_minutes": round(sum(table.cpu_time.sum() for table in tables) / 60.0, 2),
     }
 

@@ -113,7 +113,7 @@ EDITS = [
     (("storage/provenance.py",), {"close_ensemble"}),
     (
         (
-            "../studies/paper/closure_figures.py",
+            "../studies/paper/figures.py",
             "../studies/paper/judged_claims.py",
             "statistics/indifference.py",
         ),

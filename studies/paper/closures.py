@@ -1,45 +1,21 @@
-"""Tables of closures: means and scatter of every case, correlations, elasticities, with errors."""
+"""Tables of closures, with errors: means, scatter, correlations, elasticities, intervals, fits."""
 
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
+from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.control_variates import (
-    adjusted_deviations,
-    adjusted_length,
-    adjusted_means,
-)
-from jointclosure.statistics.correlations import (
-    elasticity,
-    elasticity_of,
-    fit_quadratic,
-    lack_of_fit,
-    paired_lack_of_fit,
-    quadratic_errors,
-)
-from jointclosure.statistics.indifference import (
-    IndifferenceInterval,
-    PairedInterval,
-    bootstrap_length,
-    p_of_difference,
-)
+from jointclosure.statistics import control_variates, correlations, indifference
+from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import (
-    Estimate,
-    deviation_covariance,
-    deviation_of,
-    mean_covariance,
-    mean_of,
-    rounded,
-    variation_of,
-)
 from studies.frame.covariates import Covariates
 from studies.frame.keys import Statistics
-from studies.frame.tables import succeeded
+from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
 from studies.paper.responses import Response, adjustment, responses
 
@@ -55,11 +31,11 @@ PAIRED, UNPAIRED = "paired", "unpaired"
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
 _COEFFICIENTS = [*_OF_MEAN, *_OF_DEVIATION]
-_UNKNOWN = Estimate(np.nan, np.nan)
+_UNKNOWN = errors.Estimate(np.nan, np.nan)
 _RESPONSE = ["rock", "parameter", "cycle"]
 
 
-def estimate_columns(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
+def estimate_columns(name: str, estimate: errors.Estimate, scale: float = 1.0) -> dict[str, float]:
     """Return the columns of a number and of its standard error, in the unit of the table."""
     return {name: scale * estimate.value, f"{name}_standard_error": scale * estimate.standard_error}
 
@@ -79,18 +55,18 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
                     chosen = np.ix_(np.array([i]), np.flatnonzero(good[i]))
                     row |= _adjusted(values, adjustment(covariates, chosen, int(cycle)))
             shown = (row[f"{TARGET}_mean_mm"], row[f"{TARGET}_mean_mm_standard_error"])
-            rows.append(row | {"max_closure_shown": rounded(*shown)})
+            rows.append(row | {"max_closure_shown": errors.rounded(*shown)})
     return pd.DataFrame(rows)
 
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
     """Return mean and standard deviation [mm] of a target, and their standard errors."""
-    mean, deviation, variation = Estimate(np.nan, np.nan), _UNKNOWN, _UNKNOWN
+    mean, deviation, variation = errors.Estimate(np.nan, np.nan), _UNKNOWN, _UNKNOWN
     if values.size > 1:
-        mean, deviation = mean_of(values), deviation_of(values)
-        variation = variation_of(values) if mean.value != 0.0 else _UNKNOWN
+        mean, deviation = errors.mean_of(values), errors.deviation_of(values)
+        variation = errors.variation_of(values) if mean.value != 0.0 else _UNKNOWN
     elif values.size:
-        mean = Estimate(values.mean(), np.nan)
+        mean = errors.Estimate(values.mean(), np.nan)
     row = estimate_columns(f"{target}_mean_mm", mean)
     row |= estimate_columns(f"{target}_standard_deviation_mm", deviation)
     return row | (estimate_columns("variation", variation) if target == TARGET else {})
@@ -101,9 +77,11 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, fl
     mean = deviation = _UNKNOWN
     if covariates is not None:
         of_surfaces, known, tell_scatter = covariates
-        mean = adjusted_means(values[None], of_surfaces, known, paired=False).estimate(0)
-        both = adjusted_deviations(values, of_surfaces[0], known, tell_scatter)
-        deviation = Estimate(*map(float, both))
+        mean = control_variates.adjusted_means(
+            values[None], of_surfaces, known, paired=False
+        ).estimate(0)
+        both = control_variates.adjusted_deviations(values, of_surfaces[0], known, tell_scatter)
+        deviation = errors.Estimate(*map(float, both))
     row = estimate_columns(f"{TARGET}_adjusted_mean_mm", mean)
     return row | estimate_columns(f"{TARGET}_adjusted_standard_deviation_mm", deviation)
 
@@ -129,16 +107,20 @@ def _coefficients(response: Response, size: float) -> dict:
     means, deviations = samples.mean(axis=1), samples.std(axis=1, ddof=1)
     row: dict[str, float] = {}
     for names, values, covariance in (
-        (_OF_MEAN, means, mean_covariance(samples, paired)),
-        (_OF_DEVIATION, deviations, deviation_covariance(samples, paired)),
+        (_OF_MEAN, means, errors.mean_covariance(samples, paired)),
+        (_OF_DEVIATION, deviations, errors.deviation_covariance(samples, paired)),
     ):
-        row |= dict(zip(names, fit_quadratic(levels, values, base).in_parameter(), strict=True))
-        errors = quadratic_errors(levels, covariance, base).in_parameter
-        row |= {f"{name}_standard_error": e for name, e in zip(names, errors, strict=True)}
+        row |= dict(
+            zip(names, correlations.fit_quadratic(levels, values, base).in_parameter(), strict=True)
+        )
+        in_parameter = correlations.quadratic_errors(levels, covariance, base).in_parameter
+        row |= {f"{name}_standard_error": e for name, e in zip(names, in_parameter, strict=True)}
     if paired:
-        return row | {"lack_of_fit_p": paired_lack_of_fit(levels, samples)}
-    fit = fit_quadratic(levels, means, base)
-    return row | {"lack_of_fit_p": lack_of_fit(levels, means, deviations, samples.shape[1], fit)}
+        return row | {"lack_of_fit_p": correlations.paired_lack_of_fit(levels, samples)}
+    fit = correlations.fit_quadratic(levels, means, base)
+    return row | {
+        "lack_of_fit_p": correlations.lack_of_fit(levels, means, deviations, samples.shape[1], fit)
+    }
 
 
 def _responses(
@@ -158,16 +140,16 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
         estimates = dict.fromkeys(("", "_net", "_adjusted"), _UNKNOWN)
         for suffix, response in (("", gross), ("_net", net)):
             if response.samples.shape[1] > 1 and response.base != 0.0:
-                estimates[suffix] = elasticity(
+                estimates[suffix] = correlations.elasticity(
                     response.levels, response.samples, response.base, response.paired
                 )
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
-            means = adjusted_means(gross.samples, values, known, gross.paired)
-            estimates["_adjusted"] = elasticity_of(gross.levels, *means, gross.base)
+            means = control_variates.adjusted_means(gross.samples, values, known, gross.paired)
+            estimates["_adjusted"] = correlations.elasticity_of(gross.levels, *means, gross.base)
         for suffix, estimate in estimates.items():
             row |= estimate_columns(f"elasticity{suffix}", estimate)
-            row[f"elasticity{suffix}_shown"] = rounded(*estimate)
+            row[f"elasticity{suffix}_shown"] = errors.rounded(*estimate)
         rows.append(row)
     columns = [*_RESPONSE, "samples", "paired"]
     for name in ("elasticity", "elasticity_net", "elasticity_adjusted"):
@@ -198,8 +180,8 @@ def indifference_table(
             interval = _interval(response, unit.size, statistics, root_seed, suffix)
             row |= {f"{name}{suffix}": value for name, value in interval.items()}
         ends = gross.samples[0], gross.samples[-1]
-        row["p_of_ends"] = p_of_difference(*ends, paired=gross.paired)
-        row["unpaired_p_of_ends"] = p_of_difference(*ends, paired=False)
+        row["p_of_ends"] = indifference.p_of_difference(*ends, paired=gross.paired)
+        row["unpaired_p_of_ends"] = indifference.p_of_difference(*ends, paired=False)
         rows.append(row | _adjusted_interval(gross, unit.size, statistics, root_seed))
     columns = [*_RESPONSE, "unit", "base", "samples", "test", *_INTERVAL]
     columns += [*(f"{name}_net" for name in _INTERVAL), "p_of_ends", "unpaired_p_of_ends"]
@@ -213,7 +195,7 @@ def _interval(
     unpaired = _tested(response._replace(paired=False), size, statistics.significance)
     row = _tested(response, size, statistics.significance) if response.paired else unpaired
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
-    resampled = bootstrap_length(
+    resampled = indifference.bootstrap_length(
         response.levels,
         response.samples,
         generator(seed_of(root_seed, *name)),
@@ -244,7 +226,7 @@ def _adjusted_interval(
         return {}
     values, known, tell_scatter = response.covariates
     name = ("adjusted", response.rock, response.parameter, response.cycle)
-    length, scatter = adjusted_length(
+    length, scatter = control_variates.adjusted_length(
         response.levels,
         response.samples,
         values,
@@ -279,11 +261,85 @@ def _tested(response: Response, size: float, significance: float) -> dict:
     }
 
 
-def _linear_length(response: Response, interval: PairedInterval | IndifferenceInterval) -> float:
+def _linear_length(
+    response: Response, interval: indifference.PairedInterval | indifference.IndifferenceInterval
+) -> float:
     """Return t sqrt(2/n) S/|slope|: the length if mean and deviation are straight lines."""
-    if isinstance(interval, PairedInterval):
+    if isinstance(interval, indifference.PairedInterval):
         return interval.linear_length
-    mean = fit_quadratic(response.levels, response.means, response.base)
-    deviation = fit_quadratic(response.levels, response.deviations, response.base).d
+    mean = correlations.fit_quadratic(response.levels, response.means, response.base)
+    deviation = correlations.fit_quadratic(response.levels, response.deviations, response.base).d
     slope, n = mean.c / mean.half_range, response.samples.shape[1]
     return interval.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
+
+
+FIT_COLUMNS = (
+    "rock", "cycle", "points", "largest_closure_mm", "samples",
+    "best_realization", "misfit_mm", "misfit_percent", "median_misfit_mm",
+)  # fmt: skip
+_READ = (
+    *("closure", "bulk_indentation", "status"),
+    *("max_closure_net", "max_closure_seated_net", "residual_closure"),
+)
+
+
+def fit_table(
+    study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
+) -> pd.DataFrame:
+    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all."""
+    rows = []
+    for rock, curve in curves.items():
+        case = np.flatnonzero((study.rock == rock).values & (study.parameter == "base").values)[0]
+        base = study[list(_READ)].isel(case=int(case)).load()
+        squares, largest = {}, {}
+        for cycle in curve.cycles:
+            branches = list(curve.since_seating(cycle, seating_stress))
+            squares[cycle] = _squares(base, cycle, branches)
+            largest[cycle] = max(closure.max() for _, _, closure in branches if closure.size)
+        rows += [_best_fit(rock, cycle, squares[cycle], largest[cycle], base) for cycle in squares]
+        if len(squares) > 1:
+            together = np.concatenate(list(squares.values()), axis=1)
+            rows.append(_best_fit(rock, "all", together, max(largest.values()), base))
+    return pd.DataFrame(rows, columns=FIT_COLUMNS)
+
+
+def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
+    """Compute squared differences (realization, points) [m2]; NaN where a realisation failed."""
+    good, columns = succeeded(base).values, []
+    for branch, stress, closure in branches:
+        model = since_seating(base).sel(cycle=cycle, branch=branch)
+        modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])
+        columns.append(np.square(modelled - closure).reshape(good.size, stress.size))
+    return np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)
+
+
+def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """Return the closure at stresses, by a monotone cubic through the reached points."""
+    reached = np.isfinite(closure)
+    if reached.sum() < 2:
+        return np.full(stress.shape, np.nan)
+    cubic = scipy.interpolate.PchipInterpolator(axis[reached], closure[reached], extrapolate=False)
+    return cubic(stress)
+
+
+def _best_fit(rock: str, cycle, squares: np.ndarray, largest: float, base: xr.Dataset) -> dict:
+    rms = 1e3 * np.sqrt(squares.mean(axis=1))
+    usable = np.isfinite(rms)
+    row = {"rock": rock, "cycle": str(cycle), "points": squares.shape[1]}
+    row |= {"largest_closure_mm": 1e3 * largest, "samples": int(usable.sum())}
+    if not usable.any():
+        return row
+    best = int(np.nanargmin(rms))
+    return row | {
+        "best_realization": int(base.realization.values[best]),
+        "misfit_mm": rms[best],
+        "misfit_percent": 100.0 * rms[best] / (1e3 * largest) if largest > 0.0 else np.nan,
+        "median_misfit_mm": float(np.median(rms[usable])),
+    }
+
+
+def best_fits(table: pd.DataFrame, rock: str) -> Iterator[tuple[int, int, float, float]]:
+    """Generate (cycle, realisation, misfit [mm], misfit [%]) of each fitted cycle of a rock."""
+    part = table[(table.rock == rock) & (table.cycle.astype(str) != "all")]
+    for row in part[part.best_realization.notna()].itertuples():
+        yield int(row.cycle), int(row.best_realization), row.misfit_mm, row.misfit_percent

@@ -16,18 +16,10 @@ import xarray as xr
 
 from jointclosure.joint.history import loop_between
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.repetitions import (
-    RESAMPLED_POOLS,
-    Design,
-    DrawnResponse,
-    draw_studies,
-    pool_error,
-    repetitions_of_pool,
-    resampled_pools,
-)
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
 from studies.paper.claims import (
@@ -57,10 +49,10 @@ class Evidence(NamedTuple):
 
     study: xr.Dataset
     pool: xr.Dataset
-    design: Design
+    design: repeated.Design
     repetitions: int
     root_seed: int
-    resampled_pools: int = RESAMPLED_POOLS
+    resampled_pools: int = repeated.RESAMPLED_POOLS
 
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -102,16 +94,16 @@ def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Fre
         return {number: finds for number, finds in by_claim.items() if finds is not None}
 
     random = generator(seed_of(evidence.root_seed, "claims"))
-    once = confirmed(draw_studies(pools, evidence.design, evidence.repetitions, random))
+    once = confirmed(repeated.draw_studies(pools, evidence.design, evidence.repetitions, random))
     errors = dict.fromkeys(once, 0.0)
     if evidence.resampled_pools and once:
         random = generator(seed_of(evidence.root_seed, "claims", "pools"))
-        times = repetitions_of_pool(evidence.repetitions)
+        times = repeated.repetitions_of_pool(evidence.repetitions)
         shares = []
-        for resampled in resampled_pools(pools, random, evidence.resampled_pools):
-            again = confirmed(draw_studies(resampled, evidence.design, times, random))
+        for resampled in repeated.resampled_pools(pools, random, evidence.resampled_pools):
+            again = confirmed(repeated.draw_studies(resampled, evidence.design, times, random))
             shares.append([finds.mean() for finds in again.values()])
-        errors = dict(zip(once, pool_error(shares, times).tolist(), strict=True))
+        errors = dict(zip(once, repeated.pool_error(shares, times).tolist(), strict=True))
     return {
         number: frequency(int(finds.sum()), finds.size, errors[number])
         for number, finds in once.items()
@@ -212,7 +204,9 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
             n = values.shape[2]
             lengths = indifference_lengths(levels, means, deviations, n, significance, base)
             parts = (means, deviations, np.nan_to_num(lengths, nan=np.inf))
-            drawn[sample.rock, parameter] = DrawnResponse(levels, base, *(x[None] for x in parts))
+            drawn[sample.rock, parameter] = repeated.DrawnResponse(
+                levels, base, *(x[None] for x in parts)
+            )
     return Findings(drawn, samples[0].names if samples else ())
 
 
@@ -228,7 +222,7 @@ def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
                 continue
             lengths = PROPERTIES[parameter].size * np.array([published.get(x, np.nan) for x in at])
             none = np.full((1, len(at), levels.size), np.nan)
-            drawn[sample.rock, parameter] = DrawnResponse(
+            drawn[sample.rock, parameter] = repeated.DrawnResponse(
                 levels, base, none, none, np.nan_to_num(lengths, nan=np.inf)[None]
             )
     return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))

@@ -11,21 +11,8 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.repetitions import (
-    RESAMPLED_POOLS,
-    Design,
-    draw_studies,
-    joint_test,
-    length_distribution,
-    p_of_table,
-    pool_error,
-    repetitions_of_pool,
-    resampled_pools,
-    share_as_short,
-    two_sided_p,
-    without_effect,
-)
 from studies.paper.claims import TARGET
 from studies.paper.closures import UNPAIRED
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
@@ -60,10 +47,10 @@ class Predictive(NamedTuple):
 
 def predictive(
     ensemble: xr.Dataset,
-    design: Design,
+    design: repeated.Design,
     repetitions: int,
     root_seed: int,
-    pools: int = RESAMPLED_POOLS,
+    pools: int = repeated.RESAMPLED_POOLS,
 ) -> Predictive:
     """Draw repetitions of the study from a pool."""
     samples = maximum_closures(ensemble)
@@ -73,20 +60,20 @@ def predictive(
     def drawn(which, times: int, random: np.random.Generator) -> Lengths:
         return {  # the first targets are maximum closures by cycle
             (*key, cycle): response.lengths[:, i]
-            for key, response in draw_studies(which, design, times, random).items()
+            for key, response in repeated.draw_studies(which, design, times, random).items()
             for i, cycle in enumerate(cycles)
         }
 
     def stream(name: str) -> np.random.Generator:
         return generator(seed_of(root_seed, "predictive", name))
 
-    random, times = stream("pools"), repetitions_of_pool(repetitions)
+    random, times = stream("pools"), repeated.repetitions_of_pool(repetitions)
     again, twice = stream("again"), []
     model = [drawn(pool, repetitions, stream("model"))]
-    null = [drawn(without_effect(pool), repetitions, stream("null"))]
-    for sample in resampled_pools(pool, random, pools):
+    null = [drawn(repeated.without_effect(pool), repetitions, stream("null"))]
+    for sample in repeated.resampled_pools(pool, random, pools):
         model.append(drawn(sample, times, random))
-        null.append(drawn(without_effect(sample), times, random))
+        null.append(drawn(repeated.without_effect(sample), times, random))
         twice.append(drawn(sample, times, again))
     bases = {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles}
     sizes = {sample.rock: sample.values.shape[-1] for sample in samples}
@@ -96,13 +83,15 @@ def predictive(
 
 def median_pool_error(lengths: Predictive, entry: Entry) -> float:
     """Return the standard error of a median length [SI] due to the pool; NaN if infinite."""
-    medians = [length_distribution(resampled[entry]).median for resampled in lengths.model[1:]]
+    medians = [
+        repeated.length_distribution(resampled[entry]).median for resampled in lengths.model[1:]
+    ]
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
 def _with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
     """Return the standard error of a probability, due to the repetitions and the pool."""
-    of_pool = float(pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
+    of_pool = float(repeated.pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
 
 
@@ -141,7 +130,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
     for entry, lengths in lengths_of_studies.model[0].items():
         rock, parameter, cycle = entry
         unit, base = PROPERTIES[parameter], lengths_of_studies.bases[entry]
-        summary = length_distribution(lengths)._asdict()
+        summary = repeated.length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
         row |= {"test": UNPAIRED, "base": base / unit.size}
@@ -164,8 +153,8 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
 def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size: float) -> dict:
     row = {"paper_length": length}
     for prefix, drawn, probability, sides in (
-        ("", lengths_of_studies.model, two_sided_p, 2.0),
-        ("null_", lengths_of_studies.null, share_as_short, 1.0),
+        ("", lengths_of_studies.model, repeated.two_sided_p, 2.0),
+        ("null_", lengths_of_studies.null, repeated.share_as_short, 1.0),
     ):
         of_pool, *resampled = (lengths[entry] for lengths in drawn)
         p = probability(of_pool, length * size)
@@ -195,10 +184,10 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
             (lengths, *resampled), further, again = (_tables(sets, chosen) for sets in drawn)
             if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
                 continue
-            test = joint_test(lengths, observed)
+            test = repeated.joint_test(lengths, observed)
             shares, twice_p = (_p_of_tables(sets, observed) for sets in (resampled, further))
             times = len(resampled[0]) if resampled else 0
-            of_pool = float(pool_error(shares, times, twice_p)) if len(shares) > 1 else 0.0
+            of_pool = float(repeated.pool_error(shares, times, twice_p)) if len(shares) > 1 else 0.0
             of_repetitions = _error_of_repetitions(test.p, len(lengths), again, observed)
             error = float(np.hypot(of_repetitions, of_pool))
             numbers = (test.log_likelihood, test.standard_error, test.p, error, of_pool)
@@ -213,7 +202,7 @@ def _tables(drawn: list[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
 
 
 def _p_of_tables(sets: list[np.ndarray], observed: np.ndarray) -> list[float]:
-    return [np.nan if np.any(each == 0.0) else p_of_table(each, observed) for each in sets]
+    return [np.nan if np.any(each == 0.0) else repeated.p_of_table(each, observed) for each in sets]
 
 
 def _error_of_repetitions(

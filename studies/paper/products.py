@@ -21,24 +21,11 @@ from studies.frame.products import PRODUCTS, product
 from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
 from studies.frame.tables import CURVES, flow_table
 from studies.frame.tables import check_results as check
+from studies.paper import closures as closure_tables
 from studies.paper import judged_claims as published
+from studies.paper import layout
 from studies.paper.accuracy import describe_reached, reached_table
-from studies.paper.closures import (
-    correlation_table,
-    elasticity_table,
-    indifference_table,
-    max_closure_table,
-)
 from studies.paper.conclusions import conclusion_table
-from studies.paper.layout import (
-    case_table,
-    rock_table,
-    roughness_title,
-    table_3_latex,
-    table_3_markdown,
-    with_paper,
-)
-from studies.paper.measured_fits import fit_table
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 
 __all__ = ["PRODUCTS"]
@@ -75,13 +62,15 @@ def measure_pool_covariates(pool: Closures, covariates: Known, grid: Grid, surfa
 @product("tables/correlations.csv", "tables/max_closure.csv", early=True)
 def fit_correlations(study: Closures, covariates: Known | None):
     """Correlations of mean and standard deviation, Eqs. (24) to (27)."""
-    return correlation_table(study), max_closure_table(study, covariates)
+    return closure_tables.correlation_table(study), closure_tables.max_closure_table(
+        study, covariates
+    )
 
 
 @product("tables/elasticities.csv")
 def fit_elasticities(pool: Closures, pool_covariates: Known | None):
     """Elasticities of the closure, of all surfaces of a study."""
-    return elasticity_table(pool, pool_covariates)
+    return closure_tables.elasticity_table(pool, pool_covariates)
 
 
 @product("tables/table_3_indifference.csv", early=True)
@@ -93,7 +82,9 @@ def find_indifference_intervals(
     root_seed: int,
 ):
     """Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
-    return with_paper(indifference_table(study, statistics, root_seed, covariates), paper)
+    return layout.with_paper(
+        closure_tables.indifference_table(study, statistics, root_seed, covariates), paper
+    )
 
 
 @product("tables/measured_fit.csv", when=lambda plan: plan.curves, early=True)
@@ -104,7 +95,7 @@ def fit_measured(
     seating_stress: float,
 ):
     """Find the realisations that fit the measured curves best."""
-    return fit_table(study, measured_curves(curves, read_text), seating_stress)
+    return closure_tables.fit_table(study, measured_curves(curves, read_text), seating_stress)
 
 
 @product("tables/hydraulic_aperture.csv", when=lambda plan: plan.typed.flow, early=True)
@@ -188,9 +179,9 @@ def write_tables(
 ):
     """Write Tables 1 to 3 in the paper's layout."""
     titles = {name: rock.title for name, rock in rocks.items()}
-    tables = rock_table(rocks, closures), case_table(rocks, closures)
-    markdown = table_3_markdown(intervals, titles, elasticities)
-    return *tables, table_3_latex(intervals, titles), markdown
+    tables = layout.rock_table(rocks, closures), layout.case_table(rocks, closures)
+    markdown = layout.table_3_markdown(intervals, titles, elasticities)
+    return *tables, layout.table_3_latex(intervals, titles), markdown
 
 
 @product("tables/configuration.json")
@@ -242,34 +233,31 @@ def draw_figures(
     log: Callable[[str], object],
 ):
     """Draw the figures of the study itself, as PNG and PDF."""
-    from studies.paper import closure_figures as plotting
-    from studies.paper.closure_figures import Measurements
-    from studies.paper.sensitivity_figures import interval_figure, trend_figure
+    from studies.paper import figures as plotting
 
-    measured = Measurements()
+    measured = plotting.Measurements()
     if fits is not None:
-        measured = Measurements(measured_curves(curves, read_text), fits)
+        measured = measured._replace(curves=measured_curves(curves, read_text), fits=fits)
     drawn = np.union1d(study.realization.values[: plotting.MOST_DRAWN], measured.best)
     shown = study.sel(realization=drawn.astype(int)).load()
     log(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
     first = next(iter(rocks.values()))
 
-    def closure(seating: float | None, measured: Measurements = Measurements()):
-        return plotting.closure_figure(shown, rocks, seating, wall_strength_ratio, measured)
-
-    title = f"{first.title}, {roughness_title(first)}, realisation 0"
+    title = f"{first.title}, {layout.roughness_title(first)}, realisation 0"
     walls = first_walls.upper.values, first_walls.lower.values, first_walls.attrs["spacing_m"]
     figures = {
         "fig_3_equivalent_stress": plotting.equivalent_stress(),
-        "fig_5_closure": closure(None),
-        "closure_since_seating": closure(seating_stress, measured),
+        "fig_5_closure": plotting.closure_figure(shown, rocks, None, wall_strength_ratio),
+        "closure_since_seating": plotting.closure_figure(
+            shown, rocks, seating_stress, wall_strength_ratio, measured
+        ),
         "wall_pair": plotting.wall_pair_figure(*walls, title),
     }
     if flow is not None:
         figures["hydraulic_aperture"] = plotting.flow_figure(flow, rocks, seating_stress)
     if any(rock.levels for rock in rocks.values()):
-        figures["table_3_intervals"] = interval_figure(intervals, rocks)
-        figures["trends_max_closure"] = trend_figure(closures, shown, rocks)
+        figures["table_3_intervals"] = plotting.interval_figure(intervals, rocks)
+        figures["trends_max_closure"] = plotting.trend_figure(closures, shown, rocks)
     return figures
 
 
@@ -281,6 +269,6 @@ def draw_pool_figures(
     realizations: int,
 ):
     """Draw the figures of the study's pool, as PNG and PDF."""
-    from studies.paper.sensitivity_figures import predictive_figure
+    from studies.paper.figures import predictive_figure
 
     return {"table_3_predictive": predictive_figure(lengths, paper, rocks, realizations)}

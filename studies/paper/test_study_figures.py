@@ -8,10 +8,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from jointclosure.joint.barton_bandis import barton_bandis
 from jointclosure.measured.curves import parsed_curve
-from studies.paper import closure_figures as plotting
-from studies.paper.closure_figures import Measurements
-from studies.paper.measured_fits import fit_table
-from studies.paper.sensitivity_figures import interval_figure
+from studies.paper import figures as plotting
+from studies.paper.closures import fit_table
+from studies.paper.figures import Measurements, interval_figure
 from tests.studied import study_of
 
 ROCKS = study_of().rocks

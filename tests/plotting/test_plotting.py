@@ -21,9 +21,9 @@ PROGRAM = """
 import matplotlib
 matplotlib.use("svg")
 before = dict(matplotlib.rcParams)
-from studies.paper import closure_figures
+from studies.paper import figures
 from jointclosure.plotting import joint, snapshots, walls
-figure = closure_figures.equivalent_stress()
+figure = figures.equivalent_stress()
 figure.savefig("figure.png")
 changed = [key for key, value in matplotlib.rcParams.items() if value != before[key]]
 assert changed == [], changed
