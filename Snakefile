@@ -1,13 +1,16 @@
-# Entry of the pipeline: configuration, rules, targets. See README.md for the commands.
+# Entry of the pipeline: a rule for each step of `studies.pipeline`, and targets. See README.md for the commands.
 import os
 import sys
+from pathlib import Path
 
 from snakemake.utils import min_version
 
-from studies.frame.files import DEFAULT
+from studies.commands.report import CAPTIONS
+from studies.frame.configuration import configured
+from studies.frame.files import DEFAULT, read_plain
 from studies.frame.folder import enter_folder
-from studies.frame.jobs import ENGINE
-from studies.frame.rules import complete, withdraw_unmet
+from studies.frame.jobs import ENGINE, study_of, withdraw_unmet
+from studies.pipeline import Pipeline
 
 min_version("9.27")
 
@@ -15,14 +18,20 @@ min_version("9.27")
 configfile: DEFAULT
 
 
-include: "workflow/rules/setting.smk"
-include: "workflow/rules/experiments_setting.smk"
-include: "workflow/rules/joints.smk"
-include: "workflow/rules/walls.smk"
-include: "workflow/rules/products.smk"
-include: "workflow/rules/report.smk"
-include: "workflow/rules/hard_cases.smk"
-include: "workflow/rules/experiments.smk"
+for file in workflow.configfiles:
+    read_plain(file)
+CONFIGURED = configured(config)
+config.update(CONFIGURED.keys)
+PIPELINE = Pipeline(
+    CONFIGURED, apart=not workflow.local_exec, check=workflow.is_main_process
+)
+RESULTS = PIPELINE.folder
+KINDS = [*PIPELINE.ensembles, *PIPELINE.designs]
+
+
+wildcard_constraints:
+    kind="|".join(["effects_of", *KINDS]),
+    kernels="[0-9a-f]{8}",
 
 
 onstart:
@@ -34,18 +43,98 @@ onstart:
         shell.prefix("set -euo pipefail; exec ")
 
 
-rule all:
-    default_target: True
-    input:
-        COMPLETE,
-        WALLS,
-        rules.close_study.output,
-        rules.close_pool.output if "pool" in ENSEMBLES else [],
+def captioned(file):
+    """A file of a step; Snakemake's report shows a figure with its caption."""
+    caption = CAPTIONS / f"{Path(file).stem}.rst"
+    if Path(file).suffix == ".png" and caption.is_file():
+        return report(file, caption=caption.resolve(), category="Figures")
+    return file
+
+
+for NAME, (FILES, MESSAGE) in PIPELINE.targets.items():
+
+    rule:
+        name:
+            NAME
+        default_target: NAME == "all"
+        input:
+            FILES,
+        message:
+            MESSAGE
+
+
+for NAME, STEP in PIPELINE.steps.items():
+    FOLDER = study_of(STEP.files[0])
+
+    rule:
+        name:
+            NAME
+        input:
+            **{
+                name: ancient(path) if path and name in STEP.untimed else path
+                for name, path in STEP.inputs.items()
+            },
+        output:
+            [captioned(file) for file in STEP.files],
+        log:
+            f"{FOLDER}/logs/{NAME}.log",
+            benchmark=f"{FOLDER}/benchmarks/{NAME}.tsv",
+        priority: STEP.priority
+        conda:
+            "workflow/envs/jointclosure.yaml"
+        threads: workflow.cores if STEP.all_cores else 1
+        params:
+            **STEP.params(lambda wildcards, step=STEP: step.depends()),
+        message:
+            STEP.title
+        script:
+            "workflow/scripts/make.py"
+
+
+# on a cluster each file of the cache is a job of its own, before the job that reads it
+rule compile_kernels:
+    output:
+        f"{RESULTS}/logs/{{kind}}_kernels_{{kernels}}.txt",
+    log:
+        f"{RESULTS}/logs/compile_kernels/{{kind}}_{{kernels}}.log",
+        benchmark=f"{RESULTS}/benchmarks/compile_kernels/{{kind}}_{{kernels}}.tsv",
+    conda:
+        "workflow/envs/jointclosure.yaml"
+    params:
+        make="studies.frame.jobs:compile_all",
+        settings=lambda w: {"kernels": PIPELINE.kernels(w.kind)},
     message:
-        "The study {STUDY} is complete"
+        "Compile all necessary kernels before parallel jobs start ({wildcards.kind})"
+    script:
+        "workflow/scripts/make.py"
 
 
-complete(workflow.rules, environment="../envs/jointclosure.yaml")
+rule close_block:
+    input:
+        lambda w: (
+            PIPELINE.walls if w.kind in ("effects_of", *PIPELINE.ensembles) else []
+        ),
+        lambda w: (
+            PIPELINE.closed_apart("effects_of") if w.kind in PIPELINE.ensembles else []
+        ),
+        kernels=lambda w: ancient(PIPELINE.kernels_file(w.kind)),
+    output:
+        f"{RESULTS}/{{kind}}/{{block}}.nc",
+    log:
+        f"{RESULTS}/logs/close_block/{{kind}}/{{block}}.log",
+        benchmark=f"{RESULTS}/benchmarks/close_block/{{kind}}/{{block}}.tsv",
+    conda:
+        "workflow/envs/jointclosure.yaml"
+    params:
+        make="studies.frame.experiments:close_apart",
+        settings=lambda w: {"kind": w.kind, "block": w.block},
+        key=lambda w: PIPELINE.cached(w.kind)[f"{w.kind}/{w.block}"].key,
+    message:
+        "Close the joints of one file of the cache ({wildcards.kind}, {wildcards.block})"
+    script:
+        "workflow/scripts/make.py"
+
+
 # a file that is not the one that its seal, or this configuration, says is made again
 LOOKS = {
     "-n",
@@ -61,4 +150,4 @@ if workflow.is_main_process:
     works = not LOOKS & set(sys.argv)
     if works:
         enter_folder()  # a run at work in this folder keeps its files
-    withdraw_unmet(workflow.rules, logger.warning, remove=works)
+    withdraw_unmet(PIPELINE.steps.values(), logger.warning, remove=works)

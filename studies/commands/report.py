@@ -4,6 +4,7 @@ computed again. Every file must be as it was written.
 
 import argparse
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,8 @@ if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.content import Material
     from studies.paper.report.page import Picture
 
-CAPTIONS = ROOTS["studies"] / "paper/report/texts"
+# relative, so that results are still valid where the whole folder was moved
+CAPTIONS = Path(os.path.relpath(ROOTS["studies"] / "paper/report/texts"))
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -35,13 +37,14 @@ def declare(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
     output = arguments.output or arguments.results / "report.html"
-    size = write_report(arguments.results, output)
-    print(f"wrote {output}: {size / 1e6:.1f} MB")
+    page = report_page(arguments.results)
+    write_text(page, output)
+    print(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
     return 0
 
 
-def write_report(folder: Path, output: Path) -> int:
-    """Write a page with the results, figures and job times of a study; return its size in bytes."""
+def report_page(folder: Path) -> str:
+    """Write the report as one page without further files."""
     with needs("report", "a report"):
         from studies.paper.report.content import content
         from studies.paper.report.page import render
@@ -49,9 +52,7 @@ def write_report(folder: Path, output: Path) -> int:
     if folder / "study.nc" not in sealed:
         raise InputError(f"{folder / 'study.nc'}: must exist with a seal; is the study finished?")
     with reading_netcdf(folder / "study.nc") as study:
-        page = render(content(_material(study, folder, sealed)))
-    write_text(page, output)
-    return len(page.encode())
+        return render(content(_material(study, folder, sealed)))
 
 
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":

@@ -5,8 +5,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
@@ -23,12 +25,18 @@ from jointclosure.engine.walls import Walls, seeds_of, walls_of
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
-from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
-from studies.frame.cases import block_settings, blocks_of, cases_of, ensembles_of
-from studies.frame.configuration import Configuration
+from jointclosure.storage.netcdf import (
+    read_netcdf,
+    reading_netcdf,
+    write_netcdf,
+    write_netcdf_regions,
+)
+from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
+from studies.frame.configuration import Configuration, resolved
+from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
 from studies.frame.tables import join_cases, succeeded
-from studies.frame.walls import cut_walls
+from studies.frame.walls import cut_walls, described
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""
@@ -200,8 +208,8 @@ class Ensemble:
         entries: Iterable[Entry],
         folder: Path,
         attributes: dict,
-        output: Path,
         report: Callable[[str], None],
+        output: Path,
     ) -> None:
         """Write all cases as one dataset (case, realization, ...), with few rows in memory."""
         files = [entry.file(folder) for entry in entries]
@@ -229,6 +237,55 @@ class Ensemble:
                     first = self.blocks[block].start + start
                     rows = slice(first, first + part.sizes["realization"])
                     yield {"case": case, "realization": rows}, part
+
+
+def close_ensemble(
+    config: dict,
+    name: str,
+    stated: dict,
+    walls: list[str],
+    folder: Path,
+    workers: int,
+    log: Logbook,
+) -> dict[str, Any]:
+    """Close the joints of an ensemble that are missing, and join all in one dataset.
+
+    The dataset has the keys that are ``stated``.
+    """
+    log(f"configuration: {json.dumps(config)}")
+    ensemble = Ensemble(resolved(config), name)
+    entries = ensemble.close(folder, workers, log)
+    attributes = {
+        "title": f"closure of rough joints, study {ensemble.configuration.study.name}",
+        "ensemble": name,
+        "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
+        "Surfaces Under Quasi-static Normal Load Cycles",
+    } | provenance(stated)
+    if pilots := ensemble.pilots(folder):
+        chosen = {rock: chosen_in(pilot.file(folder)) for rock, pilot in pilots.items()}
+        attributes["effects_chosen"] = json.dumps(chosen)
+    if walls:
+        attributes["walls"] = described({Path(path).stem: read_netcdf(path) for path in walls})
+    return {
+        dataset_of(name): partial(ensemble.join, entries, folder, attributes, log),
+        "first_walls.nc": lambda path: write_netcdf(ensemble.first_walls(folder), path),
+    }
+
+
+def price_accuracy(config: dict, folder: Path, log: Logbook) -> pd.DataFrame:
+    """Measure what a joint of each rock takes by the study's numerics and by the finest ones."""
+    rows = []
+    for name in ("cases", "finest"):
+        ensemble = Ensemble(resolved(config), name)
+        compile_all(ensemble.kernels(), log)
+        for first in ensemble.firsts(folder):
+            rock = first.settings[0].case.rock
+            cases = sum(case.rock == rock for case in ensemble.cases.values())
+            for _ in range(2):  # the first loads the kernels
+                closed = first.make(*first.settings, **first.options, report=log)
+            seconds = float(closed.timing_simulation.mean())
+            rows.append({"ensemble": name, "rock": rock, "cases": cases, "seconds": seconds})
+    return pd.DataFrame(rows)
 
 
 def chosen_in(pilot: Path) -> dict:

@@ -5,7 +5,10 @@ constant ``EXPERIMENT`` (``study.py``). Its points are closed by
 `jointclosure.engine.ensembles`.
 """
 
+import itertools
+import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -13,13 +16,27 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pandas as pd
 
-from jointclosure.engine.cache import Entry
-from jointclosure.engine.ensembles import Jobs, Samples, entries_of, samples_of
+from jointclosure.engine.cache import Entry, digest, make_missing
+from jointclosure.engine.ensembles import (
+    Jobs,
+    Samples,
+    as_dataset,
+    as_table,
+    entries_of,
+    estimated_time,
+    samples_of,
+)
 from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
+from jointclosure.storage.files import read_csv
+from jointclosure.storage.logs import Logbook
+from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.cases import block_settings
 from studies.frame.closing import Ensemble
 from studies.frame.configuration import Configuration, Configured, resolved, sections
+from studies.frame.files import provenance
+from studies.frame.jobs import compile_all
+from studies.frame.products import Step
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -105,11 +122,6 @@ def labelled_wavelengths(wavelengths: Iterable[float]) -> dict[str, float | None
     return {f"{1e6 * value:.15g}um": value for value in wavelengths} | {"independent": None}
 
 
-def checked(keys: dict) -> Configured:
-    """Return the configuration of keys that were checked before a job started."""
-    return Configured(keys, resolved(keys))
-
-
 def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:
     """Return the files of an ensemble, of pilots (effects_of) or of an experiment by name."""
     if kind in sections():
@@ -120,3 +132,87 @@ def cached(configured: Configured, kind: str, folder: Path | None = None) -> dic
     else:
         entries = Ensemble(configured.typed, kind).entries(folder)
     return {entry.name: entry for entry in entries}
+
+
+def close_apart(config: dict, kind: str, block: str, folder: Path, log: Logbook) -> None:
+    """Close the joints of one file of the cache, on a node of a cluster."""
+    entry = cached(Configured(config, resolved(config)), kind, folder)[f"{kind}/{block}"]
+    make_missing([entry], folder, 1, log)
+
+
+def design_in(config: dict, name: str) -> tuple[Experiment, Design]:
+    """Return an experiment, and its design by keys that were checked before a job started."""
+    experiment = experiment_named(name)
+    return experiment, experiment.design(Configured(config, resolved(config)))
+
+
+def estimate_time(config: dict, name: str, log: Logbook) -> pd.DataFrame:
+    """Estimate the time of an experiment from a few of its joints."""
+    _, design = design_in(config, name)
+    compile_all(design.kernels(), log)
+    table = estimated_time(design.timed(), log)
+    minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
+    known = f" ± {error:.0f}" if math.isfinite(error) else ""
+    joints = f"{table.joints.sum()} joints will take"
+    log.show(f"{joints} about {minutes:.2g}{known} minutes on one core")
+    return table
+
+
+def close_experiment(
+    config: dict, name: str, files: list[pd.DataFrame], folder: Path, workers: int, log: Logbook
+) -> dict[str, Any]:
+    """Close the joints of an experiment that are missing, and make its tables."""
+    experiment, design = design_in(config, name)
+    entries = entries_of(name, design.jobs, experiment.quantities)
+    prepare = partial(compile_all, design.kernels(), log)
+    make_missing(entries, folder, workers, log.show, "joints closed", prepare)
+    joints = as_table(*(read_netcdf(entry.file(folder)) for entry in entries))
+    parameters = design.parameters | dict(zip(design.files, files, strict=True))
+    dataset = as_dataset(joints).assign_attrs(provenance(config))
+    return {f"{name}.nc": dataset, **experiment.tabulate(joints, parameters)}
+
+
+def draw_experiment(
+    config: dict, name: str, tables: list[str], files: list[pd.DataFrame]
+) -> dict[str, Any]:
+    """Draw the figures of an experiment from its tables."""
+    experiment, design = design_in(config, name)
+    read = {Path(path).stem: read_csv(path) for path in tables if path.endswith(".csv")}
+    parameters = design.parameters | dict(zip(design.files, files, strict=True))
+    return {figure: experiment.draw(figure, read, parameters) for figure in design.figures}
+
+
+def steps_of(
+    name: str, design: Design, folder: str, closed: Any, key: Callable[[], str]
+) -> dict[str, Step]:
+    """Return the steps of an experiment, whose joints have a ``key`` and files ``closed`` apart."""
+    named = [table if "." in table else f"{table}.csv" for table in design.tables]
+    tables = [f"{folder}/tables/{table}" for table in named]
+    drawn = itertools.product(design.figures, ("png", "pdf"))
+    figures = [f"{folder}/figures/{figure}.{suffix}" for figure, suffix in drawn]
+    estimate, files = f"{folder}/tables/{name}_estimate.csv", list(design.files.values())
+    given: dict[str, Any] = {"settings": {"name": name}, "uses": f"studies.{name}"}
+    return {
+        f"estimate_{name}": Step(
+            estimate_time,
+            [estimate],
+            settings={"name": name},
+            depends=lambda: digest(design.timed()),
+            priority=100,
+        ),
+        f"close_{name}": Step(
+            close_experiment,
+            [f"{folder}/{name}.nc", *tables],
+            {"closed": closed, "files": files},
+            depends=lambda: digest(key(), design.parameters),
+            all_cores=True,
+            **given,
+        ),
+        f"draw_{name}": Step(
+            draw_experiment,
+            figures,
+            {"tables": tables, "files": files},
+            depends=lambda: digest(design.parameters),
+            **given,
+        ),
+    }

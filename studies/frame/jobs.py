@@ -14,12 +14,15 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jointclosure.engine.workers import end_with_parent
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import END_DIGEST, atomically
 from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
+
+if TYPE_CHECKING:
+    from studies.frame.products import Step
 
 ENGINE = "JOINTCLOSURE_ENGINE"
 """Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
@@ -61,6 +64,11 @@ def job(snakemake) -> Iterator[Logbook]:
         reason = f"{type(error).__name__}: {error}; its log is {log}"
         print(f"{SHOWN}{snakemake.rule} failed: {reason}", file=sys.__stderr__, flush=True)
         raise
+
+
+def study_of(file: str | Path) -> Path:
+    """Return the folder results/<study> in which a file lies."""
+    return next(folder for folder in Path(file).parents if folder.parent.name == "results")
 
 
 def is_sealed(output, params) -> bool:
@@ -189,20 +197,59 @@ def _studies(paths: Iterable[str], results: Path) -> list[Path]:
     return sorted({results / path.relative_to(results).parts[0] for path in inside})
 
 
-def compile_all(kernels: list[list[Any]], report: Callable[[str], None]) -> None:
-    """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them."""
+def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
+    """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them; return their list."""
     from jointclosure.compilation.kernels import cache_folder
     from jointclosure.joint.warmup import compile_kernels
     from jointclosure.parameters import Choices, scene_of
 
-    report(f"kernels are kept in {cache_folder()}")
+    log(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
     for scene, peaks, bound, solver, breakage in kernels:
         choices = Choices(peaks=peaks, strength_bound=bound)
         compile_kernels(scene_of(scene), choices, solver, breakage)
+    return "".join(f"{', '.join(kernel)}\n" for kernel in kernels)
 
 
-def listed(paths) -> list[str]:
-    """Return a list of paths, also for a single path."""
-    return [paths] if isinstance(paths, str) else list(paths)
+def withdraw_unmet(steps: Iterable["Step"], report: Callable[[str], None], remove: bool) -> None:
+    """Remove sealed files that are not as these steps write them, and all that was made of them.
+
+    A line tells of each changed file, and one a folder of files of other settings. Without
+    ``remove`` they are only reported.
+    """
+    makers = {file: step for step in steps for file in step.files}
+
+    def expected(seal: Seal) -> str:
+        maker = makers.get(next(iter(seal.files), ""))
+        return settings_digest(maker.params()) if maker else ""
+
+    for folder in sorted({study_of(file) for file in makers}):
+        unmet = list(unmet_seals(folder, expected))
+        reasons = [reason.partition(": delete")[0] for _, _, reason in unmet]
+        other = [reason for reason in reasons if OTHER_SETTINGS in reason]
+        for reason in [reason for reason in reasons if reason not in other] + other[:1]:
+            report(f"jointclosure: {reason}")
+        if len(other) > 1:
+            report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
+        listed = dict(sealed_files(folder))
+        sealed = (file for file, step in makers.items() if is_sealed(step.files, {}))
+        foreign = {file for file in sealed if Path(file).is_relative_to(folder)} - listed.keys()
+        foreign = {file for file in foreign if Path(file).is_file()}
+        for file in sorted(foreign):
+            report(f"jointclosure: {file}: no seal lists the file")
+        if remove:
+            for path, _, _ in unmet:
+                path.unlink(missing_ok=True)
+            _remove(foreign | {file for _, seal, _ in unmet if seal for file in seal.files}, folder)
+
+
+def _remove(files: set[str], folder: Path) -> None:
+    """Remove files of a study, and what was made of them with its seals."""
+    while files:
+        for file in files:
+            Path(file).unlink(missing_ok=True)
+        made = {p: s for p, s in seals_in(folder).items() if s and s.made_from.keys() & files}
+        for path in made:
+            path.unlink()
+        files = {file for seal in made.values() for file in seal.files}

@@ -12,7 +12,7 @@ from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, Configured
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.products import Product
+from studies.frame.products import Product, Step
 from studies.frame.rocks import CurveSettings, curve_settings
 
 
@@ -63,6 +63,17 @@ class Plan(NamedTuple):
     def settings(self, product: Product) -> dict[str, Any]:
         """Settings that a product reads, by name."""
         return {name: SETTINGS[name](self) for name in product.reads if name not in NEEDS}
+
+    def step(self, product: Product) -> Step:
+        """The step that makes a product of this study."""
+        return Step(
+            product.make,
+            [f"results/{self.typed.study.name}/{name}" for name in product.files(self)],
+            self.inputs(product),
+            self.settings(product),
+            untimed=BESIDE,
+            priority=product.priority,
+        )
 
 
 def _file(name: str) -> Callable[[Plan], str | None]:

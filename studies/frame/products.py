@@ -1,14 +1,14 @@
-"""Products: files of a study, each with the function that makes it of what it reads.
+"""Products: files of a study, each with the function that makes them of what it reads.
 
-The names of a function's parameters are those of the files and settings that it reads
-(`studies.frame.plan`); their types state how a file is read. A product is made again if
-one of these changes, or the code that its function uses, and not with any key of a configuration.
+The names of a function's parameters are those of the files and settings that it reads; their types
+state how a file is read. A product is made again if one of these changes, or the code that its
+function uses, and not with any key of a configuration.
 """
 
 import contextlib
 import inspect
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,67 +18,68 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.storage.files import read_csv, save_figure, write_csv, write_text
 from jointclosure.storage.netcdf import write_netcdf
 
+GIVEN = ("config", "folder", "workers", "log")
+"""Parameters that every function may have: the keys of the configuration, the folder of the study,
+the number of processes, and the log."""
+EARLY = 1
+"""Priority of what is made before the pool of a study is closed."""
 _WRITERS: dict[str, Callable[..., None]] = {
     **{".nc": write_netcdf, ".csv": write_csv, ".png": save_figure, ".pdf": save_figure},
-    **dict.fromkeys((".json", ".tex", ".md", ".txt"), write_text),
+    **dict.fromkeys((".json", ".tex", ".md", ".txt", ".html"), write_text),
 }
 
 
-class Product(NamedTuple):
-    """Files of a study and the function that makes them.
+class Step(NamedTuple):
+    """Files that one job makes, with the paths and settings that its function reads, by name.
 
-    ``files`` gives their paths in the study's folder, and ``when`` whether a study has them, of a
-    `studies.frame.plan.Plan`. ``early`` ones are made before the study's pool is closed; those that
-    stand ``apart`` only if they are asked for.
+    ``inputs`` without a parameter only precede it, and the times of those ``untimed`` do not count.
+    It is made again if its settings, the result of ``depends``, or the code change: that of the
+    function, and of the module ``uses``.
     """
 
     make: Callable[..., Any]
-    files: Callable[[Any], Iterable[str]]
-    when: Callable[[Any], bool]
-    early: bool
-    apart: bool
-
-    @property
-    def name(self) -> str:
-        """Name of its rule: that of the function."""
-        return self.make.__name__
+    files: list[str]
+    inputs: Mapping[str, Any] = {}
+    settings: Mapping[str, Any] = {}
+    depends: Callable[[], str] = str
+    uses: str = ""
+    untimed: Collection[str] = ()
+    priority: int = 0
+    all_cores: bool = False
 
     @property
     def title(self) -> str:
         """First line of the function's documentation, without its full stop."""
         return str(inspect.getdoc(self.make)).splitlines()[0].rstrip(".")
 
-    @property
-    def code(self) -> str:
-        """Digest of the function and of all code that it uses."""
-        return code_digest(f"{self.make.__module__}:{self.name}")
+    def params(self, depends: Any = None) -> dict[str, Any]:
+        """Return the parameters of its rule, for which ``depends`` may stand for a digest."""
+        name = f"{self.make.__module__}:{self.make.__name__}"
+        return {
+            "make": name,
+            "settings": dict(self.settings),
+            "depends": depends or self.depends(),
+            "code": code_digest(name, *([self.uses] if self.uses else [])),
+        }
+
+
+class Product(NamedTuple):
+    """Function that makes files of a study, of which a `studies.frame.plan.Plan` makes a `Step`.
+
+    ``files`` gives their paths in the study's folder, and ``when`` whether a study has them, of a
+    plan. Those that stand ``apart`` are made only if they are asked for.
+    """
+
+    make: Callable[..., Any]
+    files: Callable[[Any], Iterable[str]]
+    when: Callable[[Any], bool]
+    priority: int
+    apart: bool
 
     @property
     def reads(self) -> list[str]:
         """Names of the files and settings that the function reads."""
-        return [name for name in inspect.signature(self.make).parameters if name != "log"]
-
-    def write(
-        self,
-        inputs: Mapping[str, Any],
-        settings: Mapping[str, Any],
-        outputs: Iterable[str],
-        log: Callable[[str], object],
-    ) -> None:
-        """Make the product and write its parts, by order or by stems of their paths."""
-        hints, outputs = typing.get_type_hints(self.make, include_extras=True), list(outputs)
-        with contextlib.ExitStack() as opened:
-            read = {
-                name: _read(hints[name], inputs[name], opened)
-                for name in self.reads
-                if name not in settings
-            }
-            parts = self.make(**settings, **read, **({"log": log} if "log" in hints else {}))
-        if isinstance(parts, dict):
-            parts = [parts[Path(path).stem] for path in outputs]
-        for path, part in zip(outputs, parts if len(outputs) > 1 else [parts], strict=True):
-            _WRITERS[Path(path).suffix](part, path)
-            log(f"wrote {path}")
+        return [name for name in inspect.signature(self.make).parameters if name not in GIVEN]
 
 
 PRODUCTS: dict[str, Product] = {}
@@ -95,10 +96,38 @@ def product(
     """Declare that a function makes files, named here or ``listed`` of a plan."""
 
     def declared(make: Callable) -> Callable:
-        PRODUCTS[make.__name__] = Product(make, listed or (lambda plan: files), when, early, apart)
+        files_of = listed or (lambda plan: files)
+        PRODUCTS[make.__name__] = Product(make, files_of, when, EARLY if early else 0, apart)
         return make
 
     return declared
+
+
+def make_files(
+    make: Callable[..., Any],
+    inputs: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    outputs: Iterable[str],
+    **given: Any,
+) -> None:
+    """Call a function, and write what it returns: a part of each file, by order or by their names.
+
+    A part may be a function that writes to a path; None where the function wrote all itself.
+    """
+    hints = typing.get_type_hints(make, include_extras=True)
+    paths = [Path(path) for path in outputs]
+    with contextlib.ExitStack() as opened:
+        read = {n: _read(hints[n], path, opened) for n, path in inputs.items() if n in hints}
+        parts = make(**settings, **read, **{n: v for n, v in given.items() if n in hints})
+    if parts is None:
+        return
+    if isinstance(parts, dict):
+        parts = [parts[path.name if path.name in parts else path.stem] for path in paths]
+    elif len(paths) == 1:
+        parts = [parts]
+    for path, part in zip(paths, parts, strict=True):
+        part(path) if callable(part) else _WRITERS[path.suffix](part, path)
+        given["log"](f"wrote {path}")
 
 
 def _read(hint: Any, path: Any, opened: contextlib.ExitStack) -> Any:

@@ -5,46 +5,52 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from studies.frame.jobs import write_seal
 
-SNAKEFILE = """
+ROOT = Path(__file__).parents[2]
+
+
+def write_number(start: int, log: Callable[[str], None]) -> pd.DataFrame:
+    """Write a number."""
+    log("written")
+    return pd.DataFrame({"start": [start], "process": [os.getpid()]})
+
+
+SNAKEFILE = f"""
 import os
-from studies.frame.rules import complete, withdraw_unmet
+from studies.frame.jobs import withdraw_unmet
+from studies.frame.products import Step
+from studies.frame.test_rules import write_number
 
-rule double:
-    output: "results/small/numbers/{size}.csv",
-    params: start=lambda wildcards: int(os.environ["START"]) + int(wildcards.size),
-    script: "write.py"
-
-rule add:
-    input:
-        expand("results/small/numbers/{size}.csv", size=[1, 2]),
-        "results/other/table.csv",
-    output: total="results/small/total.csv",
-    script: "write.py"
+numbers = [f"results/small/numbers/{{size}}.csv" for size in (1, 2)]
+start = int(os.environ["START"])
+steps = {{
+    f"double_{{size}}": Step(write_number, [file], settings={{"start": start + size}})
+    for size, file in enumerate(numbers, 1)
+}}
+read = {{"numbers": numbers, "other": "results/other/table.csv"}}
+steps["add"] = Step(write_number, ["results/small/total.csv"], read, {{"start": 0}})
 
 rule all:
-    default_target: True
-    input: "results/small/total.csv",
+    input: "results/small/total.csv"
 
-complete(workflow.rules, "environment.yaml")
-withdraw_unmet(workflow.rules, print, remove=True)
+for NAME, STEP in steps.items():
+    rule:
+        name: NAME
+        input: **STEP.inputs
+        output: STEP.files
+        log: f"results/small/logs/{{NAME}}.log", benchmark=f"results/small/benchmarks/{{NAME}}.tsv"
+        params: **STEP.params()
+        script: "{ROOT}/workflow/scripts/make.py"
+
+withdraw_unmet(steps.values(), print, remove=True)
 """
-SCRIPT = '''"""Write a number.
-
-More is not shown.
-"""
-from pathlib import Path
-from studies.frame.jobs import job
-
-with job(snakemake) as log:
-    Path(snakemake.output[0]).write_text(f"{snakemake.params.get('start')} {os.getpid()}")
-    log("written")
-'''.replace("from pathlib", "import os\nfrom pathlib")
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +58,6 @@ def small(tmp_path_factory):
     """A finished run of the small workflow."""
     folder = tmp_path_factory.mktemp("small")
     (folder / "Snakefile").write_text(SNAKEFILE)
-    (folder / "write.py").write_text(SCRIPT)
-    (folder / "environment.yaml").write_text("dependencies: [python]\n")
     table, seal = (folder / "results/other" / name for name in ("table.csv", "seals/sum.json"))
     seal.parent.mkdir(parents=True)
     table.write_text("1\n")
@@ -79,9 +83,9 @@ def total(folder: Path) -> str:
     return (folder / "results/small/total.csv").read_text()
 
 
-def test_rules_have_logs_benchmarks_and_seals_by_their_names_and_wildcards(small):
+def test_rules_have_logs_benchmarks_and_seals_by_their_names(small):
     results = small / "results/small"
-    for place in ("double/1", "double/2", "add"):
+    for place in ("double_1", "double_2", "add"):
         assert "written" in (results / f"logs/{place}.log").read_text()
         assert (results / f"benchmarks/{place}.tsv").is_file()
         assert (results / f"seals/{place}.json").is_file()
@@ -102,7 +106,7 @@ def test_a_changed_file_is_made_again_with_all_that_follows_and_nothing_else(sma
     file.write_text("7")
     assert "jointclosure: results/small/numbers/1.csv: the file is not as" in run(small)
     assert total(small) != before
-    (small / "results/small/seals/double/1.json").unlink()
+    (small / "results/small/seals/double_1.json").unlink()
     assert "jointclosure: results/small/numbers/1.csv: no seal lists" in run(small)
     before = total(small)
     run(small)
@@ -113,5 +117,5 @@ def test_a_file_of_other_settings_than_the_rule_has_now_is_made_again_also_elsew
     shutil.rmtree(small / ".snakemake")  # as in a folder of another machine
     before = total(small)
     assert "the same of 1 more jobs" in run(small, start=5)
-    assert (small / "results/small/numbers/2.csv").read_text().split()[0] == "7"
+    assert (small / "results/small/numbers/2.csv").read_text().splitlines()[1].startswith("7,")
     assert total(small) != before

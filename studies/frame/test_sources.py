@@ -11,7 +11,8 @@ from jointclosure.compilation import sources
 from jointclosure.compilation.kernels import KERNEL_PARTS, cache_folder
 from jointclosure.engine import cache
 from studies.frame.closing import close_block
-from studies.paper.products import PRODUCTS
+from studies.pipeline import Pipeline
+from tests.studied import checked_study
 
 ROOT = Path(__file__).parents[2]
 
@@ -106,11 +107,11 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
     assert {name for name in names if digest(f"functions:{name}") != before[name]} == moved
 
 
-SCRIPTS = ROOT / "workflow/scripts"
+STEPS = Pipeline(checked_study(), apart=False, check=False).steps
 EDITS = [
     (("../studies/frame/jobs.py",), set()),
     (("solvers/newton.py",), {"joints"}),
-    (("storage/provenance.py",), {"close_ensemble"}),
+    (("storage/provenance.py",), {"close_study"}),
     (
         (
             "../studies/paper/figures.py",
@@ -121,19 +122,17 @@ EDITS = [
     ),
 ]
 RULES = {
-    "joints", "close_ensemble", "fit_correlations", "find_indifference_intervals", "judge_claims",
+    "joints", "close_study", "fit_correlations", "find_indifference_intervals", "judge_claims",
     "check_results", "write_tables", "draw_figures",
 }  # fmt: skip
 
 
 def all_digests():
-    """Digests of all scripts of the workflow, all products of a study, and its joints, by name."""
+    """Digests of all steps of a study, and of its joints, by name."""
     forget()
-    products = {name: product.code for name, product in PRODUCTS.items()}
-    scripts = {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
-    del scripts["make_product"]  # its rules have the digests of the products
+    steps = {name: step.params("not made")["code"] for name, step in STEPS.items()}
     cache._code.cache_clear()
-    return scripts | products | {"joints": cache._code(close_block)}
+    return steps | {"joints": cache._code(close_block)}
 
 
 @pytest.fixture(scope="module")

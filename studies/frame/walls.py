@@ -1,13 +1,13 @@
 """Scanned walls of a rock, interpolated on the joint's grid and cut into the joints of a study."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.settings import SurfaceSettings, Walls
+from jointclosure.engine.settings import Grid, SurfaceSettings, Walls
 from jointclosure.engine.walls import seeds_of
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
@@ -150,6 +150,28 @@ def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
     if not (high > low).all():
         raise InputError("upper and lower: the scans' points do not overlap in x and y")
     return np.array([low, high])
+
+
+def prepare_walls(
+    walls: Walls,
+    digests: dict[str, str],
+    grid: Grid,
+    jrc_relation: str,
+    unusual_values: bool,
+    realizations: int,
+    log: Callable[[str], None],
+) -> xr.Dataset:
+    """Read the scanned walls of a rock, bring them to the grid, and check that there is room."""
+    prepared = walls_of_files(walls, grid.spacing, jrc_relation, unusual_values)
+    log(prepared.attrs.get("registration", "as they lie"))
+    for side, file in wall_files(walls).items():
+        prepared[side].attrs |= {"file": file, "sha256": digests[side]}
+        log(f"{side}: {prepared[side].attrs}")
+    cutter = Cutter(prepared, grid.shape, 0)  # the check is the same whatever the order
+    prepared.attrs |= cutter.room()
+    log(str(cutter.room()))
+    cutter.check(realizations)
+    return prepared
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:

@@ -1,11 +1,13 @@
 """Products of a study: made of what they read, and again only when that changes."""
 
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from studies.frame.plan import Plan
+from studies.frame.products import make_files
 from studies.paper.products import PRODUCTS
 from tests.studied import ROOT, checked_study
 
@@ -78,14 +80,14 @@ def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows
     table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
     pd.DataFrame(rows, columns=COLUMNS).to_csv(table, index=False)
     lines: list[str] = []
-    made = ({"checks": str(table)}, {}, [str(note)], lines.append)
+    make = partial(make_files, PRODUCTS["require_checks"].make, {"checks": str(table)}, {})
     if FAILED not in rows:
-        PRODUCTS["require_checks"].write(*made)
+        make([str(note)], log=lines.append)
         assert note.read_text() == "2 checks passed\n"
         assert lines == [f"wrote {note}"]
         return
     with pytest.raises(SystemExit) as ended:
-        PRODUCTS["require_checks"].write(*made)
+        make([str(note)], log=lines.append)
     assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
     assert "least force" not in str(ended.value)
     assert not note.exists()

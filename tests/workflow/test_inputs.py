@@ -92,7 +92,7 @@ def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(mine):
     scanned(mine, 2)
     os.utime(scan, (1e9, 1e9))  # older than the results: its contents count all the same
     jobs = planned(mine, config="mine.yaml")
-    assert (jobs["prepare_walls"], jobs["close_study"]) == (1, 1)
+    assert (jobs["prepare_walls_granite"], jobs["close_study"]) == (1, 1)
     scan.write_bytes(whole)
     assert planned(mine, config="mine.yaml") == {}
     curve.write_text(CURVE.replace("0.07", "0.08"))
