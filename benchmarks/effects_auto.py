@@ -18,6 +18,7 @@ os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -157,36 +158,53 @@ def scatter(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["quantity", "n", "least", "share", "rare"])
 
 
-def main() -> None:
-    """Judge the scenes that are missing, and write the tables."""
+def options(about: str, name: str, scenes: int) -> argparse.Namespace:
+    """Read the options of a benchmark at random conditions from the command line."""
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=about, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--scenes", type=int, default=60)
+    parser.add_argument("--scenes", type=int, default=scenes)
     parser.add_argument("--surfaces", type=int, default=20)
     parser.add_argument("--cells", type=int, nargs=2, default=(48, 64))
     parser.add_argument("--seed", type=int, default=2)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/effects_auto"))
+    parser.add_argument("--output", type=Path, default=Path("benchmarks/results") / name)
     asked = parser.parse_args()
     asked.output.mkdir(parents=True, exist_ok=True)
-    files = [asked.output / f"{name}.csv" for name in ("selections", "frozen_walls")]
+    return asked
+
+
+def continued(asked: argparse.Namespace, judged: Callable, names: list[str]) -> list[pd.DataFrame]:
+    """Judge the conditions that the tables of a folder lack; return and write the tables."""
+    files = [asked.output / f"{name}.csv" for name in names]
     tables = [read_csv(file) if file.exists() else pd.DataFrame({"scene": []}) for file in files]
     for number in range(asked.scenes):
-        if number not in set(tables[1].scene):
-            rows = judged(number, asked)
-            tables = [
-                pd.concat([table, pd.DataFrame(new)], ignore_index=True)
-                for table, new in zip(tables, rows, strict=True)
-            ]
-            for file, table in zip(files, tables, strict=True):
-                write_csv(table, file)
+        if number not in set(tables[-1].scene):
+            for place, (file, rows) in enumerate(zip(files, judged(number, asked), strict=True)):
+                tables[place] = pd.concat([tables[place], pd.DataFrame(rows)], ignore_index=True)
+                write_csv(tables[place], file)
             print(f"scene {number + 1} of {asked.scenes}", flush=True)
-    write_csv(summary(tables[0]), asked.output / "summary.csv")
+    return tables
+
+
+def write_summary(table: pd.DataFrame, asked: argparse.Namespace) -> None:
+    """Write a summary, and where it comes from."""
+    write_csv(table, asked.output / "summary.csv")
     made = origin()
-    about = {"run": "effects_auto", "commit": made.pop("provenance_commit")} | made
-    about |= {"note": f"--scenes {asked.scenes} --surfaces {asked.surfaces} --seed {asked.seed}"}
-    write_text(json.dumps(about, indent=1) + "\n", asked.output / "origin.json")
-    print(summary(tables[0]).round(3).T.to_string(), scatter(tables[1]).to_string(), sep="\n")
+    about = {"run": asked.output.name, "commit": made.pop("provenance_commit")} | made
+    cells = "{} {}".format(*asked.cells)
+    note = (
+        f"--scenes {asked.scenes} --surfaces {asked.surfaces} --cells {cells} --seed {asked.seed}"
+    )
+    write_text(json.dumps(about | {"note": note}, indent=1) + "\n", asked.output / "origin.json")
+    print(table.round(3).T.to_string())
+
+
+def main() -> None:
+    """Judge the scenes that are missing, and write the tables."""
+    asked = options(__doc__, "effects_auto", 60)
+    selections, frozen = continued(asked, judged, ["selections", "frozen_walls"])
+    write_summary(summary(selections), asked)
+    print(scatter(frozen).to_string())
 
 
 if __name__ == "__main__":
