@@ -1,7 +1,7 @@
 """Changes of one line that the fast tests must notice: `python -m tests.mutants [words of a file]`.
 
-Each entry of ``mutants.yaml`` names a file, texts that occur in it once with the wrong text in their
-place, and the tests that should fail. The clone is copied, so that its files are never changed.
+Each entry of ``mutants.yaml`` names a file, texts that occur in it once with the wrong text in
+their place, and the tests that should fail. The clone is copied, so its files never change.
 """
 
 import os
