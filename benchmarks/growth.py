@@ -229,9 +229,8 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
     closed = pd.DataFrame(rows)
     table = summarised(closed)
     for axis, part in table.groupby("axis", sort=False):
-        yardstick.show(
-            TITLES[axis][0], part.drop(columns=["axis", "surfaces", "pair ms"]), None, axis
-        )
+        shown = part.drop(columns=["axis", "surfaces", "pair ms"])
+        yardstick.show(TITLES[axis][0], shown, None, axis)
     yardstick.show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
     if output:
         table.to_csv(output / "growth.csv", index=False)
@@ -240,9 +239,8 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    asked = yardstick.options(
-        __doc__, surfaces=5, seconds=200.0, beyond=1000, output=Path, once=False
-    )
+    numbers = {"surfaces": 5, "seconds": 200.0, "beyond": 1000}
+    asked = yardstick.options(__doc__, output=Path, once=False, **numbers)
     if asked.once:
         raise SystemExit(once(asked.beyond, asked.output))
     main(asked.surfaces, asked.seconds, asked.beyond, asked.output)

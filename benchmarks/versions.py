@@ -165,12 +165,8 @@ def main(arguments) -> None:
         rows = []
         for rock, surfaces in joints(folder, arguments).items():
             rows.append(compare(rock, surfaces, versions, arguments.repeats))
-            yardstick.show(
-                f"This version over {arguments.against}",
-                pd.DataFrame(rows),
-                arguments.output,
-                "versions",
-            )
+            title = f"This version over {arguments.against}"
+            yardstick.show(title, pd.DataFrame(rows), arguments.output, "versions")
 
 
 if __name__ == "__main__":

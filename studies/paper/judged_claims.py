@@ -22,18 +22,8 @@ from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
-from studies.paper.claims import (
-    CLAIMS,
-    EXCESS,
-    FOUND,
-    LOOP,
-    NET,
-    OURS,
-    TABLE_3,
-    TARGET,
-    Claim,
-    Findings,
-)  # fmt: skip
+from studies.paper import claims as stated
+from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, TARGET, Claim, Findings
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 
 CONFIDENCE = 0.95
@@ -71,12 +61,12 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
         row |= {"paper": _papers_figures(claim, paper, set(sizes)), "remark": claim.remark}
         row |= {"verdict": verdict, "found_here": _yes(claim.found_in(study))}
         if claim.number in often:
-            row |= zip(FOUND, often[claim.number], strict=True)
-        if claim.shown == TABLE_3 and claim.section != OURS:
+            row |= zip(stated.FOUND, often[claim.number], strict=True)
+        if claim.shown == stated.TABLE_3 and claim.section != stated.OURS:
             row["paper_finds"] = _yes(claim.found_in(published))
         rows.append(row)
         margin_rows += of_model
-    table = pd.DataFrame(rows, columns=[*COLUMNS, *FOUND])
+    table = pd.DataFrame(rows, columns=[*COLUMNS, *stated.FOUND])
     of_models = pd.DataFrame(margin_rows, columns=MARGIN_COLUMNS)
     if not published.drawn:
         table = table[table.number.isin(of_models.number)].reset_index(drop=True)
@@ -230,7 +220,7 @@ def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
 
 def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
     """Return entries of the paper's Table 3 on a claim, or where else the paper shows it."""
-    if claim.shown != TABLE_3:
+    if claim.shown != stated.TABLE_3:
         return claim.shown
     statement = claim.statement
     needed = {c for cycle in claim.cycles for c in statement.cycles(cycle)}

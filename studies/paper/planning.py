@@ -57,7 +57,7 @@ def plan(
     """
     _check(goal)
     check_significance(significance)
-    rows = []
+    rows, test = [], "paired" if paired else "unpaired"
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:
             raise InputError(
@@ -67,11 +67,8 @@ def plan(
         n = surfaces_for(response, goal, significance, paired)
         low, high = _known_to(response, goal, significance, paired)
         seconds = _seconds(ensemble, response)
-        row = {"rock": response.rock, "parameter": response.parameter, "cycle": response.cycle}
-        row |= {"test": "paired" if paired else "unpaired", "surfaces": n}
-        row |= {"low_68": low, "high_68": high}
-        row |= {"simulations": n * response.levels.size, "core_minutes": n * seconds / 60.0}
-        rows.append(row)
+        about = response.rock, response.parameter, response.cycle, test
+        rows.append((*about, n, low, high, n * response.levels.size, n * seconds / 60.0))
     return pd.DataFrame(rows, columns=_COLUMNS)
 
 

@@ -46,7 +46,8 @@ class Response(NamedTuple):
         """Compute the indifference interval [SI] by its test, for another number of surfaces."""
         about, levels, base = (significance, self.base), self.levels, self.base
         if self.paired:
-            return paired_indifference_interval(levels, self.samples, *about, surfaces=surfaces)
+            samples = np.ascontiguousarray(self.samples)  # one order of sums, whatever was selected
+            return paired_indifference_interval(levels, samples, *about, surfaces=surfaces)
         n = surfaces or self.samples.shape[1]
         return indifference_interval(levels, self.means, self.deviations, n, significance, base)
 
