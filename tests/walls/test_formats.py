@@ -366,7 +366,7 @@ BINARY_PLY = PLY.replace(b"ascii", b"binary_little_endian") + bytes(range(108))
 LINES = [b"v 0 0 0", b"v 1 0 0", b"v 0 1 0", b"v 1 1 0"]
 OBJ = b"\n".join(LINES[:3]) + b"\n"
 REFUSED = {
-    "a.foo": (LETTER, "its content is text"),
+    "a.foo": (LETTER, "is of no form that is read here; text must be .txt"),
     "png.stl": (b"\x89PNG\r\n\x1a\n" + bytes(80), "its content is that of a PNG"),
     "pk.npy": (b"PK\x03\x04" + bytes(80), "its content is that of an archive"),
     "b.foo": (bytes(range(256)), "is of no form that is read here"),
@@ -383,11 +383,11 @@ REFUSED = {
     "b.ply": (PLY.rpartition(b"0 1 2\n3")[0], "declares 6 vertices, and contains 5"),
     "c.ply": (PLY.replace(b"1 1 2", b"1 2"), "cannot be read as PLY"),
     "e.ply": (PLY.replace(b"3 0 1 2", b"3 0 1 9"), "has vertex 10, but there are 6 vertices"),
-    "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "its content is that of an OBJ mesh"),
+    "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "text must be .txt, .csv or .xyz"),
     "a.grd": (b"DSRB" + bytes(4), "lacks the section DATA, GRID"),
     "b.grd": (surfer_7(np.ones((3, 3)), 0.3, angle=30.0), "rotation = 30 degrees: must be 0"),
     "c.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "and contains 10: is"),
-    "a.ply": (STL, "its content is that of an STL mesh"),
+    "a.ply": (STL, "cannot be read as PLY"),
     "cut.stl": (STL[:200], "4 triangles, 284 bytes, and contains 200: is the file incomplete"),
     "short.stl": (STL[:82], "contains 82 bytes, less than the head of 84: is the file incomplete"),
     "a.txt": (BINARY_PLY, "is not text: it contains binary data; its content is that of a PLY"),

@@ -120,7 +120,7 @@ X, Y = 0.4 * np.arange(12), 0.3 * np.arange(9)
 FOLDED, ORDER = np.abs(X - 2.0), [0, 2, 1, 4, 3, 5, 6, 7, 9, 8, 11, 10]
 FILES = {
     "dx alone": ({"dx": 0.4}, {}, (0.4, 0.4)),
-    "one coordinate": ({"x": X}, {}, "states a spacing along x only"),
+    "one coordinate": ({"x": X}, {}, "does not state the spacing of its grid along y:"),
     "one coordinate and a spacing": ({"x": X}, {"spacing": 4e-4}, (0.4, 0.4)),
     "one coordinate and another spacing": ({"x": X}, {"spacing": 3e-4}, "the file states 0.4"),
     "one coordinate and dy": ({"x": X, "dy": 0.3}, {}, (0.3, 0.4)),

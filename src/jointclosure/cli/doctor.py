@@ -11,14 +11,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
 
 from jointclosure.compilation.kernels import cache_folder
-from jointclosure.engine.progress import duration
 from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
 
@@ -53,26 +51,32 @@ def findings(folder: Path) -> Iterator[Finding]:
     yield "python", f"{platform.python_version()} at {sys.executable}", advice
     versions = versions_of("jointclosure", *_PACKAGES).items()
     yield "packages", ", ".join(f"{name} {version}" for name, version in versions), ""
-    have = {extra: installed(extra) for extra in EXTRAS}
-    missing = [extra for extra in EXTRAS if not have[extra]]
-    state = f"with {', '.join(extra for extra in EXTRAS if have[extra]) or 'none'}"
-    if missing:
-        state += f"; without {', '.join(missing)} ({installing(missing[0])})"
-    yield "extras", state, ""
-    machine = os.cpu_count() or 1
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
-    yield "cores", f"{cores} for this process, {machine} of the machine", ""
-    yield from (_threads(cores), _memory(cores), _kernels(), _results(folder))
+    missing = [extra for extra in EXTRAS if not installed(extra)]
+    state = f"with {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}"
+    without = f"; without {', '.join(missing)} ({installing(missing[0])})" if missing else ""
+    yield "extras", state + without, ""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    yield "cores", f"{cores} for this process, {os.cpu_count()} of the machine", ""
+    yield _threads(cores or 1)
+    yield _memory(cores or 1)
+    cache = cache_folder()
+    kernels = len(list(cache.rglob("*.nbi")))
+    state = f"warm, {kernels} kernels" if kernels else "cold; the first joint takes a minute more"
+    advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
+    yield "compiled kernels", f"{cache}: {state}", "" if _writable(cache) else advice
+    results = folder / "results"
+    free = shutil.disk_usage(folder).free
+    advice = "a study may take a gigabyte: make room" if free < _DISK_OF_A_STUDY else ""
+    advice = advice if _writable(results) else f"make {results} writable"
+    yield "results", f"{results}, {free / 1e9:.1f} GB free", advice
     yield _snakemake(folder)
 
 
 def _threads(cores: int) -> Finding:
     settings = {name: os.environ.get(name) for name in THREADS}
     state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
-    if cores == 1 or set(settings.values()) == {"1"}:
-        return "threads", state, ""
-    if not any(settings.values()):  # as in any shell
-        return "threads", f"{state}; make sets all to 1, and scripts should do the same", ""
+    if cores == 1 or set(settings.values()) == {"1"} or not any(settings.values()):
+        return "threads", state, ""  # unset as in any shell: make sets all to 1
     slow = "jobs that run side by side slow each other down unless each has one thread: set all to "
     return "threads", state, f"{slow}1 (make does this; .ci/environment has the line for a shell)"
 
@@ -85,36 +89,14 @@ def _memory(cores: int) -> Finding:
     return "memory", state, takes if jobs < cores else ""
 
 
-def _kernels() -> Finding:
-    folder = cache_folder()
-    number = len(list(folder.rglob("*.nbi")))
-    state = "cold; the first joint compiles them, which takes about a minute of processor time"
-    if number:
-        state = f"warm, {number} kernels, {_megabytes(folder):.0f} MB"
-    if older := [path for path in folder.parent.glob("numba-*") if path != folder]:
-        size = sum(map(_megabytes, older))
-        state += f"; {len(older)} of other versions, {size:.0f} MB, can be deleted"
+def _writable(folder: Path) -> bool:
+    """Return whether a file can be made in a folder, or in the parent that will hold it."""
     place = next(path for path in (folder, *folder.parents) if path.exists())
-    advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
-    return "compiled kernels", f"{folder}: {state}", "" if os.access(place, os.W_OK) else advice
-
-
-def _megabytes(folder: Path) -> float:
-    return 1e-6 * sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-
-
-def _results(folder: Path) -> Finding:
-    results = folder / "results"
-    place = results if results.exists() else folder
-    free = shutil.disk_usage(place).free
-    state = f"{results}, {free / 1e9:.1f} GB free"
     try:
-        with tempfile.NamedTemporaryFile(dir=place):
-            pass
-    except OSError as error:
-        return "results", f"{state}, {error.strerror}", f"make {place} writable"
-    room = "a study may take a gigabyte: make room" if free < _DISK_OF_A_STUDY else ""
-    return "results", state, room
+        with tempfile.TemporaryFile(dir=place):
+            return True
+    except OSError:
+        return False
 
 
 def _snakemake(folder: Path) -> Finding:
@@ -123,16 +105,14 @@ def _snakemake(folder: Path) -> Finding:
     if importlib.util.find_spec("snakemake") is None:
         advice = installing("workflow") if here else ""
         return "snakemake", "not installed; only studies need it", advice
-    start = time.perf_counter()
     words = ["--version"]
     if here:
         words = ["--workflow-profile", "workflow/profiles/default"]
         words += ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
     command = [sys.executable, "-m", "snakemake", *words]
     answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
-    took = duration(time.perf_counter() - start)
     if answer.returncode == 0:
-        did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
-        return "snakemake", f"{did}, in {took}", ""
+        state = "plans the smoke study" if here else f"{answer.stdout.strip()}; no study here"
+        return "snakemake", state, ""
     output = (answer.stderr.strip() or answer.stdout.strip() or "no output").splitlines()
     return "snakemake", output[-1], "make clean setup sets up the environment again"

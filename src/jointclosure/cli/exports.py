@@ -58,44 +58,39 @@ def export_files(
     from jointclosure.plotting.joint import engineering_figure
 
     curves = stress_table(history) if curves is None else curves
-    tables = {
-        "curves": curve_table(history),
-        "cycles": cycle_table(history),
-        "answer": curves,
-        "laws": fitted_laws(history),
-    }
-    notes = [_NET]
-    files: dict[str, Any] = {
-        f"{name}.csv": csv_text(table, FIGURES) for name, table in tables.items()
-    }
+    tables = {"curves": curve_table(history), "cycles": cycle_table(history), "answer": curves}
+    tables["laws"] = fitted_laws(history)
+    files: dict[str, Any] = {f"{name}.csv": csv_text(tables[name], FIGURES) for name in tables}
+    print(f"- {_NET}")
     for export in (itasca_tables, porepy_files, geos_files, fracture_mesh):
         try:
             files |= export(history, curves)
         except InputError as error:  # the files of other programs are still written
-            notes.append(f"not written: {error}")
-    files["engineering.png"] = engineering_figure(history, title, curves, laws)
-    print("\n".join(f"- {note}" for note in notes))
-    return files
+            print(f"- not written: {error}")
+    return files | {"engineering.png": engineering_figure(history, title, curves, laws)}
 
 
-def _loading(
-    history: xr.Dataset, curves: pd.DataFrame, program: str
-) -> tuple[int, pd.DataFrame, dict[str, str]]:
-    """Return the last loading from seating: cycle, rows that are known, and endings of columns.
+def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
+    """Return the rows of the last loading from seating by endings of files.
 
-    Endings are by those of files: the median, and the low and the high end of a band.
+    The ending "" is that of the median, "_low" and "_high" are those of the ends of a band.
     """
-    known = curves.dropna(subset=members(curves, "closure_net_since_seating_mm"))
-    seating = float(history.attrs["seating_stress_Pa"])
-    begins = {c: branch_of(history, c, LOADING) for c in np.unique(known.cycle)}
-    stress = history.normal_stress.values
+    loading = curves[curves.branch == LOADING]
+    known = loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
+    seating, stress = float(history.attrs["seating_stress_Pa"]), history.normal_stress.values
+    begins = {cycle: branch_of(history, cycle, LOADING) for cycle in known.cycle.unique()}
     cycles = [c for c, here in begins.items() if here.size > 1 and stress[here].min() <= seating]
     if not cycles:
         must = f"no loading begins at or below the seating stress, {seating:g} Pa"
         raise InputError(f"{program}: {must}")
-    cycle, names = int(cycles[-1]), members(curves, "")
-    rows = known[(known.cycle == cycle) & (known.branch == LOADING)]
-    return cycle, rows, dict(zip(("", "_low", "_high")[: len(names)], names, strict=True))
+    rows = known[known.cycle == cycles[-1]]
+    of_all = {name: rows[name] for name in ("cycle", "normal_stress_MPa")}
+    return {
+        ending: pd.DataFrame(
+            {name.removesuffix(end): rows[name] for name in rows if name.endswith(end)} | of_all
+        )
+        for ending, end in zip(("", "_low", "_high"), members(curves, ""), strict=False)
+    }
 
 
 def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
@@ -105,18 +100,17 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
     ``residual_aperture`` [m], the mean aperture at seating less Vm, at least 0. They refer to the
     net closure, because PorePy computes the deformation of the rock itself.
     """
-    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
-    cycle, rows, endings = _loading(history, curves, "PorePy")
+    seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
     files = {}
-    for ending, member in endings.items():
-        closure = rows[f"closure_net_since_seating_mm{member}"].to_numpy()
-        law, stress = LAWS["hyperbolic"], rows.normal_stress_MPa.to_numpy()
-        stiffness, largest = fit_law(law, stress, closure - closure[0], seating)[0]
-        aperture = float(rows[f"mean_aperture_mm{member}"].iloc[0])
+    for ending, rows in _loading(history, curves, "PorePy").items():
+        stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
+        fitted = fit_law(law, stress.to_numpy(), closure - closure[0], seating)[0]
+        (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             raise InputError(
-                f"PorePy: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm = "
-                f"{largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive"
+                f"PorePy: the hyperbola of cycle {rows.cycle.iloc[0]} has kni = {stiffness:g} "
+                f"MPa/mm and Vm = {largest:g} mm at a mean aperture of {aperture:g} mm: all must "
+                "be positive"
             )
         files[f"porepy{ending}.json"] = {
             "fracture_normal_stiffness": 1e9 * stiffness,
@@ -135,27 +129,27 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    cycle, rows, endings = _loading(history, curves, "GEOS")
-    closure = 1e-3 * rows[members(curves, "closure_net_since_seating_mm")[0]].to_numpy()
+    parts = _loading(history, curves, "GEOS")
+    closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
-        raise InputError(f"GEOS: the loading of cycle {cycle} {must}")
+        raise InputError(f"GEOS: the loading of cycle {parts[''].cycle.iloc[0]} {must}")
     kind = "hydraulic" if has_flow(history) else "mean"
     apertures: dict[str, np.ndarray] = {}
-    for ending, member in endings.items():
-        aperture = 1e-3 * rows[f"{kind}_aperture_mm{member}"].to_numpy()
-        if has_flow(history):
-            aperture = bounded(aperture, 1e-3 * rows[f"largest_hydraulic_mm{member}"].to_numpy())
-        if ending and not (aperture > 0.0).all():
-            continue  # the end of a band where no void is left
-        if not (aperture > 0.0).all():
+    for ending, rows in parts.items():
+        aperture = 1e-3 * rows[f"{kind}_aperture_mm"].to_numpy()
+        if has_flow(history):  # falls with stress, so that no aperture exceeds those before
+            hydraulic, largest = aperture, 1e-3 * rows.largest_hydraulic_mm.to_numpy()
+            aperture = np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
+        if (aperture > 0.0).all():
+            apertures[f"geos_aperture{ending}.csv"] = aperture
+        elif not ending:  # at an end of a band no void may be left
             first = rows.normal_stress_MPa.iloc[int(np.argmin(aperture > 0.0))]
             raise InputError(
                 f"GEOS: the {kind} aperture must be positive, and is not from {first:.3g} MPa on, "
                 "where no void is left that could flow"
             )
-        apertures[f"geos_aperture{ending}.csv"] = aperture
-    gap, tables = with_opening(closure, np.stack(list(apertures.values())))
+    gap, tables = _with_opening(closure, np.stack(list(apertures.values())))
     written = {"geos_gap.csv": gap} | dict(zip(apertures, tables, strict=True))
     texts = {
         name: "".join(f"{value:.9e}\n" for value in values) for name, values in written.items()
@@ -163,20 +157,8 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     return texts | {"geos.xml": _GEOS}
 
 
-def bounded(hydraulic: np.ndarray, largest: np.ndarray) -> np.ndarray:
-    """Return hydraulic apertures (n,) at rising stresses, upper bounds where flow is blocked.
-
-    It falls with stress, so that no aperture exceeds those before.
-    """
-    return np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
-
-
-def with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return gaps and apertures (tables, n) [m] as GEOS takes them, from closures since seating.
-
-    If a last slope is larger than `OPENING_SLOPE`, points just before the end reduce it to this
-    value.
-    """
+def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return gaps and apertures (tables, n) [m], with a last slope of at most `OPENING_SLOPE`."""
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
     values = apertures[:, ::-1]
@@ -188,31 +170,28 @@ def with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray
     return gap, values
 
 
+_TABLES = (
+    ("normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch", "kn",
+     "normal_stiffness_net_MPa_per_mm", 1e9),
+    ("hydraulic aperture (m) against normal stress (Pa) by cycle and branch", "aperture",
+     "hydraulic_aperture_mm", 1e-3),
+    ("its upper bound (m), as a cell in contact is shut whole", "aperture-bound",
+     "largest_hydraulic_mm", 1e-3),
+)  # fmt: skip
+"""Comment, name, column and unit of the tables for 3DEC; the last two are of flow."""
+
+
 def itasca_tables(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Write commands of 3DEC 7 that define tables over normal stress [Pa], by cycle and branch.
-
-    They are of net normal stiffness [Pa/m], and with flow of the geometric mean of the hydraulic
-    apertures [m]; names of the low and the high end of a band end so.
-    """
-    lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
-    lines += _tables("kn", curves, "normal_stiffness_net_MPa_per_mm", 1e9)
-    if has_flow(history):
-        lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")
-        lines += _tables("aperture", curves, "hydraulic_aperture_mm", 1e-3)
-        lines.append("; its upper bound (m), as a cell in contact is shut whole")
-        lines += _tables("aperture-bound", curves, "largest_hydraulic_mm", 1e-3)
-    return {"joint_stiffness.dat": "\n".join(lines) + "\n"}
-
-
-def _tables(name: str, curves: pd.DataFrame, column: str, scale: float) -> list[str]:
-    """Return a command for each cycle, branch and end of a band that defines known values."""
+    """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
     lines = []
-    for member, ending in zip(members(curves, column), ("", "-low", "-high"), strict=False):
-        for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
-            pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
-            text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
-            lines.append(f"table '{name}-cycle-{cycle}-{branch}{ending}' add {text}")
-    return lines
+    for comment, name, column, scale in _TABLES if has_flow(history) else _TABLES[:1]:
+        lines.append(f"; {comment}")
+        for member, ending in zip(members(curves, column), ("", "-low", "-high"), strict=False):
+            for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
+                pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
+                text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
+                lines.append(f"table '{name}-cycle-{cycle}-{branch}{ending}' add {text}")
+    return {"joint_stiffness.dat": "\n".join(lines) + "\n"}
 
 
 def fracture_mesh(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:

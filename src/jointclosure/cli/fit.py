@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     stated |= options.model_of(arguments, RESOLVED) | {"rock": rock.intact}
     stated["closure_error"] = 1e-2 * arguments.closure_error
     if not scanned:
-        stated["jrc"] = options.jrc_of(arguments, rock)
+        stated["jrc"] = rock.jrc
     result = fit(**stated, progress=True)
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:

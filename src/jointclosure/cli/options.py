@@ -183,7 +183,8 @@ def add_conditions(
 ) -> None:
     """Declare rock, load and stored states, model, and numerics with usual values."""
     rock = command.add_argument_group("rock")
-    rock.add_argument("--rock", metavar="NAME", help=f"one of {', '.join(ROCKS)}")
+    rock.add_argument("--rock", metavar="NAME", help=f"one of {', '.join(ROCKS)}", choices=ROCKS,
+                      type=lambda name: matching(name, ROCKS) or name)  # fmt: skip
     for name, about in OF_ROCK.items():
         form = _form(name, float) | {"dest": name, "default": argparse.SUPPRESS}
         rock.add_argument(option_of(name), help=f"{about.long_name} {about.symbol}", **form)
@@ -211,29 +212,23 @@ def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]
 
 
 def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
-    """Return the rock that is named or given; without a name the keywords ``needed`` must be too.
+    """Return the rock, JRC and stress that are given, otherwise those of the named rock.
 
-    Properties that are given replace those of a named rock.
+    Without a named rock all of its properties, and the keywords ``needed``, must be given.
     """
-    stated = given(arguments, OF_ROCK)
-    if arguments.rock is None:
-        required = [name for name in OF_ROCK if name not in Rock._field_defaults]
-        missing = [name for name in (*required, *needed) if not hasattr(arguments, name)]
-        if missing:
-            options = ", ".join(map(option_of, missing))
-            raise InputError(f"without --rock (such as --rock granite): {options} must be given")
-        return KnownRock("Rock", Rock(**stated))
-    name = matching(arguments.rock, ROCKS)
-    if name is None:
-        raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(ROCKS)}")
-    return ROCKS[name]._replace(intact=ROCKS[name].intact._replace(**stated))
-
-
-def jrc_of(arguments: argparse.Namespace, rock: KnownRock) -> Any:
-    """Return the joint roughness coefficient that is given, or that of the rock."""
-    if (jrc := getattr(arguments, "jrc", rock.jrc)) is None:
-        raise InputError(f"--rock {arguments.rock}: has no roughness, --jrc must be given")
-    return jrc
+    known, stated = ROCKS.get(arguments.rock), given(arguments, OF_ROCK)
+    required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]
+    missing = [
+        option_of(name)
+        for name in (*required, *needed)
+        if getattr(known, name, None) is None and not hasattr(arguments, name)
+    ]
+    if missing:
+        where = f"--rock {arguments.rock}" if known else "without --rock (such as --rock granite)"
+        raise InputError(f"{where}: {', '.join(missing)} must be given")
+    intact = known.intact._replace(**stated) if known else Rock(**stated)
+    rock = (known or KnownRock("Rock", intact))._replace(intact=intact)
+    return rock._replace(**given(arguments, ("jrc", "max_normal_stress")))
 
 
 def model_of(arguments: argparse.Namespace, usual: Numerics) -> dict[str, Any]:

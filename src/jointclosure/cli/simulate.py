@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         from jointclosure.plotting.joint import closure_curve
         from jointclosure.plotting.snapshots import snapshot_figure
     rock = options.rock_of(arguments, "jrc", "max_normal_stress")
-    jrc = options.jrc_of(arguments, rock)
+    jrc: Any = rock.jrc
     stated = options.conditions_of(arguments, rock, Numerics())
     conditions = Conditions(**stated)
     kept = results.kept_stresses(arguments, conditions.max_normal_stress)

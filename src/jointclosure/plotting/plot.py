@@ -4,7 +4,7 @@
 is made, which notebooks show. Lengths are drawn in mm and stresses in MPa.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -25,6 +25,7 @@ with needs("figures", "jointclosure.plotting.plot"):
 if TYPE_CHECKING:
     from jointclosure.engine.scanned_joint import ClosedJoint
 
+Joint: TypeAlias = "xr.Dataset | ClosedJoint"
 __all__ = ["aperture", "contacts", "curves", "damage", "stiffness", "wall", "walls"]
 
 
@@ -37,10 +38,7 @@ _SINCE = ("touch", "seating", "cycle")
 
 @styled
 def curves(
-    joint: "xr.Dataset | ClosedJoint",
-    axes: Axes | None = None,
-    since: str = "touch",
-    gross: bool = False,
+    joint: Joint, axes: Axes | None = None, since: str = "touch", gross: bool = False
 ) -> Axes:
     """Draw normal stress over closure: loading solid, unloading dashed, a colour for each cycle.
 
@@ -83,7 +81,7 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 
 @styled
-def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
+def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
     """Draw net normal stiffness kn [MPa/mm] over stress."""
     axes = _axes(axes)
     draw_stiffness(axes, stress_table(_history(joint)))
@@ -97,8 +95,7 @@ def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
     axes, heights = _axes(axes), np.asarray(heights)
     image = draw_heights(axes, heights, spacing, float(np.nanmax(np.abs(heights))))
     image.set_interpolation("nearest")
-    _finish_map(axes, image, "height (mm)")
-    return axes
+    return _finish_map(axes, image, "height (mm)")
 
 
 @styled
@@ -129,40 +126,30 @@ def walls(
 
 
 @styled
-def aperture(
-    joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
-) -> Axes:
+def aperture(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
     """Draw the distance of the deformed walls in a snapshot, with contacts in red.
 
     ``joint`` was closed with ``snapshots``; ``snapshot`` is the index of one, by default the last.
     """
-    axes = _axes(axes)
-    _state_map(axes, joint, snapshot, "aperture")
-    history = _history(joint)
-    draw_contacts(axes, history, snapshot)
+    axes = _state_map(axes, joint, snapshot, "aperture")
+    draw_contacts(axes, _history(joint), snapshot)
     return axes
 
 
 @styled
-def contacts(
-    joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
-) -> Axes:
+def contacts(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
     """Draw the stress of the cells in contact in a snapshot; arguments as for `aperture`."""
-    axes = _axes(axes)
-    _state_map(axes, joint, snapshot, "stress")
-    return axes
+    return _state_map(axes, joint, snapshot, "stress")
 
 
 @styled
-def damage(joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None) -> Axes:
+def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
     """Draw the change of both walls' heights since first touch; arguments as for `aperture`."""
-    axes = _axes(axes)
-    _state_map(axes, joint, snapshot, "change")
-    return axes
+    return _state_map(axes, joint, snapshot, "change")
 
 
-def _state_map(axes: Axes, joint: "xr.Dataset | ClosedJoint", snapshot: int, name: str) -> None:
-    history = _history(joint)
+def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axes:
+    history, axes = _history(joint), _axes(axes)
     count = history.sizes.get("snapshot", 0)
     if not -count <= snapshot < count:
         raise InputError(
@@ -170,19 +157,19 @@ def _state_map(axes: Axes, joint: "xr.Dataset | ClosedJoint", snapshot: int, nam
             "close(..., snapshots=[...]) store them"
         )
     drawn = state_map(history, name)
-    image = draw_map(axes, history, drawn, snapshot)
     titles = dict(zip(MAPS, describe_state(history.isel(snapshot=snapshot)), strict=True))
-    title = titles["aperture"] if name == "aperture" else f"{titles['aperture']}, {titles[name]}"
-    axes.set_title(title)
-    _finish_map(axes, image, drawn.label, drawn.beyond)
+    axes.set_title(titles["aperture"] + ("" if name == "aperture" else f", {titles[name]}"))
+    image = draw_map(axes, history, drawn, snapshot)
+    return _finish_map(axes, image, drawn.label, drawn.beyond)
 
 
-def _finish_map(axes: Axes, image, label: str, beyond: str = "neither") -> None:
+def _finish_map(axes: Axes, image, label: str, beyond: str = "neither") -> Axes:
     axes.figure.colorbar(image, ax=axes, label=label, extend=beyond)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    return axes
 
 
-def _history(joint: "xr.Dataset | ClosedJoint") -> xr.Dataset:
+def _history(joint: Joint) -> xr.Dataset:
     return joint if isinstance(joint, xr.Dataset) else joint.history
 
 

@@ -1,7 +1,7 @@
 """Figures of a joint at stresses: aperture, contact forces, damage; and an animation of them."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import seaborn as sns
@@ -18,7 +18,7 @@ from jointclosure.joint.curves import spacing_of
 from jointclosure.joint.history import GROSS
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.style import StyledFigure, panel_grid, styled
-from jointclosure.plotting.walls import map_extent
+from jointclosure.plotting.walls import draw_field
 
 STRESSES = 16
 """Number of snapshots of a branch for a smooth animation."""
@@ -26,7 +26,6 @@ _PAUSE = 300
 """Duration of a frame in milliseconds."""
 _ROWS = 3
 """Rows of full size; with n snapshots each map has sqrt(n / 3) columns."""
-_MAP: dict[str, Any] = {"origin": "lower", "interpolation": "nearest"}
 
 
 @styled
@@ -98,17 +97,15 @@ def state_map(closed: xr.Dataset, name: str) -> StateMap:
 
 def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:
     """Draw a map of one snapshot on axes in millimetres."""
-    extent = map_extent(drawn.fields.shape[1:], spacing_of(closed))
-    field = drawn.fields[snapshot]
-    return axes.imshow(field, cmap=drawn.colours, norm=drawn.norm, extent=extent, **_MAP)
+    style = {"cmap": drawn.colours, "norm": drawn.norm, "interpolation": "nearest"}
+    return draw_field(axes, drawn.fields[snapshot], spacing_of(closed), **style)
 
 
 def draw_contacts(axes: Axes, closed: xr.Dataset, snapshot: int) -> None:
     """Draw the cells in contact in red."""
     force = closed.snapshot_force.values[snapshot]
     contacts = np.ma.masked_where(force == 0.0, np.ones_like(force))
-    extent = map_extent(force.shape, spacing_of(closed))
-    axes.imshow(contacts, cmap="autumn", extent=extent, **_MAP)
+    draw_field(axes, contacts, spacing_of(closed), cmap="autumn", interpolation="nearest")
 
 
 def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
@@ -181,8 +178,8 @@ def _map(axes, closed: xr.Dataset):
     """Draw the change of height of both walls, with contacts in black."""
     change = state_map(closed, "change")
     image, none = draw_map(axes, closed, change, 0), np.ma.masked_all(change.fields[0].shape)
-    extent = map_extent(none.shape, spacing_of(closed))
-    contacts = axes.imshow(none, cmap="gray", vmin=0.0, vmax=1.0, extent=extent, **_MAP)
+    style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
+    contacts = draw_field(axes, none, spacing_of(closed), **style)
     label = "change of height (mm)"
     axes.figure.colorbar(image, ax=axes, label=label, extend="both", shrink=0.85)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")

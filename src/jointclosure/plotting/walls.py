@@ -1,5 +1,7 @@
 """Figures of scanned walls and of the range of their joint's results."""
 
+from typing import Any
+
 import numpy as np
 import seaborn as sns
 from matplotlib.axes import Axes
@@ -14,13 +16,22 @@ from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
 
 
+def map_extent(shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
+    """Return edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
+    ny, nx = shape
+    return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
+
+
+def draw_field(axes: Axes, field: np.ndarray, spacing: float, **style: Any) -> AxesImage:
+    """Draw a map of a field (y, x) on a grid of a spacing [m]."""
+    return axes.imshow(field, origin="lower", extent=map_extent(field.shape, spacing), **style)
+
+
 def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) -> AxesImage:
     """Draw a map of heights (y, x) [m], with colours from minus to plus a reach [m]."""
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    return axes.imshow(
-        1e3 * heights, origin="lower", extent=map_extent(heights.shape, spacing), cmap="vlag",
-        vmin=-1e3 * reach, vmax=1e3 * reach,
-    )  # fmt: skip
+    limits = {"vmin": -1e3 * reach, "vmax": 1e3 * reach}
+    return draw_field(axes, 1e3 * heights, spacing, cmap="vlag", **limits)
 
 
 @styled
@@ -71,32 +82,25 @@ def range_figure(budget: Budget, title: str) -> Figure:
     return figure
 
 
-def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
-    """Return edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
-    ny, nx = pair_shape
-    return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
-
-
-def _bar_length(wall: np.ndarray) -> float:
-    """Return the length of a colour bar that is as high as the map of a wall (y, x)."""
-    ny, nx = wall.shape
-    return 0.85 * min(ny / nx, 1.0)
-
-
 def _draw_wall(axes: Axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
     reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
     image = draw_heights(axes, heights, pair.spacing, reach)
-    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=_bar_length(heights))
+    _add_bar(axes, image, "height (mm)")
     axes.set_title(title)
 
 
+def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") -> None:
+    """Add a colour bar that is as high as the map."""
+    ny, nx = image.get_size()
+    axes.figure.colorbar(
+        image, ax=axes, label=label, shrink=0.85 * min(ny / nx, 1.0), extend=extend
+    )
+
+
 def _draw_aperture(axes, pair: RegisteredPair) -> None:
-    image = axes.imshow(
-        1e3 * pair.aperture, origin="lower", extent=map_extent(pair.aperture.shape, pair.spacing),
-        cmap="viridis", vmin=0.0, vmax=1e3 * np.percentile(pair.aperture, 99.0),
-    )  # fmt: skip
-    shrink = _bar_length(pair.aperture)
-    axes.figure.colorbar(image, ax=axes, label="aperture (mm)", shrink=shrink, extend="max")
+    limits = {"vmin": 0.0, "vmax": 1e3 * np.percentile(pair.aperture, 99.0)}
+    image = draw_field(axes, 1e3 * pair.aperture, pair.spacing, cmap="viridis", **limits)
+    _add_bar(axes, image, "aperture (mm)", "max")
     y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
     axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
     axes.set(title="aperture at first touch (in the circle)", xlabel="x (mm)", ylabel="y (mm)")
@@ -173,14 +177,13 @@ def roughness_figure(
 def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
     """Draw three profiles along each axis, shifted, at the scale of the heights."""
     gap = 4e3 * np.nanstd(heights)
-    ways = (("x", "C0", heights), ("y", "C1", heights.T))
+    ways = (("x", "C0", heights, 0), ("y", "C1", heights.T, 3))
     for number, part in enumerate((0.25, 0.5, 0.75)):
-        for axis, colour, along in ways:
+        for _, colour, along, first in ways:
             profile = 1e3 * along[int(part * len(along))]
-            offset = gap * (number + (3 if axis == "y" else 0))
             place = 1e3 * spacing * np.arange(profile.size)
-            axes.plot(place, profile + offset, color=colour, lw=0.9)
-    for axis, colour, _ in ways:
+            axes.plot(place, profile + gap * (number + first), color=colour, lw=0.9)
+    for axis, colour, *_ in ways:
         axes.plot([], [], color=colour, label=f"along {axis}, at 1/4, 1/2, 3/4")
     axes.set(title="profiles", xlabel="distance (mm)", ylabel="height, shifted (mm)")
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=8)

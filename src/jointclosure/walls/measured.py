@@ -15,10 +15,6 @@ LARGEST_TILT = 20.0
 """Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
 REACH = 2.0
 """Distance, in mean point distances, within which a cell needs a point to have a height."""
-AT_PLACE = 1e-6
-"""Distance, as a share of the reach, within which a node is at a scanned point."""
-NEAREST = 12
-"""Number of points around a node that are triangulated: enough for the Delaunay triangle of all."""
 MOST_CELLS_PER_POINT = 100
 """Largest number of cells of a grid for each point; beyond, nearly all are far from points."""
 PAPER_SPACING = 0.25e-3
@@ -106,9 +102,8 @@ def point_distance(scan: Scan | Cloud) -> float:
     try:
         area = scipy.spatial.ConvexHull(scan.points[:, :2]).volume
     except (scipy.spatial.QhullError, ValueError):
-        raise InputError(
-            f"{len(scan.points)} points: they lie on one line or are too few for a wall"
-        ) from None
+        problem = "they lie on one line or are too few for a wall"
+        raise InputError(f"{len(scan.points)} points: {problem}") from None
     return float(np.sqrt(area / len(scan.points)))
 
 
@@ -138,10 +133,8 @@ def wall_on_grid(
     """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
-        raise InputError(
-            f"grid spacing {1e3 * spacing:g} mm: finer than the scan, whose points are "
-            f"{1e3 * distance:.4g} mm apart; what lies between them was not measured"
-        )
+        finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
+        raise InputError(f"grid spacing {1e3 * spacing:g} mm: {finer}")
     if isinstance(scan, Scan):
         level = _levelled(*_places(scan), scan.heights)
         return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
@@ -151,10 +144,10 @@ def wall_on_grid(
     low, high = (places.min(axis=0), places.max(axis=0)) if bounds is None else bounds
     ny, nx = node_counts(low, high, spacing)
     if nx * ny > MOST_CELLS_PER_POINT * len(places):
+        x, y = 1e3 * (high - low)
         raise InputError(
-            f"{len(places)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
-            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
-            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
+            f"{len(places)} points lie in {x:.4g} x {y:.4g} mm (x, y), {ny} x {nx} cells of the "
+            f"grid: must be at most {MOST_CELLS_PER_POINT} cells for each point"
         )
     return heights_between(places, heights, grid_nodes(low, (ny, nx), spacing), REACH * distance)
 
@@ -196,10 +189,8 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
     plane = plane_through(x[known], y[known], heights[known])
     tilt = np.degrees(np.arctan(np.hypot(plane.slope_x, plane.slope_y)))
     if tilt > LARGEST_TILT:
-        raise InputError(
-            f"the mean plane is inclined by {tilt:.1f} degrees: at most {LARGEST_TILT:g}; "
-            "turn the scan so that its mean plane is about horizontal"
-        )
+        must = f"at most {LARGEST_TILT:g}; turn the scan so that its mean plane is about horizontal"
+        raise InputError(f"the mean plane is inclined by {tilt:.1f} degrees: {must}")
     return heights - plane.at(x, y)
 
 
@@ -207,11 +198,11 @@ def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
     """Interpolate heights linearly at nodes (..., 2) between places (n, 2) within ``reach`` [m]."""
-    count = min(NEAREST, len(places))
+    count = min(12, len(places))  # enough for the Delaunay triangle of all
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
     nearest = distances[..., 0]
     interpolated = heights[near[..., 0]]
-    off = nearest >= AT_PLACE * reach
+    off = nearest >= 1e-6 * reach  # others are at a scanned point
     if off.any():
         used = np.zeros(len(places), bool)
         used[near[off]] = True

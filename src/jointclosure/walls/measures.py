@@ -49,10 +49,8 @@ class Increments(NamedTuple):
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
     """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
     if min(heights.shape) < SMALLEST_WALL:
-        raise InputError(
-            f"{heights.shape[0]} x {heights.shape[1]} cells (y, x): "
-            f"measures need at least {SMALLEST_WALL} along each side"
-        )
+        size, must = heights.shape, f"measures need at least {SMALLEST_WALL} along each side"
+        raise InputError(f"{size[0]} x {size[1]} cells (y, x): {must}")
     if not np.nanstd(heights) > 0.0:
         raise InputError("all heights are equal: the wall has no roughness")
     means, measures = _resampled_means(heights, spacing, resamples), []

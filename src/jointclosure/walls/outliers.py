@@ -7,30 +7,19 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.walls.measured import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
-LINK = 5.0
-"""Size of the cells by which points are joined into patches, in median distances of neighbours."""
-SMALLEST_PATCH = 0.01
-"""Share of all points below which a patch apart from the largest one is stray."""
-FARTHEST_HEIGHT = 20.0
-"""Distance from the median, in ranges of the middle 98 %, beyond which a height is stray."""
 NEIGHBOURS = 8
-SPIKE = 8.0
-"""Height of a spike, in median differences of neighbours; Gaussian self-affine walls reach 2."""
 ROUNDS = 4
 """Largest number of rounds of spike removal: higher spikes hide others."""
 PLATEAU = 5.0
 """Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1
 - m)^2, with the share m of differences of one step; the largest of 3,200 walls had 0.65 times."""
-LEVEL = 1e-3
-"""Second differences, over their median, up to which a point of a grid counts as one of a plane."""
-ROUNDED = 0.05
-"""Share of such points outside of large patches from which heights are rounded too coarsely."""
-FLAT_SHARE = 0.5
-"""Share of the points in plateaus from which a wall counts as flat or stepped."""
 
 
 def strays(points: np.ndarray) -> np.ndarray:
-    """Return which points (n, 3) are in a small patch apart from the largest, or far in height."""
+    """Return which points (n, 3) are in a small patch apart from the largest, or far in height.
+
+    Heights are far beyond 20 ranges of the middle 98 % from the median.
+    """
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
     stray = _apart(points[:, :2])
@@ -39,21 +28,24 @@ def strays(points: np.ndarray) -> np.ndarray:
         low, middle, high = np.percentile(points[known, 2], (1.0, 50.0, 99.0))
         if high > low:
             with np.errstate(invalid="ignore"):
-                stray |= np.abs(points[:, 2] - middle) > FARTHEST_HEIGHT * (high - low)
+                stray |= np.abs(points[:, 2] - middle) > 20.0 * (high - low)
     return stray
 
 
 def _apart(places: np.ndarray) -> np.ndarray:
-    """Return which places (n, 2) are in small patches apart from the largest one."""
+    """Return which places (n, 2) are in patches of less than 1 % apart from the largest one.
+
+    Cells of five median distances of neighbours join points into patches.
+    """
     distances = scipy.spatial.cKDTree(places).query(places, k=2)[0][:, 1]
     if not (distances > 0.0).any():
         return np.zeros(len(places), bool)
-    size = LINK * float(np.median(distances[distances > 0.0]))
+    size = 5.0 * float(np.median(distances[distances > 0.0]))
     cells, of_point = unique_places(np.floor(places / size))
     pairs = scipy.spatial.cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray")
     patch = _components(pairs, len(cells))[of_point]
     members = np.bincount(patch)
-    small = members < SMALLEST_PATCH * len(places)
+    small = members < 0.01 * len(places)
     small[members.argmax()] = False
     return small[patch]
 
@@ -98,7 +90,7 @@ def _sharpness(points: np.ndarray) -> np.ndarray:
     usual = np.median(np.abs(level[near] - level[:, None]))
     up, down = level - around[:, -2], around[:, 1] - level
     height = np.where(up >= down, up, -down)
-    return np.where(np.abs(height) > SPIKE * usual, height, np.nan)
+    return np.where(np.abs(height) > 8.0 * usual, height, np.nan)  # self-affine walls reach 2
 
 
 def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
@@ -134,7 +126,7 @@ def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
         f"plane, the largest of {size[largest]} points with {height:.4g} mm at (x, y) = "
         f"({x:.4g}, {y:.4g}) mm"
     )
-    if cut.mean() > FLAT_SHARE:
+    if cut.mean() > 0.5:  # a flat or stepped wall
         done = "; they were used as heights"
     else:
         scan, done = _without(scan, cut), ", as no rough wall has; they were treated as missing"
@@ -171,11 +163,11 @@ def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     bends = (np.abs(np.diff(around[:, 1:-1], 2, axis=0)), np.abs(np.diff(around[1:-1], 2, axis=1)))
     bend = np.maximum(*bends)
     usual = np.nanmedian(bend) if np.isfinite(bend).any() else 0.0
-    level = bend <= LEVEL * usual
+    level = bend <= 1e-3 * usual  # as on a plane
     patch = scipy.ndimage.label(level)[0]
     size = np.where(level, np.bincount(patch.ravel())[patch], 0)
     size *= size > PLATEAU * np.log10(heights.size)
-    if usual == 0.0 or (level & (size == 0)).mean() > ROUNDED:
+    if usual == 0.0 or (level & (size == 0)).mean() > 0.05:  # heights are rounded coarsely
         return np.zeros_like(size)
     # the rim of a patch bends towards the wall around
     whole = scipy.ndimage.label(scipy.ndimage.binary_dilation(size > 0, np.ones((3, 3))))[0]

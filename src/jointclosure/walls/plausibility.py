@@ -9,17 +9,10 @@ from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.walls.measured import PAPER_SPACING, Cloud, Scan, node_counts, points_of
 from jointclosure.walls.roughness import plane_through
 
-_STEEPEST, _FLATTEST = 2.0, 1e-3
-"""Rms slopes beyond which heights and spacing have different units; natural: 0.1 to 0.6."""
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
 _USUAL_HURST = 0.8
 """Hurst exponent with which a slope is carried to another spacing or distance."""
-_UNLIKE = 4.0
-"""Ratio of the rms slopes of two walls from which units differ; JRC 2 and 20 have 3.8."""
-_UNLIKE_GAIN, _MATED = 1.5, 0.8
-"""Ratio of the heights of walls that correlate by so much from which units differ: 300 clean pairs
-(24 to 64 cells, JRC 2 to 20, mated beyond 0.5 to 10 mm) had at most 1.14."""
 _CONFUSED = {
     2.54: "inches and cm",
     10.0: "cm and mm",
@@ -29,18 +22,6 @@ _CONFUSED = {
 """Ratios of units that are confused."""
 _ALIKE = 0.5
 """Correlation of slopes from which two walls count as similar."""
-_SUMMITS = 10
-"""Number of summits from which a wall counts as rough; a lens or a lattice has fewer."""
-_COPY = 1e-6
-"""Smallest difference from 1 of the correlation of heights of two different walls or scans."""
-_CROSSED = 0.9
-"""Share of cells with the upper wall below from which walls are interchanged (0.998, else
-0.002)."""
-_AT_NODE, _BETWEEN = 1e-5, 0.75
-"""Distances from a point [cells] below which a node has its height, and beyond which it is in a
-hole."""
-_LEAST_BETWEEN = 0.05
-"""Smallest share of nodes between points from which a wall counts as interpolated."""
 _PAIRS = 0.75, 1.25
 """Distances of the points, in cells, whose height differences are compared with those of cells."""
 _SAMPLE = 20_000
@@ -60,13 +41,13 @@ def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> Non
 
 def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
     """Raise `InputError` if walls are interchanged (``gap`` (y, x) [m]), or one is a copy."""
-    if abs(correlation) > 1.0 - _COPY:
+    if abs(correlation) > 1.0 - 1e-6:
         raise InputError(
             f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
             f"copy of the other; {AS_IT_IS}"
         )
     below = float(np.mean(gap < 0.0))
-    if common_frame and below > _CROSSED:
+    if common_frame and below > 0.9:  # interchanged walls have 0.998, others 0.002
         raise InputError(
             f"upper and lower: the upper wall lies below the lower one in {100.0 * below:.3g} "
             f"% of the cells, by {-1e3 * gap.mean():.3g} mm in the mean; give the files in the "
@@ -80,7 +61,7 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
         f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights and "
         "spacing must both be in m"
         for name, slope in _slopes_of_rough(walls, spacing).items()
-        if not _FLATTEST <= slope <= _STEEPEST
+        if not 1e-3 <= slope <= 2.0
     ]
 
 
@@ -91,12 +72,13 @@ def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str]
     if len(slopes) == 2:
         (one, slope), (other, other_slope) = sorted(slopes.items(), key=lambda item: -item[1])
         ratio = slope / other_slope
-        if ratio > _UNLIKE:
+        if ratio > 4.0:  # JRC 2 and 20 have 3.8
             contradictions.append(
                 f"the {one} wall is {ratio:.3g} times as steep as the {other} one (rms slopes "
                 f"{slope:.3g} and {other_slope:.3g}): {_suspected(0.5 * ratio, 2.0 * ratio)}"
             )
-        elif (gain := _gain(walls[one], walls[other])) > _UNLIKE_GAIN:
+        # 300 clean pairs (24 to 64 cells, JRC 2 to 20, mated beyond 0.5 to 10 mm) had up to 1.14
+        elif (gain := _gain(walls[one], walls[other])) > 1.5:
             contradictions.append(
                 f"heights of one wall are {gain:.3g} times those of the other one, with which they "
                 f"are mated: {_suspected(0.8 * gain, 1.25 * gain)}"
@@ -118,9 +100,7 @@ def _gain(one: np.ndarray, other: np.ndarray) -> float:
     known = np.isfinite(one + other)
     y, x = np.nonzero(known)
     a, b = (wall[known] - plane_through(x, y, wall[known]).at(x, y) for wall in (one, other))
-    if abs(np.corrcoef(a, b)[0, 1]) < _MATED:
-        return 1.0
-    ratio = float(a.std() / b.std())
+    ratio = float(a.std() / b.std()) if abs(np.corrcoef(a, b)[0, 1]) >= 0.8 else 1.0
     return max(ratio, 1.0 / ratio)
 
 
@@ -183,12 +163,12 @@ def _likeness(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def _is_rough(wall: np.ndarray) -> bool:
-    """Return whether enough inner cells of a wall are higher than their four neighbours."""
+    """Return whether ten inner cells are above their four neighbours; not of a lens or lattice."""
     if min(wall.shape) < 3:
         return False
     inner = wall[1:-1, 1:-1]
     beside = (wall[:-2, 1:-1], wall[2:, 1:-1], wall[1:-1, :-2], wall[1:-1, 2:])
-    return int(np.logical_and.reduce([inner > side for side in beside]).sum()) >= _SUMMITS
+    return int(np.logical_and.reduce([inner > side for side in beside]).sum()) >= 10
 
 
 def smoothing_of(
@@ -215,7 +195,8 @@ def smoothing_of(
     tree = scipy.spatial.cKDTree(np.column_stack([x, y]))
     row, column = np.divmod(np.arange(0, nx * ny, -(-nx * ny // _SAMPLE)), nx)
     nearest = tree.query(low + spacing * np.column_stack([column, row]))[0] / spacing
-    if np.mean((nearest > _AT_NODE) & (nearest < _BETWEEN)) < _LEAST_BETWEEN:
+    # nearer nodes have the height of a point, and farther ones are in a hole
+    if np.mean((nearest > 1e-5) & (nearest < 0.75)) < 0.05:
         return ()
     some = np.arange(0, len(x), -(-len(x) // _SAMPLE))
     pairs = tree.sparse_distance_matrix(

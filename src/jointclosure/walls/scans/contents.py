@@ -26,11 +26,6 @@ SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -3
 """Values that count as missing if they are beyond all other values."""
 LARGEST = 1e20
 """Larger values are missing in any unit, such as 1e30 and 1.70141e38."""
-LEAST_ZEROS, ZEROS_PER_OTHER = 10, 10
-"""Smallest number of zeros, and smallest ratio to the most frequent other height, that are missing:
-an instrument that rounds gives neighbouring values about equally often."""
-_MOST_ZEROS = 0.5
-"""Largest share of zeros that count as missing; a wall with more may be flat."""
 
 
 class Contents(NamedTuple):
@@ -62,19 +57,23 @@ class Contents(NamedTuple):
 def check_size(shape: tuple[int, ...], itemsize: int = 8, name: str = "") -> None:
     """Raise `InputError` if an array of values of ``itemsize`` bytes is above `LARGEST_ARRAY`."""
     if math.prod(shape) * itemsize > LARGEST_ARRAY:
-        size = " x ".join(map(str, shape))
-        raise InputError(
-            f"{f'{name}: ' if name else ''}declares {size} values of {itemsize} bytes: must be at "
-            f"most {LARGEST_ARRAY / 1e6:g} MB"
-        )
+        size = f"declares {' x '.join(map(str, shape))} values of {itemsize} bytes"
+        most = f"must be at most {LARGEST_ARRAY / 1e6:g} MB"
+        raise InputError(f"{name}{': ' if name else ''}{size}: {most}")
 
 
-def incomplete(rows: int, columns: int, found: int) -> InputError:
-    """Return the error for a grid without as many heights as it declares."""
-    return InputError(
-        f"declares {rows} rows of {columns} heights, {rows * columns}, and contains {found}: "
-        "is the file incomplete?"
-    )
+def incomplete(declared: str, number: int) -> InputError:
+    """Return the error for a file with less than it declares."""
+    return InputError(f"declares {declared}, and contains {number}: is the file incomplete?")
+
+
+def real(values) -> np.ndarray:
+    """Convert values to double precision, NaN where masked or not finite."""
+    if np.asarray(values).dtype.kind not in "fiu":
+        raise InputError(f"values of type {np.asarray(values).dtype}: must be real numbers")
+    numbers = np.array(np.ma.filled(np.ma.asarray(values).astype(float), np.nan))
+    numbers[~np.isfinite(numbers)] = np.nan
+    return numbers
 
 
 def check_no_variable(variable: str | None) -> None:
@@ -103,12 +102,13 @@ def plausible(sides: tuple[float, float] | None) -> str:
     """Describe which units give a wall with sides in the file's units a plausible size."""
     if sides is None:
         return ""
+    x, y = sides
     fitting = [
-        f"{name} ({1e3 * size * sides[0]:.4g} x {1e3 * size * sides[1]:.4g} mm)"
+        f"{name} ({1e3 * size * x:.4g} x {1e3 * size * y:.4g} mm)"
         for name, size in UNITS.items()
         if _is_plausible(size, sides)
     ]
-    spans = f"; it spans {sides[0]:.4g} x {sides[1]:.4g}"
+    spans = f"; it spans {x:.4g} x {y:.4g}"
     return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
 
 
@@ -128,18 +128,14 @@ def settled(
     what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
 ) -> str:
     """Return the units of the file or of the user; `InputError` for none, or for two different."""
-    if stated is not None:
-        size_of(stated)
-    if of_file is None:
-        if stated is None:
-            raise InputError(
-                f"does not state the units of its {what}: give units (--units on the command "
-                f"line){plausible(sides)}"
-            )
-        return stated
-    if stated is not None and size_of(of_file) != size_of(stated):
+    size = None if stated is None else size_of(stated)
+    units = of_file or stated
+    if units is None:
+        must = f"give units (--units on the command line){plausible(sides)}"
+        raise InputError(f"does not state the units of its {what}: {must}")
+    if size is not None and size_of(units) != size:
         raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
-    return of_file
+    return units
 
 
 def split_name(name: str) -> tuple[str, str | None]:
@@ -189,11 +185,15 @@ def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     remarks = (missing_sentence(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
     known = heights[np.isfinite(heights) & ~missing]
     zeros = int((known == 0.0).sum())
-    if zeros < LEAST_ZEROS or zeros == known.size:
-        return missing, remarks
-    if zeros < ZEROS_PER_OTHER * np.unique(known[known != 0.0], return_counts=True)[1].max():
+    # an instrument that rounds gives neighbouring values about equally often
+    if not 10 <= zeros < known.size or zeros < 10 * _most_frequent(known[known != 0.0]):
         return missing, remarks
     about = f"{zeros} of {known.size} heights are exactly 0, far more than of any other"
-    if zeros > _MOST_ZEROS * known.size:
+    if zeros > 0.5 * known.size:  # the wall may be flat
         return missing, (*remarks, caution(f"{about}; they were used as heights"))
     return missing | (heights == 0.0), (*remarks, caution(f"{about}; they were treated as missing"))
+
+
+def _most_frequent(values: np.ndarray) -> int:
+    """Return how often the most frequent value occurs."""
+    return int(np.unique(values, return_counts=True)[1].max())

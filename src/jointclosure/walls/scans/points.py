@@ -1,136 +1,35 @@
-"""Points of text files, of which some are matrices of heights, and of meshes (STL, PLY, OBJ)."""
+"""Points of a scan in any order, with gaps and repetitions: a regular grid, or scattered."""
 
-import itertools
-import re
-import struct
-from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-import scipy
 
-from jointclosure.inputs import InputError, size_of
-from jointclosure.inputs.extras import needs
-from jointclosure.inputs.remarks import caution
-from jointclosure.walls.outliers import strays
+from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.walls.measured import gaps
+from jointclosure.walls.outliers import strays, unique_places
 from jointclosure.walls.scans.contents import (
-    VARIABLE,
     Contents,
-    axis_name,
     missing_heights,
     missing_sentence,
     missing_values,
-    reading_as,
-    split_name,
 )
-from jointclosure.walls.scans.lattice import lattice_of, merged_points
-from jointclosure.walls.scans.text import Table, are_places, is_binary, read_table
 
-LEAST_COLUMNS = 12
-"""Columns without names from which on a file is a matrix; points with colours have ten."""
-NAMED = 3
-"""Largest number of stray points whose places are listed."""
+LARGEST_OFFSET = 0.05
+"""Largest distance of a point from its node, in steps, by rounding in files."""
+MOST_MOVED = 0.25
+"""Largest such distance of scattered points: slopes (H = 0.8) are then up to 2 % too large."""
+_OUTLYING = 3.0
+"""Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
+MOST_AMBIGUOUS = 0.01
+"""Largest share of places with several heights; of empty nodes inside that is not warned of."""
+_DIGITS = 7
+"""Significant digits of a step, those of single precision."""
+
 SCATTERED = (
     "the points lie on no regular grid along x and y: heights between them are interpolated, which "
     "makes walls smoother"
 )
-LARGEST_COVER = 1.05
-"""Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
-_HEAD = 65_536
-"""Number of bytes in which the head of a PLY file ends."""
-_DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
-"""Comment of an OBJ file that states the number of vertices."""
-_LINES = {
-    "v": "the numbers x, y, z, as many numbers as in the other vertices",
-    "f": "the numbers of three or more vertices",
-}
-"""Lines of an OBJ file that are read, by their first word."""
-
-
-def read_text(path: Path, variable: str | None) -> Contents:
-    """Read points of lines of x, y and z, or of three columns; or a matrix of heights."""
-    table = read_table(path)
-    if variable is None and (matrix := _matrix(table)) is not None:
-        return matrix
-    columns = _columns(table, variable)
-    values = table.values[:, columns]
-    x, y, z = (_unit_of(table, column) for column in columns)
-    if x != y:
-        raise InputError(f"x is in {x} and y in {y}: must be in the same units")
-    contents = contents_of(values)
-    return contents._replace(
-        height_units=z, length_units=x, remarks=table.remarks + contents.remarks
-    )
-
-
-def _matrix(table: Table) -> Contents | None:
-    """Return a matrix of heights, on the grid of its frame if it has one; None for points."""
-    if table.names:
-        points = _below_names(table)
-    elif table.values.shape[1] < LEAST_COLUMNS:
-        points = None
-    elif (points := framed_points(table.values)) is None:
-        return Contents(table.values, remarks=table.remarks)
-    if points is None:
-        return None
-    contents = contents_of(points)
-    read = "the first row and the first column, evenly spaced, were read as x and y"
-    return contents._replace(remarks=(*table.remarks, read, *contents.remarks))
-
-
-def _below_names(table: Table) -> np.ndarray | None:
-    """Return the points (n, 3) of a matrix whose x are names of columns; None for other names."""
-    try:
-        x = np.array([float(name.replace(",", ".")) for name in table.names[1:]])
-    except ValueError:
-        return None
-    y, heights = table.values[:, 0], table.values[:, 1:]
-    return points_on(x, y, heights) if are_places(x) and are_places(y) else None
-
-
-def points_on(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """Return points (n, 3) of heights (y, x) at places x and y along the axes."""
-    columns = (*np.meshgrid(x, y), heights)
-    return np.stack([column.ravel() for column in columns], axis=1)
-
-
-def framed_points(matrix: np.ndarray) -> np.ndarray | None:
-    """Return points (n, 3) of a matrix framed by x and y; None for heights, also of a plane."""
-    x, y, heights = matrix[0, 1:], matrix[1:, 0], matrix[1:, 1:]
-    if not heights.size or (are_places(heights[0]) and are_places(heights[:, 0])):
-        return None
-    row, column = are_places(x), are_places(y)
-    if row and column:
-        return points_on(x, y, heights)
-    for looks, line, second in ((row, "row", heights[0]), (column, "column", heights[:, 0])):
-        if looks and not are_places(second):
-            raise InputError(
-                f"its first {line} is evenly spaced, as places are: a matrix must have x in its "
-                "first row and y in its first column, or contain only heights"
-            )
-    return None
-
-
-def read_matrix(path: Path) -> Contents:
-    """Read a text file as one matrix (y, x), of heights or of places."""
-    with reading_as("a matrix"):
-        table = read_table(path)
-    return Contents(table.values, remarks=table.remarks)
-
-
-def joined(x: Contents, y: Contents, z: Contents) -> Contents:
-    """Return heights of one file at the places x and y of two others, as `contents_of`."""
-    shapes = [np.asarray(part.heights).shape for part in (x, y, z)]
-    if len(set(shapes)) > 1:
-        listed = ", ".join(" x ".join(map(str, shape)) for shape in shapes)
-        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
-    if x.height_units != y.height_units:
-        raise InputError(f"x is in {x.height_units} and y in {y.height_units}: must be the same")
-    columns = [np.asarray(part.heights, dtype=float).ravel() for part in (x, y, z)]
-    contents = contents_of(np.stack(columns, axis=1))
-    remarks = x.remarks + y.remarks + z.remarks + contents.remarks
-    return contents._replace(
-        height_units=z.height_units, length_units=x.height_units, remarks=remarks
-    )
 
 
 def contents_of(points: np.ndarray) -> Contents:
@@ -140,17 +39,6 @@ def contents_of(points: np.ndarray) -> Contents:
         return grid._replace(remarks=remarks + grid.remarks)
     points, repeats = merged_points(points)
     return Contents(points=points, remarks=(*remarks, *repeats, caution(SCATTERED)))
-
-
-def _unit_of(table: Table, column: int) -> str | None:
-    """Return the unit of a column from its name or from the line of units below the names."""
-    name = table.names[column] if table.names else ""
-    by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
-    if by_name and by_line and size_of(by_name) != size_of(by_line):
-        raise InputError(
-            f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
-        )
-    return by_name or by_line
 
 
 def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -173,8 +61,8 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
         points = points[placed]
     stray = strays(points)
     if stray.any():
-        named = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:NAMED]]
-        more = ", ..." if stray.sum() > NAMED else ""
+        named = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:3]]
+        more = ", ..." if stray.sum() > 3 else ""
         verb = "points were" if stray.sum() > 1 else "point was"
         remarks += (
             f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(named)}{more} "
@@ -184,151 +72,160 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     return points, remarks
 
 
-def _columns(table: Table, variable: str | None) -> list[int]:
-    """Return the numbers of the columns of x, y and z."""
-    names, width = table.names, table.values.shape[1]
-    bare = [axis_name(name) for name in names]
-    if variable is not None:
-        return _stated_columns(names, bare, width, variable)
-    if names and not {"x", "y", "z"} <= set(bare):
+class _Axis(NamedTuple):
+    """Step of an axis, place of node 0, and node and distance from it [steps] of each point."""
+
+    step: float
+    first: float
+    node: np.ndarray
+    offset: np.ndarray
+
+    def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
+        low, high = int(self.node[on].min()), int(self.node[on].max())
+        digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
+        first = round(self.first + low * self.step, digits)
+        return self.node[on].astype(int) - low, high - low + 1, first
+
+
+def lattice_of(points: np.ndarray) -> Contents | None:
+    """Find the regular grid at whose nodes most points (n, 3) are; None without one."""
+    if len(points) < 9:
+        return None
+    # coordinates closer than a twentieth of the mean distance of points count as equal
+    apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
+    x, y = (_axis_of(values, apart) for values in points[:, :2].T)
+    if x is None or y is None:
+        return None
+    offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
+    allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
+    on = offset <= allowed
+    if on.mean() < 0.9:  # scattered
+        return None
+    (column, nx, x_first), (row, ny, y_first) = (axis.numbered(on) for axis in (x, y))
+    if nx * ny > 20 * len(points):  # too sparse for a grid
+        return None
+    numbers = row * nx + column
+    occupied = np.zeros((ny, nx), bool)
+    occupied.flat[numbers] = True
+    followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
+    if min(followed) < 0.5 * occupied.sum():  # few have a point at the next node: staggered
+        return None
+    places, heights, remarks = _merged(numbers, points[on])
+    grid = np.full(nx * ny, np.nan)
+    grid[places] = heights
+    return Contents(
+        grid.reshape(ny, nx), (y.step, x.step), None, None, None, (y_first, x_first),
+        remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
+    )  # fmt: skip
+
+
+def _irregular(
+    points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
+) -> tuple[Caution, ...]:
+    """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
+    remarks, off = [], int((~on & np.isfinite(points[:, 2])).sum())
+    if off:
+        remarks.append(
+            f"{off} of {len(points)} points lie off the nodes of the points' grid, by more than "
+            f"{100 * allowed:.2g} % of its step, and were left out"
+        )
+    offsets = np.abs([x.offset[on], y.offset[on]])
+    if offsets.max() > LARGEST_OFFSET:
+        moved = float(np.sqrt(np.mean(np.sum(offsets**2, axis=0))))
+        remarks.append(
+            f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of its "
+            f"step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the rms "
+            "difference of neighbours"
+        )
+    return tuple(map(caution, remarks))
+
+
+def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
+    """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
+    empty, of_all = int((~occupied).sum()), f"of {occupied.size} nodes of the points' grid"
+    if not empty:
+        return ()
+    inside = int(gaps(occupied).sum())
+    if inside <= MOST_AMBIGUOUS * occupied.size:
+        return (f"{empty} {of_all} have no point",)
+    share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
+    return (caution(f"{empty} {of_all} have no point, {share}: is the file incomplete?"),)
+
+
+def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return points (n, 3) with one height for each place, and remarks on what was left out."""
+    numbers = unique_places(points[:, :2])[1]
+    if not len(points) or numbers.max() + 1 == len(points):
+        return points, ()
+    first = np.unique(numbers, return_index=True)[1]
+    places, heights, remarks = _merged(numbers, points)
+    kept = np.column_stack([points[first[places], :2], heights])
+    return kept[np.isfinite(heights)], remarks
+
+
+def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
+    """Find the evenly spaced nodes that most values have; None if fewer than three occur."""
+    levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
+    group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
+    size = np.bincount(group, count)
+    middles = np.bincount(group, levels * count) / size
+    middles = middles[size >= 0.5 * np.median(size[group[of_value]])]
+    if len(middles) < 3:
+        return None
+    step, first = _step_of(middles), float(middles[0])
+    first += (
+        float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean())) / 2 / np.pi * step
+    )
+    for _ in range(3):
+        offset = (values - first) / step - (node := np.round((values - first) / step))
+        on = np.abs(offset) <= max(_OUTLYING * np.median(np.abs(offset)), 1e-6)
+        centred, mean = node[on] - node[on].mean(), values[on].mean()
+        if not centred.any():
+            return None
+        step = float(np.sum(centred * (values[on] - mean)) / np.sum(centred**2))
+        first = float(mean - step * node[on].mean())
+    offset = (values - first) / step - (node := np.round((values - first) / step))
+    return _Axis(float(f"{step:.{_DIGITS - 1}e}"), first, node, offset)
+
+
+def _step_of(levels: np.ndarray) -> float:
+    """Estimate the step of mostly evenly spaced levels, at distances that double."""
+    gaps = np.diff(levels)
+    ratio = gaps / np.median(gaps)
+    step = float(gaps[(ratio > 0.4) & (ratio < 1.6)].mean())
+    reach = 1
+    while reach <= len(levels) // 2:
+        distance = levels[reach:] - levels[:-reach]
+        step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
+        reach *= 2
+    return step
+
+
+def _merged(
+    numbers: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """Return numbers of places with a height, heights (NaN if there are several), and remarks."""
+    known = np.flatnonzero(np.isfinite(points[:, 2]))
+    known = known[np.argsort(numbers[known], kind="stable")]
+    heights = points[known, 2]
+    places, start = np.unique(numbers[known], return_index=True)
+    if len(places) == len(known):
+        return places, heights, ()
+    low, high = np.minimum.reduceat(heights, start), np.maximum.reduceat(heights, start)
+    several = high - low > 1e-6 * np.ptp(heights)
+    if several.sum() > MOST_AMBIGUOUS * len(places):
+        at = int(np.argmax(high - low))
+        x, y = points[known[start[at]], :2]
         raise InputError(
-            f"columns {', '.join(names)}: must be named x, y and z, or {VARIABLE} must state them, "
-            "such as 1,2,3"
+            f"{int(several.sum())} of {len(places)} places have several heights, such as (x, y) = "
+            f"({x:g}, {y:g}) with {low[at]:g} and {high[at]:g}: a wall has one height at each "
+            "place; a solid or both walls in one file must be cut to one wall"
         )
-    if not names and width != 3:
-        raise InputError(
-            f"{width} columns that are not named x, y and z: must be three in this order, or "
-            f"{VARIABLE} must state them, such as 1,2,3; a matrix of heights has at least "
-            f"{LEAST_COLUMNS}"
-        )
-    return [bare.index(axis) for axis in "xyz"] if names else [0, 1, 2]
-
-
-def _stated_columns(names: list[str], bare: list[str], width: int, variable: str) -> list[int]:
-    columns, words = [], [word.strip() for word in variable.split(",")]
-    for word in words:
-        if word.isdecimal() and 1 <= int(word) <= width:
-            columns.append(int(word) - 1)
-        elif word in names:
-            columns.append(names.index(word))
-        elif word.lower() in bare:
-            columns.append(bare.index(word.lower()))
-    if not len(set(columns)) == len(columns) == len(words) == 3:
-        allowed = ", ".join(names) if names else f"numbers from 1 to {width}"
-        raise InputError(
-            f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
-            f"there are {allowed}"
-        )
-    return columns
-
-
-def read_mesh(path: Path) -> Contents:
-    """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
-    form = path.suffix.lower().removeprefix(".")
-    vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
-    if declared > len(vertices):
-        raise InputError(
-            f"declares {declared} vertices, and contains {len(vertices)}: is the file incomplete?"
-        )
-    if faces.size and faces.max() >= len(vertices):
-        raise InputError(
-            f"a face has vertex {faces.max() + 1}, but there are {len(vertices)} vertices"
-        )
-    if len(vertices) < 4:
-        raise InputError(f"has {len(vertices)} vertices: too few for a wall")
-    _check_single_sheet(vertices, faces)
-    contents = contents_of(vertices)
-    if len(faces) and (loose := len(vertices) - len(np.unique(faces))):
-        used = (
-            f"{loose} of {len(vertices)} vertices belong to no face; they were used like the others"
-        )
-        return contents._replace(remarks=(*contents.remarks, caution(used)))
-    return contents
-
-
-def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
-    with needs("walls", form.upper()):
-        import trimesh
-    if form == "stl":
-        _check_stl(path)
-    points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
-    with path.open("rb") as file:
-        head = file.read(_HEAD).partition(b"end_header")[0]
-        file.seek(0)
-        meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
-        for part in meshes.values():
-            points.append(np.array(part.vertices, dtype=float))
-            faces.append(count + np.reshape(getattr(part, "faces", faces[0]), (-1, 3)))
-            count += len(points[-1])
-    stated = re.search(rb"element\s+vertex\s+(\d+)", head) if form == "ply" else None
-    return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
-
-
-def binary_stl_size(start: bytes) -> int | None:
-    """Return the bytes that a binary STL declares: a head of 84, 50 a triangle; None if shorter."""
-    return 84 + 50 * struct.unpack_from("<I", start, 80)[0] if len(start) >= 84 else None
-
-
-def _check_stl(path: Path) -> None:
-    """Raise `InputError` if a binary STL file is shorter than its head declares."""
-    with path.open("rb") as file:
-        start = file.read(1024)
-    declared, size = binary_stl_size(start), path.stat().st_size
-    if start.lstrip().lower().startswith(b"solid") and not is_binary(start):
-        return  # its text form
-    if declared is None:
-        problem = f"contains {size} bytes, less than the head of 84"
-    elif size < declared:
-        triangles = (declared - 84) // 50
-        problem = f"declares {triangles} triangles, {declared} bytes, and contains {size}"
-    else:
-        return
-    raise InputError(f"{problem}: is the file incomplete?")
-
-
-def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments."""
-    vertices: list[list[float]] = []
-    faces: list[list[int]] = []
-    declared = 0
-    with path.open(encoding="latin-1") as file:
-        for number, line in enumerate(file, start=1):
-            kind, *words = line.split() or [""]
-            valid = True
-            try:
-                if kind == "v":
-                    vertices.append([float(word) for word in words])
-                    valid = len(vertices[-1]) == len(vertices[0]) >= 3
-                elif kind == "f":
-                    corners = [int(word.split("/")[0]) for word in words]
-                    # negative numbers count back from the last vertex
-                    corners = [n if n > 0 else len(vertices) + 1 + n for n in corners]
-                    valid = len(corners) >= 3 and min(corners) >= 1
-                    faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
-                elif stated := _DECLARED.match(line):
-                    declared += int(stated[1] or stated[2])
-            except ValueError:
-                valid = False
-            if not valid:
-                raise InputError(
-                    f"line {number}, {line.strip()[:60]!r}: must be {kind} and {_LINES[kind]}"
-                )
-    if not vertices:
-        raise InputError("has no vertices (lines 'v x y z')")
-    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1, declared
-
-
-def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
-    """Raise `InputError` if triangles (n, 3) cover more of the plan than their points' hull."""
-    one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
-    area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
-    try:
-        hull = scipy.spatial.ConvexHull(points[:, :2]).volume
-    except (scipy.spatial.QhullError, ValueError):
-        return  # they lie on one line, which `point_distance` reports
-    if area > LARGEST_COVER * hull:
-        raise InputError(
-            f"the surface overlaps itself: its triangles cover {area / hull:.3g} times the plan "
-            "of its points; a solid or both walls in one file must be cut to one wall"
-        )
+    remarks = []
+    repeated = len(known) - len(places) - int((np.diff([*start, len(known)])[several] - 1).sum())
+    if repeated:
+        remarks.append(f"{repeated} repeated points were skipped")
+    if several.any():
+        remarks.append(f"{int(several.sum())} places with several heights were treated as missing")
+    return places, np.where(several, np.nan, heights[start]), tuple(remarks)

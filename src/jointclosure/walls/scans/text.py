@@ -1,4 +1,4 @@
-"""Tables of numbers in text files, in the forms that instruments and people write."""
+"""Text files, as instruments and people write them: points, columns, matrices of heights."""
 
 import io
 import re
@@ -8,10 +8,16 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.inputs import SPELT, InputError
+from jointclosure.inputs import SPELT, InputError, size_of
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.contents import axis_name
-from jointclosure.walls.scans.lattice import LARGEST_OFFSET
+from jointclosure.walls.scans.contents import (
+    VARIABLE,
+    Contents,
+    axis_name,
+    reading_as,
+    split_name,
+)
+from jointclosure.walls.scans.points import LARGEST_OFFSET, contents_of
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
@@ -21,6 +27,8 @@ _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _LEAST_PLACES = 5
 """Smallest number of evenly spaced numbers that are places and not heights."""
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
+LEAST_COLUMNS = 12
+"""Columns without names from which on a file is a matrix; points with colours have ten."""
 
 
 class Table(NamedTuple):
@@ -37,6 +45,112 @@ class _Form(NamedTuple):
 
     separator: str | None
     decimal: str
+
+
+def read_text(path: Path, variable: str | None) -> Contents:
+    """Read points of lines of x, y and z, or of three columns; or a matrix of heights."""
+    table = read_table(path)
+    if variable is None and (matrix := _matrix(table)) is not None:
+        return matrix
+    columns = _columns(table, variable)
+    units = [_unit_of(table, column) for column in columns]
+    return _placed(table.values[:, columns], units, table.remarks)
+
+
+def _placed(points: np.ndarray, units: list[str | None], remarks: tuple[str, ...]) -> Contents:
+    """Return points (n, 3) with the units of their columns as `contents_of`."""
+    x, y, z = units
+    if x != y:
+        raise InputError(f"x is in {x} and y in {y}: must be in the same units")
+    contents = contents_of(points)
+    remarks += contents.remarks
+    return contents._replace(height_units=z, length_units=x, remarks=remarks)
+
+
+def _matrix(table: Table) -> Contents | None:
+    """Return a matrix of heights, on the grid of its frame if it has one; None for points."""
+    values = table.values
+    if table.names:  # x of a frame whose corner is a word
+        try:
+            x = [float(name.replace(",", ".")) for name in table.names[1:]]
+        except ValueError:
+            return None
+        values = np.vstack([[np.nan, *x], values])
+    elif values.shape[1] < LEAST_COLUMNS:
+        return None
+    places, heights = (values[0, 1:], values[1:, 0]), values[1:, 1:]
+    row, column = map(are_places, places)
+    if table.names and not (row and column):
+        return None
+    plane = not heights.size or (are_places(heights[0]) and are_places(heights[:, 0]))
+    if row and column and (table.names or not plane):
+        read = "the first row and the first column, evenly spaced, were read as x and y"
+        points = np.stack([part.ravel() for part in (*np.meshgrid(*places), heights)], axis=1)
+        return _placed(points, [None] * 3, (*table.remarks, read))
+    for even, line, second in ((row, "row", heights[:1]), (column, "column", heights[:, :1])):
+        if even and not plane and not are_places(second.ravel()):
+            must = "must have x in its first row and y in its first column, or only heights"
+            raise InputError(f"its first {line} is evenly spaced, as places are: a matrix {must}")
+    return Contents(values, remarks=table.remarks)
+
+
+def read_matrix(path: Path) -> Contents:
+    """Read a text file as one matrix (y, x), of heights or of places."""
+    with reading_as("a matrix"):
+        table = read_table(path)
+    return Contents(table.values, remarks=table.remarks)
+
+
+def joined(x: Contents, y: Contents, z: Contents) -> Contents:
+    """Return heights of one file at the places x and y of two others, as `contents_of`."""
+    parts = x, y, z
+    matrices = [np.asarray(part.heights, dtype=float) for part in parts]
+    if len({matrix.shape for matrix in matrices}) > 1:
+        listed = ", ".join(" x ".join(map(str, matrix.shape)) for matrix in matrices)
+        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
+    columns = np.stack([matrix.ravel() for matrix in matrices], axis=1)
+    units = [part.height_units for part in parts]
+    return _placed(columns, units, x.remarks + y.remarks + z.remarks)
+
+
+def _unit_of(table: Table, column: int) -> str | None:
+    """Return the unit of a column from its name or from the line of units below the names."""
+    name = table.names[column] if table.names else ""
+    by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
+    if by_name and by_line and size_of(by_name) != size_of(by_line):
+        raise InputError(
+            f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
+        )
+    return by_name or by_line
+
+
+def _columns(table: Table, variable: str | None) -> list[int]:
+    """Return the numbers of the columns of x, y and z."""
+    names, width = table.names, table.values.shape[1]
+    must = f"or {VARIABLE} must state them, such as 1,2,3"
+    if variable is None and not names and width != 3:
+        raise InputError(
+            f"{width} columns that are not named x, y and z: must be three in this order, {must}; "
+            f"a matrix of heights has at least {LEAST_COLUMNS}"
+        )
+    known = {axis_name(name): place for place, name in reversed([*enumerate(names)])}
+    if variable is not None:
+        known |= {name: place for place, name in reversed([*enumerate(names)])}
+    if variable is not None or not names:
+        known |= {str(place + 1): place for place in range(width)}
+    words = "x,y,z" if names and variable is None else variable or "1,2,3"
+    asked = [word.strip() for word in words.split(",")]
+    places = [known.get(word, known.get(word.lower())) for word in asked]
+    columns = [place for place in places if place is not None]
+    if len(set(columns)) == len(asked) == 3:
+        return columns
+    listed = ", ".join(names) or f"numbers from 1 to {width}"
+    if variable is None:
+        raise InputError(f"columns {listed}: must be named x, y and z, {must}")
+    raise InputError(
+        f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
+        f"there are {listed}"
+    )
 
 
 def read_table(path: Path) -> Table:
@@ -61,11 +175,8 @@ def read_table(path: Path) -> Table:
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
-        raise InputError(
-            f"has {len(units)} words in the line of units, must be {width}, one for each column"
-        )
-    if units:
-        units += [None] * (width - len(units))
+        raise InputError(f"has {len(units)} words in the line of units, must be {width}")
+    units += [None] * (width - len(units)) if units else []
     values = frame.iloc[:, :width].to_numpy(dtype=float)
     return Table(values, names, units, tuple(remarks))
 
@@ -78,15 +189,10 @@ def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int
         longest = lines[int(counts.argmax())].strip()[:60]
         raise InputError(f"{longest!r} has {counts.max()} numbers, other lines have {width}")
     frame = pd.read_csv(
-        io.StringIO("\n".join(lines)),
-        sep=form.separator or r"\s+",
-        decimal=form.decimal,
-        header=None,
-        names=range(width),
-        index_col=False,
-        skipinitialspace=True,
+        io.StringIO("\n".join(lines)), sep=form.separator or r"\s+", decimal=form.decimal,
+        header=None, names=range(width), index_col=False, skipinitialspace=True,
         na_values=[word for word in _MISSING if word],
-    )
+    )  # fmt: skip
     # a separator at the end of every line makes an empty column
     while width > least and frame[width - 1].isna().all():
         width -= 1
@@ -210,12 +316,12 @@ def _split_names(line: str) -> list[str]:
 
 
 def _without_numbers(head: list[str], named: bool) -> InputError:
-    written = [line.strip() for line in head if line.strip() and not _is_comment(line)]
+    written = [line.strip()[:60] for line in head if line.strip() and not _is_comment(line)]
     if not written:
         return InputError("has no points")
     if not named:
-        return InputError(f"has no line of numbers; the first is {written[0][:60]!r}")
-    return InputError(f"has no line of numbers below the names; there is {written[-1][:60]!r}")
+        return InputError(f"has no line of numbers; the first is {written[0]!r}")
+    return InputError(f"has no line of numbers below the names; there is {written[-1]!r}")
 
 
 def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.DataFrame, int]:

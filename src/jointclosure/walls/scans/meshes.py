@@ -1,0 +1,118 @@
+"""Vertices of meshes: STL, PLY and OBJ."""
+
+import itertools
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
+from jointclosure.inputs.remarks import caution
+from jointclosure.walls.scans.contents import Contents, incomplete
+from jointclosure.walls.scans.points import contents_of
+from jointclosure.walls.scans.text import is_binary
+
+_DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
+"""Comment of an OBJ file that states the number of vertices."""
+
+
+def read_mesh(path: Path) -> Contents:
+    """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
+    form = path.suffix.lower().removeprefix(".")
+    vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    count = len(vertices)
+    if declared > count:
+        raise incomplete(f"{declared} vertices", count)
+    if faces.size and faces.max() >= count:
+        raise InputError(f"a face has vertex {faces.max() + 1}, but there are {count} vertices")
+    if count < 4:
+        raise InputError(f"has {count} vertices: too few for a wall")
+    _check_single_sheet(vertices, faces)
+    contents = contents_of(vertices)
+    if len(faces) and (loose := count - len(np.unique(faces))):
+        unused = f"{loose} of {count} vertices belong to no face; they were used like the others"
+        return contents._replace(remarks=(*contents.remarks, caution(unused)))
+    return contents
+
+
+def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
+    with needs("walls", form.upper()):
+        import trimesh
+    if form == "stl":
+        _check_stl(path)
+    points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
+    with path.open("rb") as file:
+        head = file.read(65_536).partition(b"end_header")[0]
+        file.seek(0)
+        meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
+        for part in meshes.values():
+            points.append(np.array(part.vertices, dtype=float))
+            faces.append(count + np.reshape(getattr(part, "faces", faces[0]), (-1, 3)))
+            count += len(points[-1])
+    stated = re.search(rb"element\s+vertex\s+(\d+)", head) if form == "ply" else None
+    return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
+
+
+def _check_stl(path: Path) -> None:
+    """Raise `InputError` if a binary STL file is shorter than its head declares."""
+    with path.open("rb") as file:
+        start = file.read(1024)
+    if start.lstrip().lower().startswith(b"solid") and not is_binary(start):
+        return  # its text form
+    size = path.stat().st_size
+    if len(start) < 84:
+        problem = f"contains {size} bytes, less than the head of 84"
+        raise InputError(f"{problem}: is the file incomplete?")
+    (triangles,) = struct.unpack_from("<I", start, 80)
+    if size < 84 + 50 * triangles:
+        raise incomplete(f"{triangles} triangles, {84 + 50 * triangles} bytes", size)
+
+
+def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments."""
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    declared = 0
+    with path.open(encoding="latin-1") as file:
+        for number, line in enumerate(file, start=1):
+            kind, *words = line.split() or [""]
+            valid = True
+            try:
+                if kind == "v":
+                    vertices.append([float(word) for word in words])
+                    valid = len(vertices[-1]) == len(vertices[0]) >= 3
+                elif kind == "f":
+                    corners = [int(word.split("/")[0]) for word in words]
+                    # negative numbers count back from the last vertex
+                    corners = [n if n > 0 else len(vertices) + 1 + n for n in corners]
+                    valid = len(corners) >= 3 and min(corners) >= 1
+                    faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
+                elif stated := _DECLARED.match(line):
+                    declared += int(stated[1] or stated[2])
+            except ValueError:
+                valid = False
+            if not valid:
+                must = "must be v with x, y, z, as other vertices, or f with three vertices or more"
+                raise InputError(f"line {number}, {line.strip()[:60]!r}: {must}")
+    if not vertices:
+        raise InputError("has no vertices (lines 'v x y z')")
+    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1, declared
+
+
+def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
+    """Raise `InputError` if triangles (n, 3) cover more of the plan than their points' hull."""
+    one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
+    area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    try:
+        hull = scipy.spatial.ConvexHull(points[:, :2]).volume
+    except (scipy.spatial.QhullError, ValueError):
+        return  # they lie on one line, which `point_distance` reports
+    if area > 1.05 * hull:  # a solid has 2
+        raise InputError(
+            f"the surface overlaps itself: its triangles cover {area / hull:.3g} times the plan "
+            "of its points; a solid or both walls in one file must be cut to one wall"
+        )
