@@ -93,6 +93,7 @@ def test_rules_have_logs_benchmarks_and_seals_by_their_names(small):
     assert sorted(seal["made_from"]) == ["../other/table.csv", "numbers/1.csv", "numbers/2.csv"]
 
 
+@pytest.mark.slow
 def test_a_table_of_another_study_is_refused_if_it_was_changed(small):
     (small / "results/other/table.csv").write_text("2\n")
     (small / "results/small/total.csv").unlink()
@@ -113,6 +114,7 @@ def test_a_changed_file_is_made_again_with_all_that_follows_and_nothing_else(sma
     assert total(small) == before
 
 
+@pytest.mark.slow
 def test_a_file_of_other_settings_than_the_rule_has_now_is_made_again_also_elsewhere(small):
     shutil.rmtree(small / ".snakemake")  # as in a folder of another machine
     before = total(small)

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from jointclosure.compilation import sources
-from jointclosure.compilation.kernels import KERNEL_PARTS, cache_folder
 from jointclosure.engine import cache
 from studies.frame.closing import close_block
 from studies.pipeline import Pipeline
@@ -173,15 +172,3 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
     sections = [*studies.glob("*/section.py"), *(studies / "frame").glob("[kr]*s.py")]
     assert sum(with_other_texts(section, "entry") for section in sections) > 50
     assert moved(unedited) == {"write_report"}
-
-
-def test_an_edited_title_runs_what_may_show_it_and_closes_no_walls_again(copy, unedited):
-    assert with_other_texts(copy / "parameters/__init__.py", "Property") > 3
-    assert with_other_texts(copy / "engine/quantities.py", "Quantity") > 10
-    edit(copy / "joint/history.py", '"maximum closure"', '"largest closure"')
-    rules = moved(unedited)
-    assert {"draw_figures", "write_tables"} <= rules
-    assert "joints" not in rules
-    kernels = [digest(*KERNEL_PARTS, titles=titles) for titles in (False, True)]
-    assert cache_folder().name.startswith(f"numba-{kernels[0]}-")
-    assert kernels[0] != kernels[1]

@@ -10,7 +10,6 @@ from studies.paper.layout import (
     rock_table,
     table_3_latex,
     table_3_markdown,
-    with_paper,
 )
 from tests.studied import study_of
 
@@ -34,26 +33,9 @@ def test_table_3_marks_its_lengths_and_runs_no_command_of_a_title():
     markdown = table_3_markdown(table, titles)
     assert latex.count(r"1.50 (15\%)") == markdown.count("1.50 (15%)") == len(table)
     assert markdown.count("1.00 (10%)") == len(table)
-    negative = table.assign(status_net="fitted deviation is negative at the root")
-    assert "1.00† (10%)" in table_3_markdown(negative, titles)
     endless = table.assign(length_high=float("inf"), extrapolated=True)
     assert "1.50*‡ (15%)" in table_3_markdown(endless, titles)
     assert r"1.50$^*$$^\ddagger$ (15\%)" in table_3_latex(endless, titles)
-
-
-@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "\t=1"])
-def test_a_title_is_no_formula_of_a_spreadsheet(title):
-    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
-    assert rock_table({"slate": rocks["slate"]}).title.tolist() == ["'" + title]
-
-
-def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
-    at = {"rock": "slate", "parameter": "jrc", "cycle": 1}
-    paper = pd.DataFrame([at | {"paper_length": 0.726, "paper_percent": 11}])
-    own = pd.DataFrame([at | {"length": 1.5, "percent": 15.0, "samples": 20}])
-    assert with_paper(own, paper).paper_length.item() == 0.726
-    other = own.assign(rock="granite")
-    pd.testing.assert_frame_equal(with_paper(other, paper), other)
 
 
 def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():

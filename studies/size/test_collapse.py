@@ -26,13 +26,6 @@ def test_a_power_is_found_and_removes_all_the_spread():
     assert found.left < 1e-8
 
 
-def test_what_is_no_power_of_the_size_stays():
-    predictors, response = made_up(8, 1e-9, extra=0.1)
-    found = collapse_of(predictors, response)
-    assert found.left == pytest.approx(np.sqrt(np.mean([0.01, 0.04, 0.01])))
-    assert found.removed == pytest.approx(1.0 - 0.02 / np.mean(response[:, 0] ** 2))
-
-
 def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
     removed = []
     for seed in range(40):

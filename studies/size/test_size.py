@@ -89,14 +89,6 @@ def test_what_is_too_many_cells_is_not_closed(run):
     assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
 
 
-def test_larger_patches_close_more(run):
-    table = size_table({"slate": run}, BASE).set_index(["spectrum", "cycle"])
-    for spectrum in ROLL_OFFS:
-        own = table.loc[(spectrum, 1)]
-        at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
-        assert at_base.max_closure_net_mm_ratio.is_monotonic_increasing
-
-
 def test_ratios_are_of_pairs_of_the_same_walls(run):
     table = size_table({"slate": run}, BASE)
     row = table[

@@ -2,7 +2,9 @@
 
 import functools
 import json
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -10,17 +12,18 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.page import number_text
-from jointclosure.cli.results import FIGURES, summary
 from jointclosure.engine import scanned_joint
-from jointclosure.engine.budget import ALL, MEASURED, QUANTITIES, TOGETHER, Budget
+from jointclosure.engine.budget import ALL, TOGETHER
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.registration import registered
-from tests.joints import TWO_WALLS
 
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
+TWO_WALLS = Path(
+    os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[3] / "shared/data/two_walls"
+)
+"""Scans of both walls of a fracture, where they are at hand."""
 RESOLVED = {"numerics": scanned_joint.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
 
@@ -42,10 +45,8 @@ def contents(folder):
 
 def test_two_scans_are_closed_as_their_registered_walls_are(scans, joint, tmp_path, command):
     folder = tmp_path / "j"
-    code, out, err = command("close", *scans, *WORDS, "--single", "--output", folder)
+    code, _, err = command("close", *scans, *WORDS, "--single", "--output", folder)
     assert (code, err) == (0, "")
-    assert "Granite (Young's modulus 73 GPa, Poisson's ratio 0.25, compressive strength" in out
-    assert "72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
     pair = registered(*(jc.read_scan(file, units="mm") for file in scans))
     rock = jc.Rock(73e9, 0.25, 173e6)
     alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD, **RESOLVED)
@@ -72,52 +73,9 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, joint, tmp_pa
     cycles = pd.read_csv(folder / "cycles.csv")
     for name in cycles.columns.drop("cycle"):
         assert record["per_cycle"][name] == pytest.approx(cycles[name].tolist(), rel=1e-6)
-    words = (folder / "cycles.csv").read_text().splitlines()[1].split(",")
-    assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES
     assert command("report", folder)[0] == 0
     page = (folder / "report.html").read_text(encoding="utf-8")
-    for column, unit in (("_net_mm", " mm"), ("_mm", " mm (gross)")):
-        assert f"{number_text(cycles[f'max_closure_seated{column}'][0], 3)}{unit}" in page
     assert all(digest in page for digest in record["sha256"].values())
-    assert page.count("<figure ") == 3  # engineering, curves, walls
-    assert page.count("<table") == 3  # results, curves, laws
-    assert page.count("Barton-Bandis, cycle 2") == out.count("Barton-Bandis, cycle 2") == 1
-    assert "http" not in page.replace("http-equiv", "")
-
-
-def test_a_closed_joint_is_a_line_and_below_it_its_range(joint):
-    line, net = repr(joint), scanned_joint.cycle_table(joint.history).max_closure_seated_net_mm
-    assert line.startswith("<ClosedJoint: granite (Young's modulus 73 GPa, Poisson's ratio 0.25, ")
-    assert "72 x 64 cells of 0.25 mm (18 x 16 mm)" in line
-    assert f"closes {', '.join(f'{value:.4g}' for value in net)} mm net" in line
-    assert str(joint) == line
-    assert "\n" not in line
-    index = pd.MultiIndex.from_product([[1, 2], QUANTITIES], names=["cycle", "quantity"])
-    ends = {"best": 0.18, "median": 0.18, "low": 0.13, "high": 0.24}
-    ends |= {"spacing": 0.75, "breakage": 0.25, TOGETHER: 0.0}
-    ranges = pd.DataFrame([ends] * len(index), index)
-    one = {"source": [""], "value": [""], "cycle": [1]}
-    results = pd.DataFrame(one | {name: [0.18] for name in QUANTITIES})
-    finer = results.assign(source="breakage", value="tolerance 0.02", max_closure_seated_net_mm=0.2)
-    results = pd.concat([results, finer])
-    printed = str(joint._replace(budget=Budget(results, ranges, ())))
-    assert "0.18 (0.13 to 0.24)" in printed.splitlines()[0]
-    assert "the range is due to grid spacing 75 %, numerical error 25 %" in printed
-    assert "numerical error about 11 % on cycle 1 (by tolerance 0.02)" in printed
-    assert printed.endswith(MEASURED)
-
-
-def test_walls_lie_as_is_stated_and_are_moved_on_request(scans):
-    about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1, "single": True}
-    with pytest.raises(jc.InputError, match="orientation = 'towards': common_frame fits clearly"):
-        jc.close(*scans, **about, orientation="towards")
-    fits = jc.close(*scans, **about)
-    wrong = jc.close(*scans, **about, orientation="towards", unusual_values=True)
-    assert "the stated orientation towards" in "\n".join(cautions(wrong.pair.report))
-    assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
-    about |= {"unusual_values": True, "shift": "mated", "orientation": "towards"}
-    moved = jc.close(*scans, **about).pair
-    assert moved.motion.covariance.any()
 
 
 def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, command):
@@ -153,18 +111,14 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     )
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["--largest-radius", "20", "--tolerance", "0.05"], 0.05),
-        (["--largest-radius", "20", "--force-tolerance", "1e-6"], 0.01),
-        (["--largest-radius", "20", "--breakage", "fixed_step"], None),
-    ],
-)
+STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.01, "--breakage fixed_step": None}
+
+
+@pytest.mark.parametrize("words", STATED)
 def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakage(
-    words, expected, tmp_path, monkeypatch, command
+    words, tmp_path, monkeypatch, command
 ):
-    closed = {}
+    closed, expected = {}, STATED[words]
 
     @functools.wraps(jc.close)
     def stopped(**given):
@@ -172,7 +126,8 @@ def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakag
         raise jc.InputError("enough")
 
     monkeypatch.setattr("jointclosure.cli.close.close", stopped)
-    command("close", "a.txt", "b.txt", "--rock", "Granite", "--output", tmp_path / "j", *words)
+    stated = ["--rock", "Granite", "--largest-radius", "20", *words.split()]
+    command("close", "a.txt", "b.txt", "--output", tmp_path / "j", *stated)
     assert closed["choices"] == jc.Choices(largest_radius=0.02)
     usual = scanned_joint.RESOLVED if expected else jc.Numerics()
     for name in ("breakage", "displacement_step", "later_breakage_step"):
@@ -224,16 +179,6 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["correlation"] > 0.95
     first, second = record["per_cycle"]["max_closure_seated_net_mm"]
     assert 0.0 < second < first < record["per_cycle"]["max_closure_mm"][0]
-
-
-def test_a_joint_without_void_on_average_is_warned_of(joint):
-    closed = joint.history.copy()
-    assert "warning" not in summary(closed, joint.laws)
-    closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
-    assert (
-        summary(closed, joint.laws).count("warning: the mean aperture is -")
-        == closed.load_cycle.max()
-    )
 
 
 def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command):

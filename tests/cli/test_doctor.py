@@ -34,15 +34,6 @@ def test_threads_set_otherwise_get_an_advice(monkeypatch, command):
     assert "set all to 1" in out
 
 
-def test_little_memory_means_fewer_jobs(monkeypatch):
-    class Memory:
-        available, total = 1.2e9, 4e9
-
-    monkeypatch.setattr(doctor.psutil, "virtual_memory", Memory)
-    assert doctor._memory(2)[-1] == ""
-    assert "CORES=2" in doctor._memory(8)[-1]
-
-
 def test_a_snakemake_that_does_not_start_gets_an_advice(tmp_path, monkeypatch):
     monkeypatch.undo()
     (tmp_path / "config").mkdir()

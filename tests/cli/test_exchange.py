@@ -190,15 +190,6 @@ def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_sa
     assert gap[-1] == 0.0
 
 
-def test_a_table_of_a_blocked_joint_is_refused_in_a_line(small_joint):
-    history = jc.simulate(
-        *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6
-    )
-    blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
-    with pytest.raises(jc.InputError, match=r"mean aperture must be positive, and is not from 0.2"):
-        exported(geos_files, blocked)
-
-
 def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     meshio = pytest.importorskip("meshio")
     upper, lower = small_joint

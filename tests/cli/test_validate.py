@@ -110,11 +110,9 @@ CURVE, MAP = "ethz_-_specimen_vd1_*", "ethz_vd1_120.Z.txt"
     ("file", "old", "new", "message"),
     [
         (CURVE, "", None, "ethz_-_specimen_vd1_sigmaZ_vs_fractureClosure_hm1.txt: no such file"),
-        (CURVE, READINGS.splitlines(keepends=True)[1], "", "column 'Disp': has no unit"),
         (CURVE, READINGS, "", "column '2': has no unit"),
         (CURVE, "mm", "inch", "unit 'inch' must be one of"),
         (MAP, "3.0000000000", "nan", "ethz_vd1_120.Z.txt: 2 values are not finite"),
-        (MAP, "3.0000000000", "-", "ethz_vd1_120.Z.txt: lines of equally many numbers expected"),
         ("other.stl", "", "", "0 scans of wall vd1a before testing, must be one"),
     ],
 )

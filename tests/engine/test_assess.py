@@ -90,12 +90,8 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
         assessed(closures(effect=0.3), LADDER, "middle", 0.05, None).verdict("without gouge")
         == "needed"
     )
-    assert "a limit within the request" in assessment.sentences[0]
     sharp = assessed(closures(scatter=1e-4), LADDER, "middle", 0.05, None)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
-    diverging = assessed(closures(coarse=0.3, middle=0.2), LADDER, "middle", 0.05, None)
-    assert "no limit was reached" in diverging.sentences[0]
-    assert "joints with" in assessment.sentences[1]
 
 
 def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
@@ -103,23 +99,6 @@ def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
     scaled = {name: b / a for name, a, b in zip(fine._fields, fine, rough, strict=True) if a != b}
     steps = {name for name in fine._fields if name.endswith("_step")}
     assert scaled == dict.fromkeys(steps | {"tolerance"}, 2.0)
-
-
-def test_what_cannot_be_had_is_said_with_the_least_that_can():
-    made = closures()
-    words = assessed(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
-    assert "budget = 0.001 s: buys no mean, which takes at least 80 s" in words
-    fails = made.assign(**{name: made[name].where(made.variant != "fine") for name in JUDGED})
-    assert "fewer than two joints" in assessed(fails, LADDER, "middle", 0.05, None).sentences[1]
-    lone = closures(joints=1, scatter=0.3)
-    assert (
-        "budget = 0.001 s: a joint takes"
-        in assessed(lone, LADDER, "middle", 0.05, 1e-3).sentences[1]
-    )
-    assert (
-        "no setting answers a request below"
-        in assessed(lone, LADDER, "middle", 0.05, None).sentences[-1]
-    )
 
 
 @pytest.mark.parametrize(
@@ -187,8 +166,6 @@ def test_elastic_joints_have_one_setting_and_the_effects_that_act():
     ("changes", "message"),
     [
         ({"within": 2.0}, "within = 2.0"),
-        ({"budget": -1.0}, "budget = -1.0"),
-        ({"spacing": None}, "spacing"),
         ({"folder": "nowhere"}, "folder = 'nowhere'"),
         ({"max_normal_stress": 1e12, "unusual_values": True}, "max_normal_stress"),
     ],
@@ -196,9 +173,3 @@ def test_elastic_joints_have_one_setting_and_the_effects_that_act():
 def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
     with pytest.raises(jc.InputError, match=message):
         jc.assess([(np.zeros((8, 8)),) * 2], **SCENE | changes)
-
-
-def test_walls_that_are_no_pairs_are_refused():
-    for walls in (np.zeros((8, 8)), [(np.zeros((8, 8)),)]):
-        with pytest.raises(jc.InputError, match="walls: must be"):
-            jc.assess(walls, **SCENE)

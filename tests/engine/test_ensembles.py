@@ -12,9 +12,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine import ensembles
 from jointclosure.engine.ensembles import NOT_SIMULATED
-from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.workers import Failed, shared
-from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from tests.engine.dying import die_or_double, kill_worker_once
 from tests.joints import DOLERITE, SPACING
@@ -39,16 +37,6 @@ def without_times(ensemble):
 def test_the_number_of_workers_changes_no_bit(alone):
     together = jc.simulate_ensemble(rule, seeds=[3, 5, 4], workers=2, **LOAD)
     xr.testing.assert_identical(without_times(alone), without_times(together))
-
-
-def test_each_joint_is_closed_as_a_study_closes_it(alone):
-    conditions = Conditions(
-        SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()
-    )
-    names = "closure", "max_closure", "status"
-    row = close_joint(rule(5), Reading(conditions, names, alone.stress.values))
-    for name in names:
-        np.testing.assert_array_equal(alone[name].values[1], row[name])
 
 
 def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
@@ -114,19 +102,11 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     assert np.isfinite(ensemble.max_closure).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
-        ({"effects": jc.Effects(substrate=False)}, "interaction = True needs substrate"),
-        ({"seating_stress": 9e6}, "seating_stress"),
-    ],
-)
-def test_conditions_are_refused_at_every_door_before_walls_are_made(change, message, tmp_path):
+def test_conditions_are_refused_at_every_door_before_walls_are_made(tmp_path):
     def walls(*_):
         raise AssertionError("walls were made")
 
-    stated = LOAD | change
+    stated = LOAD | {"effects": jc.Effects(substrate=False)}
     curve = tmp_path / "lab.csv"
     curve.write_text(GOOD)
     load = {name: value for name, value in stated.items() if name != "spacing"}
@@ -137,7 +117,7 @@ def test_conditions_are_refused_at_every_door_before_walls_are_made(change, mess
         lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
         lambda: jc.simulate(*rule(1), **stated),
     ):
-        with pytest.raises(jc.InputError, match=message):
+        with pytest.raises(jc.InputError, match="interaction = True needs substrate"):
             door()
 
 

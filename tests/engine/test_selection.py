@@ -7,7 +7,6 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.assess import ASSESSED
 from jointclosure.engine.selection import (
-    CRUSHED,
     ENOUGH,
     FEWEST_PAIRS,
     LOSS,
@@ -157,14 +156,6 @@ def test_what_frozen_walls_do_not_show_is_left_out_after_many_pairs_only(names):
     for pairs, left_out in ((FEWEST_PAIRS[names[0]] - 1, False), (FEWEST_PAIRS[names[0]], True)):
         pilot = MadeUp([0.0] * pairs, 10_000, seconds=0.1)
         assert pilot.test(names, ALL, 0.3)[0] is left_out
-
-
-def test_soft_peaks_are_tested_only_where_walls_are_crushed():
-    for bulk, tested in ((0.9 * CRUSHED, False), (1.1 * CRUSHED, True)):
-        choice = choose_among(MadeUp([0.0] * 20, 10_000, (0.5, 0.01), bulk), 0.2)
-        (reason,) = (reason for reason in choice.reasons if "soft_peaks" in reason)
-        assert ("is not tested" not in reason) is tested
-        assert choice.effects.soft_peaks is not tested
 
 
 def test_all_effects_act_where_a_joint_fails():

@@ -96,15 +96,6 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         assert (ends.low >= 0.0).all()
 
 
-def test_a_stated_source_and_a_wider_one_widen_the_range():
-    for seed in range(5):
-        few, two, wider = (
-            lower_end(widths, 0.1, seed)
-            for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
-        )
-        assert few > two > wider
-
-
 def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
     budget = uncertainty_budget(*small_joint, CONDITIONS)
     drawn = budget.results[budget.results.source == ALL]
@@ -179,9 +170,7 @@ def test_variants_shift_and_thin_out_the_walls_themselves(small_joint):
     [
         ({"strength": (1.0, 2.0)}, "'strength': must be one of"),
         ({"youngs_modulus": (2e9, 1e9)}, "lowest value must come first"),
-        ({"compressive_strength": (1e6, 2e6)}, "must contain that of the joint"),
         ({"peak_modulus_ratio": (0.1, 0.2)}, "must contain that of the joint, 0.05"),
-        ({"youngs_modulus": (1e9,)}, "must be \\(lowest, highest\\)"),
         ({"peak_modulus_ratio": (0.1, 2.0)}, "peak_modulus_ratio = 2.0"),
         ({"spacing": (SPACING, 1.2 * SPACING)}, "must begin at the spacing"),
     ],

@@ -40,10 +40,8 @@ def walls():
 FORMS = {
     "float32": lambda wall: wall.astype(np.float32),
     "float16": lambda wall: wall.astype(np.float16),
-    "long double": lambda wall: wall.astype(np.longdouble),
     "big-endian": lambda wall: wall.astype(">f8"),
     "Fortran order": np.asfortranarray,
-    "not contiguous": lambda wall: np.repeat(np.repeat(wall, 2, 0), 3, 1)[::2, ::3],
     "reversed views": lambda wall: wall[::-1, ::-1].copy()[::-1, ::-1],
     "read-only": lambda wall: np.frombuffer(wall.tobytes()).reshape(wall.shape),
     "lists": lambda wall: wall.tolist(),
@@ -60,14 +58,10 @@ def test_a_form_that_holds_the_heights_gives_the_same_joint(close, walls, form):
 
 REFUSED = {
     "complex": (FLAT.astype(complex), "values of type complex128"),
-    "object": (FLAT.astype(object), "values of type object"),
-    "boolean": (FLAT.astype(bool), "values of type bool"),
     "text": (np.full((4, 4), "0.1"), "values of type <U3"),
-    "dates": (np.zeros((4, 4), "M8[s]"), r"values of type datetime64\[s\]"),
     "masked": (np.ma.masked_array(FLAT, np.eye(4)), "masked values"),
     "ragged": ([[1.0, 2.0], [3.0]], "is not an array"),
     "nothing": (None, "values of type object"),
-    "one-dimensional": (np.zeros(4), "shape"),
     "empty": (np.zeros((0, 4)), "shape"),
     "too large a height": (np.full((4, 4), 1e16), "a height of 1e[+]16 m"),
     "dataset": (xr.Dataset({"height": (("y", "x"), FLAT)}), "is an xarray.Dataset of height; must"),
@@ -76,8 +70,7 @@ REFUSED = {
             np.where(np.arange(4200).reshape(60, 70) == 41 * 70 + 37, kind(value), kind(0.0)),
             r"1 values are not finite, the first at \(y, x\) = \(41, 37\)",
         )
-        for value in (np.nan, np.inf, -np.inf)
-        for kind in (np.float16, np.float64)
+        for value, kind in ((np.nan, np.float64), (-np.inf, np.float16))
     },
 }
 
@@ -185,13 +178,8 @@ def test_a_data_frame_is_what_its_labels_say(walls):
         [pd.DataFrame(wall, letters) for wall in walls],
     ):
         np.testing.assert_array_equal(checked_walls(*given, SPACING), walls)
-    for rows, other, spacing, printed in (
-        (X, X + SPACING, SPACING, "their coordinates y differ"),
-        (letters, letters[::-1], SPACING, "their labels y differ"),
-        (X, X, 2.0 * SPACING, r"steps of 0.00025 m, and spacing = 0.0005 m"),
-    ):
-        with pytest.raises(jc.InputError, match=printed):
-            checked_walls(pd.DataFrame(upper, rows), pd.DataFrame(lower, other), spacing)
+    with pytest.raises(jc.InputError, match="their labels y differ"):
+        checked_walls(pd.DataFrame(upper, letters), pd.DataFrame(lower, letters[::-1]), SPACING)
 
 
 def mates():

@@ -130,21 +130,6 @@ def test_a_gap_of_less_than_rounding_beside_a_wide_one_counts_as_closed():
     )
 
 
-def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
-    """A cell of 30 nm is solved, those of 15 nm beside it are left out, as cells of 1 mm adjoin."""
-    field = np.full((20, 6), 1e-3)
-    field[:, 3] = 15e-9
-    field[7, 3] = 30e-9
-    flow = flow_along(field, "x")
-    assert flow.status == AT_LEAST
-    narrow = np.mean(field[:, 3] ** 3) * 6.0  # all of the pressure falls along the narrow cells
-    assert flow.hydraulic_aperture < 0.9 * np.cbrt(narrow)
-    field[:, 3] = 0.0
-    field[7, 3] = 30e-9
-    assert flow_along(field, "x").status == FLOWS
-    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(flow.hydraulic_aperture)
-
-
 def test_a_flow_that_does_not_balance_or_is_singular_is_not_solved(monkeypatch):
     field = random_field(5)
     found = flow_along(field, "x").imbalance

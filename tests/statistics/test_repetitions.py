@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import scipy.stats
 
-import jointclosure as jc
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.repetitions import (
@@ -48,15 +47,6 @@ def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_
     np.testing.assert_allclose(between, shared, atol=0.03)
     np.testing.assert_allclose(drawn.means[:, 1], 2.0 * drawn.means[:, 0], rtol=1e-12)
     np.testing.assert_allclose(drawn.lengths[:, 0], drawn.lengths[:, 1], rtol=1e-9)
-
-
-def test_lengths_are_those_of_the_means_and_deviations_drawn():
-    random = generator(4)
-    drawn = draw_studies({"x": sensitivity(random, 0.05, 60, "x")}, Design(), 200, random)["x"]
-    for r in range(200):
-        one = jc.indifference_interval(LEVELS, drawn.means[r, 0], drawn.deviations[r, 0], 20)
-        expected = np.inf if np.isnan(one.length) else one.length
-        assert drawn.lengths[r, 0] == pytest.approx(expected, rel=1e-9)
 
 
 def test_p_of_a_dash_is_its_share_and_counts_it_as_longer_than_any_length():
@@ -125,16 +115,6 @@ def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():
     noisy = random.binomial(100, 0.3, size=2000) / 100
     assert pool_error(noisy, 100) < 0.3 * noisy.std()
     assert np.isnan(pool_error([np.nan, np.nan, np.nan, 0.5], 100))
-
-
-def test_pools_of_the_same_surfaces_are_resampled_together():
-    pool = Pool(generator(7).normal(size=(1, 30)), "x")
-    one = {"x": Sensitivity(np.arange(3.0), 1.0, (pool, Pool(pool.values + 1.0, "x"), pool))}
-    for each in resampled_pools(one, generator(8), 3):
-        low, middle, high = (own.values for own in each["x"].pools)
-        np.testing.assert_array_equal(low, high)
-        np.testing.assert_allclose(middle, low + 1.0)
-        assert len(np.unique(low)) < 30
 
 
 EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}

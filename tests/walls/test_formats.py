@@ -108,35 +108,13 @@ def one_lost_and_one_doubled(draw, content):
     return b"\n".join(lines)
 
 
-def damaged_lines(draw, content):
-    """Fewer than 1 % of the lines of points with other characters, numbers or words."""
-    lines = content.decode().split("\n")
-    data = [k for k, line in enumerate(lines) if line.count(".") == 3]
-    for number in draw(st.sets(st.sampled_from(data), min_size=1, max_size=len(data) // 101)):
-        mark = "," if "," in lines[number] else " "
-        words, place = lines[number].split(mark), draw(st.integers(0, 2))
-        word, at = words[place], draw(st.integers(0, len(words[place]) - 1))
-        changed = [
-            word[:at] + word[at + 1 :],
-            word[:at] + draw(st.sampled_from("0123456789.-e, ")) + word[at + 1 :],
-            repr(float(word) + draw(st.floats(-2.0, 2.0))),
-            repr(draw(st.floats(allow_nan=True, allow_infinity=True))),
-            draw(st.sampled_from(["", "nan", "abc", "-9999", "1e30", "--"])),
-        ]
-        words[place] = draw(st.sampled_from(changed))
-        kept = draw(st.sampled_from([words, words[:place] + words[place + 1 :], words * 2, []]))
-        lines[number] = mark.join(kept)
-    return "\n".join(lines).encode()
-
-
 DISTORTIONS = {
     cut_off: sorted(FORMS),
     one_lost_and_one_doubled: ["a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"],
-    damaged_lines: ["a.csv", "a.xyz"],
 }
 
 
-@settings(RANDOM, max_examples=90)
+@settings(RANDOM, max_examples=50)
 @given(st.data(), grounds(), st.sampled_from(list(DISTORTIONS)))
 def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
     tmp_path, data, walls, distort
@@ -160,10 +138,7 @@ def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
     inside &= (rows < ground.heights.shape[0]) & (columns < ground.heights.shape[1])
     rows, columns, heights = rows[inside], columns[inside], scan.heights[y, x][inside]
     off = ~np.isclose(heights, 1e-3 * ground.heights[rows, columns], rtol=0.0, atol=1e-8)
-    # a number that lost its end, or points of damaged lines, which may also spoil another place
-    damaged = ground.heights.size // 100 if distort is damaged_lines else 1
-    assert off.sum() + (~inside).sum() <= damaged, (form, scan.remarks)
-    assert distort is not damaged_lines or (~off).sum() >= ground.heights.size - 2 * damaged
+    assert off.sum() + (~inside).sum() <= 1, (form, scan.remarks)  # a number that lost its end
 
 
 @pytest.mark.parametrize("form", [*FORMS, "scan.x3p", "scan.unknown"])
@@ -203,17 +178,13 @@ def test_a_pickle_is_refused_and_not_run(name, tmp_path):
         ("a.npy", {"spacing": SPACING}, "does not state the units of its heights"),
         ("a.npy", {"units": "mm"}, "does not state the spacing"),
         ("a.npy", {"units": "inch", "spacing": SPACING}, "must be one of m, mm, um, nm"),
-        ("a.npy", {"units": "mm", "spacing": SPACING, "variable": "z"}, "variable = 'z'"),
         ("a.npz", {"units": "mm"}, "units = 'mm': the heights of the file are in 'um'"),
         ("a.npz", {"spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
         ("a.npz", {"variable": "Q"}, "variable = 'Q': must be one of Z_um, spacing_m"),
         ("a.nc", {"units": "mm"}, "units = 'mm': the heights of the file are in 'micrometre'"),
         ("a.nc", {"units": "um"}, "units = 'um': the distances of the file are in 'm'"),
-        ("a.nc", {"variable": "depth"}, "variable = 'depth': must be one of height"),
         ("a.csv", {"units": "m"}, "units = 'm': the heights of the file are in 'um'"),
-        ("a.xyz", {}, "does not state the units"),
         ("geo.tiff", {"units": "mm"}, "the heights of the file are in 'm'"),
-        ("a.stl", {}, "does not state the units"),
         ("a.stl", {"units": "mm", "spacing": 5e-4}, "spacing = 0.5 mm: the file states 0.25 mm"),
         ("gwyddion.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
     ],
@@ -262,7 +233,6 @@ def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
         "# x [mm] y [mm] z [um]",
         "X (mm);Y (mm);Z (µm)",
         "X Position [MM];Y Position [MM];Height [UM]",
-        "x/mm y/mm z/um",
         "X, mm;Y, mm;Z, um",
     ],
 )
@@ -354,7 +324,6 @@ def test_a_mask_beside_heights_is_not_left_unread(form, wall, tmp_path):
         read_scan(path)
 
 
-LETTER = b"Dear all,\nthe scan is lost.\n"
 TRIANGLE = np.array([0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0], "<f4").tobytes() + bytes(2)
 STL = b"exported".ljust(80) + struct.pack("<I", 4) + TRIANGLE * 4
 PLY = (
@@ -362,37 +331,25 @@ PLY = (
     b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     b"0 0 2\n1 0 2\n2 0 2\n2 1 2\n1 1 2\n0 1 2\n3 0 1 2\n"
 )
-BINARY_PLY = PLY.replace(b"ascii", b"binary_little_endian") + bytes(range(108))
 LINES = [b"v 0 0 0", b"v 1 0 0", b"v 0 1 0", b"v 1 1 0"]
 OBJ = b"\n".join(LINES[:3]) + b"\n"
 REFUSED = {
-    "a.foo": (LETTER, "is of no form that is read here; text must be .txt"),
     "png.stl": (b"\x89PNG\r\n\x1a\n" + bytes(80), "its content is that of a PNG"),
-    "pk.npy": (b"PK\x03\x04" + bytes(80), "its content is that of an archive"),
     "b.foo": (bytes(range(256)), "is of no form that is read here"),
     "empty.xyz": (b"", "the file is empty"),
     "1.csv": (b"1 2\n3 4\n", "2 columns that are not named"),
-    "2.csv": (b"a,b,c\n1,2,3\n", "must be named x, y and z"),
     "3.csv": (b"x,y,z\n1,,3\n", "1 points lack x or y, the first is number 1"),
     "a.obj": (b"v 0 0 0\nv 1 0 x\n", "line 2"),
     "b.obj": (OBJ + b"f 1 2 9\n", "vertex 9"),
-    "c.obj": (LETTER, "has no vertices"),
     "d.obj": (b"\n".join([b"# Vertices: 9", *LINES]), "declares 9 vertices, and contains 4"),
-    "e.obj": (OBJ + b"f -1 -2 -9\n", "line 4"),
-    "f.obj": (b"v 0 0 0\nv 1 1 0 0\n", "line 2, 'v 1 1 0 0'"),
     "b.ply": (PLY.rpartition(b"0 1 2\n3")[0], "declares 6 vertices, and contains 5"),
-    "c.ply": (PLY.replace(b"1 1 2", b"1 2"), "cannot be read as PLY"),
     "e.ply": (PLY.replace(b"3 0 1 2", b"3 0 1 9"), "has vertex 10, but there are 6 vertices"),
     "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "text must be .txt, .csv or .xyz"),
     "a.grd": (b"DSRB" + bytes(4), "lacks the section DATA, GRID"),
-    "b.grd": (surfer_7(np.ones((3, 3)), 0.3, angle=30.0), "rotation = 30 degrees: must be 0"),
     "c.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "and contains 10: is"),
     "a.ply": (STL, "cannot be read as PLY"),
     "cut.stl": (STL[:200], "4 triangles, 284 bytes, and contains 200: is the file incomplete"),
-    "short.stl": (STL[:82], "contains 82 bytes, less than the head of 84: is the file incomplete"),
-    "a.txt": (BINARY_PLY, "is not text: it contains binary data; its content is that of a PLY"),
     "noise.npy": (bytes(range(256)), "cannot be read as an array of numbers"),
-    "b.txt": (bytes(range(256)), "is not text: it contains binary data"),
 }
 
 
@@ -407,13 +364,6 @@ def test_a_file_of_no_form_is_refused_in_one_line_without_its_bytes(name, tmp_pa
     assert ("its content" in message) == ("its content" in printed)  # what it is most like
     assert message.isprintable()
     assert "\\x" not in message
-
-
-def test_a_solid_is_refused_and_not_taken_for_another_form(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
-    (tmp_path / "a.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
-    with pytest.raises(jc.InputError, match=r"must be cut to one wall$"):
-        read_scan(tmp_path / "a.stl", units="mm")
 
 
 @pytest.mark.parametrize("form", ["a.npy", "x.dat.txt,y.dat.txt,z.dat.txt", "a.tif"])
@@ -473,18 +423,6 @@ def test_points_far_apart_are_refused_before_a_terabyte_is_allocated():
         wall_on_grid(Cloud(points), point_distance(Cloud(points)))
 
 
-@pytest.mark.parametrize(("word", "fails"), [("none", False), ("nan", False), ("lots", True)])
-def test_a_no_data_value_that_is_no_number_is_none_or_named(word, fails, wall, tmp_path):
-    tifffile = pytest.importorskip("tifffile")
-    tifffile.imwrite(tmp_path / "a.tif", wall, extratags=[(42113, "s", 0, word, True)])
-    if fails:
-        with pytest.raises(jc.InputError, match=r"a\.tif: GDAL_NODATA = 'lots': must be a number"):
-            read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
-    else:
-        found = read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
-        np.testing.assert_allclose(found.heights, 1e-3 * wall)
-
-
 def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_size(wall, tmp_path):
     ground = Ground(wall, STEP_MM, (5.0, 3.0))
     usual = read_in("a.asc", ground, tmp_path)
@@ -493,21 +431,6 @@ def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_s
     of_gdal = read_scan(tmp_path / "b.asc", units="mm")
     np.testing.assert_array_equal(of_gdal.heights, usual.heights)
     assert (of_gdal.spacing, of_gdal.origin) == (usual.spacing, usual.origin)
-
-
-def test_a_row_of_an_esri_grid_that_lost_a_number_is_named(wall, tmp_path):
-    as_esri(tmp_path / "a.asc", Ground(wall))
-    rows = (tmp_path / "a.asc").read_text().splitlines()
-    words = [word for row in rows[6:] for word in row.split()]
-    divided = [" ".join(words[start : start + 10]) for start in range(0, len(words), 10)]
-    (tmp_path / "b.asc").write_text("\n".join(rows[:6] + divided))
-    scan = read_scan(tmp_path / "b.asc", units="mm")
-    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
-    rows[10] = rows[10].partition(" ")[2]
-    rows[17] += " 1.0"
-    (tmp_path / "a.asc").write_text("\n".join(rows))
-    with pytest.raises(jc.InputError, match=r"row 5 contains 25 heights, must be 26 \(2 such rows"):
-        read_scan(tmp_path / "a.asc", units="mm")
 
 
 @pytest.mark.parametrize(

@@ -44,13 +44,6 @@ def test_a_grid_with_missing_points_is_that_grid_and_a_lost_profile_is_warned_of
     assert ("26 of them inside the wall (5 %): is the file inc" in warned) == (len(lost) == 26)
 
 
-def test_places_that_are_written_rounded_are_those_of_a_grid(points, tmp_path):
-    points = points * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
-    scan = read_points(tmp_path / "a.xyz", points, digits=2)
-    assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
-    assert scan.heights.shape == SHAPE
-
-
 def test_scattered_and_staggered_points_are_no_grid(points, tmp_path):
     random = np.random.default_rng(1)
     scattered, staggered = points.copy(), points.copy()

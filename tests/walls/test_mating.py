@@ -40,21 +40,6 @@ def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
     assert np.median(high / low) < 1.6
 
 
-def test_it_is_where_the_correlation_is_a_half_though_long_waves_do_not_mate_fully():
-    """Correlations of 0.65 beyond 14 cells, 0.39 from 6 to 14 cells, and 0 below."""
-    wavelength, found = 14 * SPACING, []
-    for seed in range(PAIRS):
-        about = {"jrc": 8.0, "shape": (80, 96), "spacing": SPACING, "normalise": "expectation"}
-        upper, far = jc.wall_pair(**about, seed=seed, mismatch_wavelength=wavelength)
-        _, near = jc.wall_pair(**about, seed=seed, mismatch_wavelength=6 * SPACING)
-        other, _ = jc.wall_pair(**about, seed=1000 + seed)
-        lower = 0.7 * (0.6 * far + 0.4 * near + other)
-        found.append(measured_mismatch(upper, lower, SPACING))
-    value, low, high = np.array(found).T / wavelength
-    assert np.median(value) == pytest.approx(1.0, abs=0.15)
-    assert np.mean((low <= 1.0) & (high >= 1.0)) >= 0.8
-
-
 def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
     assert np.all(found_in(0) == 0.0)
     wavelength, low, high = found_in(None).T

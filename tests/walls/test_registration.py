@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 import jointclosure as jc
-from benchmarks.registration import Truth, rotation
+from benchmarks.registration import Truth
 from jointclosure.engine.selection import choose_effects
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
@@ -19,11 +19,8 @@ from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
-from jointclosure.walls.scans import read_scan
 from studies.frame.walls import prepared_walls
-from tests.joints import DOLERITE, SPACING, TWO_WALLS
-from tests.same_bits import PROCESSORS, printed
-from tests.walls.writers import Ground
+from tests.joints import DOLERITE, SPACING
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
@@ -123,25 +120,6 @@ def test_scans_mate_unless_they_are_to_stay_where_they_are():
     assert mated.aperture.mean() < stay.aperture.mean()
     true = registered(grid(-first, (0.0, 6 * SPACING)), grid(second, (0.0, 0.0)), shift="scanned")
     np.testing.assert_allclose(true.upper, mated.upper, atol=1e-12)
-
-
-def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
-    rng = np.random.default_rng(5)
-    waves = rng.normal(size=(60, 2)) * 2500.0
-    phases = rng.random(60) * 2.0 * np.pi
-
-    def heights(places):
-        return 1e-5 * np.cos(places @ waves.T + phases).sum(axis=1)
-
-    places = rng.random((2, 14000, 2)) * 25e-3
-    true = np.array([0.31e-3, -0.83e-3])  # of the upper cloud, along x and y
-    lower = np.column_stack([places[0], heights(places[0])])
-    upper = np.column_stack([places[1], heights(places[1] + true) + 1e-3])
-    found = registered(Cloud(upper), Cloud(lower))
-    assert found.orientation == "common_frame"
-    moved = (found.motion.place - found.motion.middle)[:2]
-    assert moved == pytest.approx(tuple(true), abs=0.05 * found.spacing)
-    assert found.correlation > 0.99
 
 
 @pytest.mark.parametrize("name", ["common_frame", "turned_over"])
@@ -483,31 +461,6 @@ def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
     assert about_cloud == about
 
 
-@pytest.fixture(scope="module")
-def two_walls():
-    """Upper and lower scan of a published fracture, and the walls that they make."""
-    if not TWO_WALLS.is_dir():
-        pytest.skip("the two walls are not here")
-    names = ("side_b_top.txt", "side_a_bottom.txt")
-    upper, lower = (read_scan(TWO_WALLS / name, units="mm") for name in names)
-    return upper, lower, registered(upper, lower, 0.5e-3)
-
-
-@pytest.mark.parametrize(("name", "degrees"), [("turned_over", 33.0), ("common_frame", 171.0)])
-def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, degrees, two_walls):
-    upper, lower, right = two_walls
-    assert right.orientation == "common_frame"
-    assert right.correlation > 0.9
-    over = np.diag([1.0, -1.0, -1.0] if name == "turned_over" else [1.0, 1.0, 1.0])
-    turn = rotation("z", degrees) @ rotation("x", 2.0)
-    found = registered(Cloud(upper.points @ (over @ turn)), lower, 0.5e-3)
-    assert found.orientation == name
-    angle = abs(found.mated.angle - right.mated.angle)
-    assert angle == pytest.approx(degrees, abs=4.0 * found.mated.errors()[0])
-    assert found.correlation == pytest.approx(right.correlation, abs=0.005)
-    assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.05)
-
-
 def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of():
     upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
     upper = 1e-3 - upper
@@ -524,17 +477,10 @@ def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of():
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
 
 
-@pytest.fixture(scope="module")
-def grounds():
-    """A joint in one frame [mm], z upwards."""
-    upper, lower = (1e3 * wall for wall in jc.wall_pair(8.0, (24, 26), 3e-4, 3, correlation=0.9))
-    return Ground(2.0 - upper, 0.3, (7.5, 40.0)), Ground(lower, 0.3, (7.5, 40.0))
-
-
-def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(grounds):
-    rough = grounds[1].heights
-    tilted = rough + 0.02 * np.indices(rough.shape)[1]
-    lower, aperture = (grid(1e-3 * part, step=3e-4) for part in (tilted, rough.max() - rough))
+def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
+    rough = joint[1]
+    tilted = rough + 5e-6 * np.indices(rough.shape)[1]
+    lower, aperture = grid(tilted), grid(rough.max() - rough)
     under = registered("flat", lower, cut_spikes=False)
     mapped = registered(aperture, "flat", orientation="common_frame", cut_spikes=False)
     turned = registered(lower, "flat", orientation="towards", cut_spikes=False)
@@ -550,27 +496,3 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(grounds
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
-
-
-REGISTERED = """
-import hashlib, numpy as np, jointclosure as jc
-from jointclosure.walls.measured import Cloud, Scan
-from jointclosure.walls.measured import points_of
-from jointclosure.walls.registration import registered
-h = 0.25e-3
-upper, lower = jc.wall_pair(9.0, (64, 72), h, seed=4, correlation=0.9, roll_off=None)
-y, x = np.indices(lower.shape) * h
-upper = -upper + 0.02 * x - 0.01 * y
-lower[30:33, 20:24] = np.nan
-grids = Scan(upper, (h, h), (0.0, 0.0)), Scan(lower, (h, h), (0.0, 0.0))
-apart = [Cloud(points_of(grid) + [0.3e-3 * i, 0.0, 0.0]) for i, grid in enumerate(grids)]
-for scans, spacing in ((grids, h), (grids, 1.4 * h), (apart, h)):
-    pair = registered(*scans, spacing)
-    print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in (pair.upper, pair.lower)))
-"""
-
-
-def test_scans_are_the_same_walls_on_any_processor():
-    here = printed(REGISTERED)
-    for name, environment in PROCESSORS.items():
-        assert printed(REGISTERED, **environment) == here, name
