@@ -54,14 +54,6 @@ def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
     assert len(by_rock(changes)) == 2 * len(TARGETS)
 
 
-def test_failures_are_left_out_on_both_sides():
-    broken = study(1.1)
-    broken["status"][0, 2] = 16
-    changes = closure_changes(study(), broken)
-    assert changes[changes.case == "slate-base"].samples.unique() == 5
-    np.testing.assert_allclose(changes.change_percent, 10.0)
-
-
 def test_all_that_differs_is_named():
     assert differences(study(), study()) == []
     timed = study()

@@ -53,29 +53,16 @@ def test_measured_walls_take_the_place_of_a_jrc():
 @pytest.mark.parametrize(
     ("rock", "printed"),
     [
-        (
-            {"walls": WALLS, "levels": {"jrc": None}},
-            "rocks.slate.jrc = 6.5: must be left out with walls",
-        ),
-        (
-            {"walls": WALLS, "jrc": None},
-            "rocks.slate.levels.jrc = [5, 8]: must be left out for scanned walls",
-        ),
+        ({"walls": WALLS, "levels": {"jrc": None}}, "slate.jrc = 6.5: must be left out with walls"),
+        ({"walls": WALLS, "jrc": None}, "levels.jrc = [5, 8]: must be left out for scanned walls"),
         ({"jrc": None}, "rocks.slate: must have jrc, or walls"),
         (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),
-        (NO_JRC | {"walls": WALLS | {"inverted": ["upper"]}}, "upper is not a file"),
     ],
 )
 def test_what_contradicts_measured_walls_is_named(rock, printed):
     with pytest.raises(ConfigurationError) as error:
         study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": rock}})
     assert printed in str(error.value)
-
-
-def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
-    design = {"tilt_degrees": [0, 0.5], "rotation_degrees": [0], "mismatch_wavelength_mm": [0.75]}
-    with pytest.raises(ConfigurationError, match=r"misalignment: not with rocks.slate.walls"):
-        study_of(with_walls(), {"misalignment": design})
 
 
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):

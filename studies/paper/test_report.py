@@ -1,6 +1,5 @@
 """The page of a study."""
 
-import pandas as pd
 import pytest
 
 from studies.frame.configuration import model

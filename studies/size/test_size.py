@@ -6,8 +6,6 @@ import xarray as xr
 
 from jointclosure.engine.walls import nested
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
-from jointclosure.joint.curves import closures_at, landing_stress
-from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.frame.configuration import merged
 from studies.frame.files import read_plain
@@ -19,9 +17,8 @@ from studies.size.study import (
     exponent_table,
     runs_of,
     size_table,
-    sizes_of,
 )
-from tests.studied import ROOT, checked_study, study_of
+from tests.studied import ROOT, checked_study
 
 TINY = merged(read_plain(ROOT / "tests/workflow/tiny_size.yaml"), {"study": {"realizations": 4}})
 BASE = (3e-3, 0.25e-3)
@@ -63,30 +60,6 @@ def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
         assert np.ptp(np.diff(plane, axis=0)) < 1e-12
         assert np.ptp(np.diff(plane, axis=1)) < 1e-12
     assert np.ptp(coarse - (of_whole - of_whole.mean())) > 0.0
-
-
-def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
-    """Later loadings do not land, and are read to the maximum."""
-    (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
-    conditions = point.settings.conditions()
-    largest = float(conditions.max_normal_stress)
-    closed = close_walls(*walls_of(point), conditions)
-    ends = landing_stress(closed, 1), float(closed.normal_stress.max())
-    assert 0.5 * largest < ends[0] < 0.95 * largest
-    for cycle, end in enumerate(ends, start=1):
-        levels = np.array([0.5 * largest, end])
-        chord = np.diff(levels) / np.diff(closures_at(closed, levels)[cycle - 1, 0])
-        read = run.stiffness_net.sel(
-            spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
-        )
-        assert float(read) == pytest.approx(chord[0])
-
-
-def test_what_is_too_many_cells_is_not_closed(run):
-    sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
-    assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
-    closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
-    assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
 
 
 def test_ratios_are_of_pairs_of_the_same_walls(run):

@@ -135,29 +135,25 @@ def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakag
     assert expected in (None, closed["numerics"].tolerance)
 
 
-def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, command):
+def test_flow_and_snapshots_are_written_and_replaced_with_all_of_their_files(
+    scans, tmp_path, command
+):
     """Of another joint nothing stays, and what someone else put there is left alone."""
-    twice, once = tmp_path / "twice", tmp_path / "once"
-    words = [*scans, *WORDS, "--single", "--cycles", 1, "--output"]
-    code, out, err = command("close", *words, twice, "--snapshots", "1,2", "--flow")
+    words = [*scans, *WORDS, "--single", "--cycles", 1, "--output", tmp_path]
+    code, out, err = command("close", *words, "--snapshots", "1,2", "--flow")
     assert (code, err) == (0, "")
     assert re.search(r"cycle 1: along x 0\.\d+ \(flows\); along y ", out)
-    history = read_netcdf(twice / "joint.nc")
+    history = read_netcdf(tmp_path / "joint.nc")
     assert (history.hydraulic_aperture > 0.0).all()
     assert set(history.snapshot_stress.values) == {1e6, 2e6}
-    assert "hydraulic_aperture_x_mm" in pd.read_csv(twice / "curves.csv")
-    (twice / "notes.txt").write_text("mine")
-    assert command("report", twice)[0] == 0
-    written = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "report.html"}
-    assert written <= set(contents(twice))
-    for folder in (once, twice):  # from first touch on GEOS has no form
-        _, out, _ = command("close", *words, folder, "--seating", 0)
+    assert "hydraulic_aperture_x_mm" in pd.read_csv(tmp_path / "curves.csv")
+    (tmp_path / "notes.txt").write_text("mine")
+    first = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv"}
+    assert first <= set(contents(tmp_path))
+    _, out, _ = command("close", *words, "--seating", 0)  # from first touch on GEOS has no form
     listed = out.splitlines()[-1].partition(": ")[2].split(", ")
-    assert (twice / "notes.txt").read_text() == "mine"
-    (twice / "notes.txt").unlink()
-    assert contents(twice) == contents(once)
-    assert sorted([*listed, "written.json"]) == sorted(contents(once))
-    assert not written & set(contents(once))
+    assert sorted([*listed, "notes.txt", "written.json"]) == sorted(contents(tmp_path))
+    assert not first & set(contents(tmp_path))
 
 
 @pytest.mark.slow

@@ -63,15 +63,6 @@ def test_files_are_read_net_of_the_rock(folder, capsys):
     assert "the model was not run" in capsys.readouterr().out
 
 
-def test_units_of_readings_are_those_of_their_line(folder):
-    expected = validated(folder)
-    file = next(folder.rglob("ethz_-_specimen_vd1_*"))
-    lines = (line.split(",") for line in readings().removeprefix(READINGS).splitlines())
-    rows = [f"{number},{1e3 * float(closure)},{1e3 * float(s)}\n" for number, closure, s in lines]
-    file.write_text("Number,Disp,sigmaZ\n[-],[um],[kPa]\n" + "".join(rows))
-    pd.testing.assert_frame_equal(validated(folder), expected)
-
-
 @pytest.mark.parametrize("lost", [1, 2])
 def test_what_a_cut_file_lacks_is_missing_with_its_reason(folder, capsys, lost):
     expected = validated(folder)

@@ -16,7 +16,6 @@ from jointclosure.engine.workers import Failed, shared
 from jointclosure.joint.protocol import FAILURE
 from tests.engine.dying import die_or_double, kill_worker_once
 from tests.joints import DOLERITE, SPACING
-from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
 
@@ -100,25 +99,6 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     assert (ensemble.error == "").all()
     np.testing.assert_array_equal(ensemble.max_closure[::2], alone.max_closure[::2])
     assert np.isfinite(ensemble.max_closure).all()
-
-
-def test_conditions_are_refused_at_every_door_before_walls_are_made(tmp_path):
-    def walls(*_):
-        raise AssertionError("walls were made")
-
-    stated = LOAD | {"effects": jc.Effects(substrate=False)}
-    curve = tmp_path / "lab.csv"
-    curve.write_text(GOOD)
-    load = {name: value for name, value in stated.items() if name != "spacing"}
-    fitted = {name: value for name, value in stated.items() if name != "max_normal_stress"}
-    for door in (
-        lambda: jc.simulate_ensemble(walls, **stated),
-        lambda: jc.close("none.npy", "none.npy", **load),
-        lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
-        lambda: jc.simulate(*rule(1), **stated),
-    ):
-        with pytest.raises(jc.InputError, match="interaction = True needs substrate"):
-            door()
 
 
 def test_a_script_without_a_guard_is_not_run_again(tmp_path):

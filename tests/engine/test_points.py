@@ -3,7 +3,6 @@
 import pandas as pd
 import pytest
 
-from jointclosure.engine import joints as closing
 from jointclosure.engine.ensembles import (
     as_dataset,
     as_table,
@@ -60,19 +59,6 @@ def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
         joints.stress == point.coordinates["stress"]
     )
     assert joints.max_closure[here].tolist() == closed.max_closure.values.tolist()
-
-
-def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
-    def failing(upper, lower, conditions, **options):
-        closed = close_walls(upper, lower, conditions)
-        closed["status"] = closed.status + 128
-        return closed
-
-    monkeypatch.setattr(closing, "close_walls", failing)
-    rows = close_points(points[:1], ("max_closure",))
-    assert len(rows) == 4
-    assert (rows.status >= 128).all()
-    assert rows.max_closure.isna().all()
 
 
 def test_a_table_is_the_same_after_it_was_a_dataset(joints):

@@ -140,14 +140,14 @@ def test_the_time_that_tests_lose_is_bounded_by_the_number_of_joints(count):
 
 def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
     random, covered, held, out = np.random.default_rng(1), 0, 0, 0
-    for _ in range(1000):
+    for _ in range(400):
         truth, scatter = random.normal(0.04, 0.03), SCATTER * random.uniform(0.1, 1.0)
         pilot = MadeUp(random.normal(truth, scatter, 20), 1000, (0.04, 0.03))
         left_out, change, _ = pilot.test(("interaction",), ALL, 0.05)
         covered += abs(truth) <= change.most.max()
         out, held = out + left_out, held + (left_out and abs(truth) <= 0.05)
-    assert covered >= 930
-    assert out > 200
+    assert covered >= 0.92 * 400
+    assert out > 80
     assert held >= (ENOUGH + 0.05) * out  # on average over decisions with more than ENOUGH
 
 

@@ -111,15 +111,6 @@ def test_stiffness_rises_with_stress_however_the_closure_was_reached(closed):
     assert not on(stress_table(closed), 2, "loading").normal_stiffness_net_MPa_per_mm.isna().any()
 
 
-def test_chords_before_a_landing_know_nothing_of_it(closed):
-    """A cubic through all steps would bring the stiffness of the landing into the chord before."""
-    end = landing_stress(closed, 1)
-    kept = np.flatnonzero(here(closed) & (closed.normal_stress.values <= end))
-    levels = np.linspace(0.9 * end, end, 4)
-    without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
-    np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
-
-
 def test_a_secant_ends_where_the_landing_begins(closed):
     end = landing_stress(closed, 1)
     levels = np.array([2e6, end, 5e6])

@@ -82,7 +82,7 @@ def scaled(scene, method, **scales):
 
 @pytest.mark.parametrize(
     ("lengths", "stresses"),
-    [(64.0, 1.0), (1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0), (1.0, 64.0**-2)],
+    [(1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0**-2)],
 )
 @pytest.mark.parametrize("method", METHODS, ids=str)
 @pytest.mark.parametrize("scene", [*ELASTIC, *BREAKING])
@@ -117,30 +117,23 @@ def test_elastic_forces_map_with_the_joint(small_joint, scene, name):
     np.testing.assert_allclose(other.normal_stress, one.normal_stress, rtol=1e-10)
 
 
-IN_THE_MEAN = [
-    *((name, 1.0, 1.0, method) for name in MAPS for method in METHODS[:2]),
-    *(("", *scale, method) for scale in ((3.0, 1.0), (1.0, 1e3)) for method in METHODS),
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "lengths", "stresses", "method"), IN_THE_MEAN, ids=str)
-def test_with_breakage_closures_map_and_scale_in_the_mean(name, lengths, stresses, method):
+@pytest.mark.parametrize("method", METHODS[:2], ids=str)
+@pytest.mark.parametrize("name", ["walls swapped", "transposed", "turned"])
+def test_with_breakage_closures_map_in_the_mean(name, method):
     """The mean difference is within three of its standard errors, which are small enough.
 
     A bias beyond three standard errors is seen: they are at most 2 % of the mean closure of the
     first cycle, and 4 % of the second's, whose closure is a tenth as large.
     """
-    rocks, pairs = (DOLERITE, SOFT if name else DOLERITE), []
+    rocks, pairs = (DOLERITE, SOFT), []
     swapped = rocks[::-1] if name == "walls swapped" else rocks
-    for seed in range(25 if method[0] == "reference" else 100):
+    for seed in range(100):
         walls = jc.wall_pair(8.0, (20, 16), SPACING, seed=seed)
-        changed = MAPS[name](*walls) if name else walls
         one = closed(walls, jc.Effects(), method, rock=rocks)
-        scale = {"lengths": lengths, "stresses": stresses}
-        other = closed(changed, jc.Effects(), method, rock=swapped, **scale)
+        other = closed(MAPS[name](*walls), jc.Effects(), method, rock=swapped)
         assert max(int(one.status), int(other.status)) < FAILURE
-        pairs.append([one.max_closure.values, other.max_closure.values / lengths])
+        pairs.append([one.max_closure.values, other.max_closure.values])
     first, second = np.array(pairs).swapaxes(0, 1)
     difference, mean = second - first, first.mean(axis=0)
     error = difference.std(axis=0, ddof=1) / np.sqrt(len(pairs))

@@ -31,23 +31,6 @@ def joint_of(cells, seed, numerics, effects=jc.Effects()):
     return Joint(*pair(cells, seed), SPACING, rocks, effects, jc.Choices(), numerics)
 
 
-@pytest.mark.parametrize(
-    ("bound", "value", "idle"),
-    [
-        # 10 MPa of 165 MPa: at a pressure of the strength 0.0606 of the cells, 97 of 1600, carry it
-        ("_FEWEST_CONTACTS", 96, True),
-        ("_FEWEST_CONTACTS", 98, False),
-        ("_MOST_CRUSHED", 0.0605, False),
-        ("_MOST_CRUSHED", 0.0607, True),
-    ],
-)
-def test_where_few_cells_touch_or_most_are_crushed_nothing_is_left_out(
-    monkeypatch, bound, value, idle
-):
-    monkeypatch.setattr(protocol, bound, value)
-    assert bool(closed().idle_steps) is idle
-
-
 def test_it_is_left_out_of_the_beginning_of_the_first_loading_alone():
     joint = closed()
     indentation, loaded = joint.bulk_indentation.values, joint.normal_stress.values > 0.0

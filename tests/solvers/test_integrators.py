@@ -6,9 +6,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.solvers.conjugate_gradients import coarse_space
 from jointclosure.solvers.fast import FastSolver
-from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint
 from tests import joints
 from tests.joints import DOLERITE, SPACING, pair
@@ -31,27 +29,6 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(mo
     assert not any(jumped(seed) for seed in misled)
     monkeypatch.setattr(protocol, "_MISLED", 0.0)
     assert any(jumped(seed) for seed in misled)
-
-
-def system(shape=(42, 42), share=0.4):
-    influence = influence_of(influence_table(*shape, 0.5 * SPACING, MODULUS, SPACING))
-    rng = np.random.default_rng(7)
-    cells = np.flatnonzero(rng.random(shape[0] * shape[1]) < share)
-    return influence, cells, (0.5 + 0.5 * rng.random(cells.size)) * 0.5 * SPACING * MODULUS
-
-
-def test_the_patches_system_has_the_mean_influence_between_their_cells():
-    influence, cells, stiffness = system((28, 28), 1.0)
-    side = influence.patch
-    space = coarse_space(influence, cells, stiffness)
-    y, x = np.divmod(cells, 28)
-    table = influence.table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-    patch = space.number[influence.patch_of[cells]]
-    member = patch[:, None] == np.arange(space.inverse.shape[0])
-    mean = member.T @ table @ member / side**4
-    total = stiffness @ member
-    expected = np.eye(total.size) + np.sqrt(np.outer(total, total)) * mean
-    np.testing.assert_allclose(np.linalg.inv(space.inverse), expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])

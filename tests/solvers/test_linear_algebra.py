@@ -7,14 +7,11 @@ from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.solvers import joint
 from jointclosure.solvers.conjugate_gradients import (
     coarse_space,
-    newton_direction,
     patch_shares,
     precondition,
 )
 from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.interaction_operator import (
-    Neighbours,
-    influence_matrix,
     influence_of,
     influence_table,
 )
@@ -23,7 +20,6 @@ from tests.joints import SPACING, closed, pair
 
 MODULUS = 4e10
 SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)
-NO_MATRIX = np.empty((0, 0))
 
 
 def contacts_of(shape, share, seed=1):
@@ -49,30 +45,6 @@ def test_preconditioner_is_symmetric_positive_definite(shape):
     assert np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() > 0.0
 
 
-@pytest.mark.parametrize("shortfall", [np.nan, 2.0])
-def test_direction_solves_newtons_equation(shortfall):
-    influence, cells, stiffness = contacts_of((30, 30), 0.5)
-    secant = np.where(stiffness > 0.0, 1.0 / np.maximum(stiffness, 1e-300), np.inf)
-    space = coarse_space(influence, cells, stiffness)
-    step = np.where(stiffness > 0.0, np.sin(np.arange(cells.size)), 0.0)
-    active = stiffness > 0.0
-    forces = np.zeros((30, 30))
-    forces.ravel()[cells[~active]] = 1e3  # of contacts at their limit, which do not move
-    direction, shift, used = newton_direction(
-        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, forces
-    )
-    interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
-    left = secant[active] * direction[active] + interaction @ direction[active]
-    right = secant[active] * step[active] + shift
-    np.testing.assert_allclose(left, right, atol=1e-10 * np.abs(right).max())
-    assert np.all(direction[~active] == 0.0)
-    assert used < 40
-    if np.isnan(shortfall):
-        assert shift == 0.0
-    else:
-        assert direction.sum() == pytest.approx(shortfall, rel=1e-10)
-
-
 @pytest.mark.parametrize("guess", [0.0, 0.3, 1.1, 1e30])
 def test_force_from_a_guess_is_the_force(guess):
     overlap, asperity = np.meshgrid(10.0 ** np.arange(-30, 3, 3.0), (0.0, 1e-12, 1e-8, 1e3))
@@ -88,29 +60,6 @@ def test_force_from_a_guess_is_the_force(guess):
 
 
 SHAPE = (17, 23)
-
-
-def by_distance(table, cells):
-    y, x = np.divmod(cells, SHAPE[1])
-    return table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-
-
-def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
-    table = influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING)
-    near, random = Neighbours(table), np.random.default_rng(2)
-    begun_anew, largest = 0, 0
-    for size in (3, 60, 61, 64, 90, 40, 150, 20, 391):
-        wanted = np.sort(random.permutation(table.size)[:size])
-        before = near.cells
-        slots = near.slots(wanted)
-        n = near.cells.size
-        np.testing.assert_array_equal(near.cells[slots], wanted)
-        np.testing.assert_array_equal(near.matrix[:n, :n], by_distance(table, near.cells))
-        assert n <= 1.25 * size or n == before.size
-        begun_anew += not np.array_equal(near.cells[: before.size], before)
-        largest = max(largest, n)
-    assert begun_anew > 0
-    assert largest == table.size
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])

@@ -88,17 +88,6 @@ def test_95_percent_ranges_cover_a_published_length_93_to_97_times_in_100(common
     assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
 
 
-@pytest.mark.slow
-def test_p_values_of_a_parameter_without_effect_are_uniform_up_to_the_dash():
-    p = []
-    for truth, lengths in distributions(0.0, 60, 800, seed=5, null=True):
-        p.append(share_as_short(lengths[:, 0], truth[0]))
-    p, dash = np.array(p), np.mean(np.array(p) == 1.0)
-    assert 0.03 < dash < 0.25
-    assert scipy.stats.kstest(p[p < 1.0] / (1.0 - dash), "uniform").pvalue > 0.001
-    assert 0.03 < np.mean(p < 0.05) < 0.07
-
-
 def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():
     random = generator(6)
     one = {"x": sensitivity(random, 0.1, 60, "x")}
@@ -115,9 +104,6 @@ def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():
     noisy = random.binomial(100, 0.3, size=2000) / 100
     assert pool_error(noisy, 100) < 0.3 * noisy.std()
     assert np.isnan(pool_error([np.nan, np.nan, np.nan, 0.5], 100))
-
-
-EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}
 
 
 def pools(random, effects, size=60):
@@ -179,19 +165,3 @@ def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
     unlikely = joint_test(drawn, 5.0 * observed)
     assert unlikely.p < 0.01
     assert unlikely.log_likelihood < joint_test(drawn, observed).log_likelihood - 5.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("null", [False, True])
-def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
-    random = generator(5)
-    effects = dict.fromkeys(EFFECTS, 0.0) if null else EFFECTS
-    p = []
-    for _ in range(300):
-        sensitivities = pools(random, effects)
-        if null:
-            sensitivities = without_effect(sensitivities)
-        drawn = table_of(draw_studies(sensitivities, Design(), 400, random))
-        p.append(joint_test(drawn, table(random, effects)).p)
-    assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
-    assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09
