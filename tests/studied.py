@@ -19,6 +19,11 @@ def checked_study(*changes: dict) -> Configured:
     return configured(keys_of(*changes))
 
 
+def tiny(experiment: str) -> dict:
+    """Keys of an experiment of seconds."""
+    return files.read_plain(ROOT / f"tests/workflow/tiny_{experiment}.yaml")
+
+
 def study_of(*changes: dict) -> Configuration:
     """The paper's study with changes, as the library has it."""
     return checked_study(*changes).typed

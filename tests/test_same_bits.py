@@ -19,7 +19,6 @@ PROCESSORS = {
         "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
         "OPENBLAS_CORETYPE": "Nehalem", "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4",
     },
-    "SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
 }  # fmt: skip
 """Environments, by what the libraries then take the processor for; on one that has none of it
 already they change nothing."""

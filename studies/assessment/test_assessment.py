@@ -9,13 +9,9 @@ from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.walls import maker_of, walls_of
 from studies.assessment.study import EXPERIMENT
 from studies.frame.files import read_plain
-from tests.studied import ROOT, checked_study
+from tests.studied import ROOT, checked_study, tiny
 
-TINY = {
-    "study": {"name": "tiny_assessment", "rocks": ["slate"]},
-    "grid": {"cells_x": 12, "cells_y": 12},
-    "assessment": {"joints": 2, "within": 0.05, "stress_MPa": [1, 5]},
-}
+TINY = tiny("assessment")
 
 
 def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):

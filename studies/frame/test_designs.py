@@ -7,10 +7,10 @@ from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.quantities import QUANTITIES
 from studies.frame.configuration import sections
 from studies.frame.experiments import checked_design, experiment_named, experiments_in
-from studies.frame.files import ConfigurationError, read_plain
-from tests.studied import DEFAULT, ROOT, checked_study
+from studies.frame.files import ConfigurationError
+from tests.studied import DEFAULT, checked_study, tiny
 
-TINY = {name: read_plain(ROOT / f"tests/workflow/tiny_{name}.yaml") for name in sections()}
+TINY = {name: tiny(name) for name in sections()}
 
 
 def of_inputs(**inputs):
@@ -31,7 +31,7 @@ REFUSED = [
     ),
     ("misalignment", {"misalignment": {"tilt_degrees": [0.1]}}, "tilt_degrees: must have 0 among"),
     ("misalignment", {"misalignment": {"rotation_degrees": [360]}}, "rotation_degrees = 360"),
-    ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 16: must be cells_y (20)"),
+    ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20)"),
     ("mismatch", {"mismatch": {"shift_in_cells": [1]}}, "shift_in_cells = [1]: must contain 0"),
     ("mismatch", {"mismatch": {"wavelength_mm": [-1]}}, "wavelength_mm = -1: must be at least"),
     ("mismatch", {"surface": {"correlation": 0.5}}, "the study sets surface.mismatch_wavelength"),

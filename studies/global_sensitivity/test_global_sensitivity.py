@@ -19,7 +19,7 @@ from studies.global_sensitivity.table import (
     elasticity_table,
     index_table,
 )
-from tests.studied import ROOT, checked_study
+from tests.studied import ROOT, checked_study, tiny
 
 EXPERIMENT = experiment_named("global_sensitivity")
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
@@ -27,13 +27,8 @@ ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
 OVER = ("row", "point", "surface", "cycle")
 
 
-def tiny(**changes):
-    keys = read_plain(ROOT / "tests/workflow/tiny_global_sensitivity.yaml")
-    return checked_study(keys, changes)
-
-
-def keys_of(**changes) -> dict:
-    return tiny(**changes).keys
+def tiny_study(**changes):
+    return checked_study(tiny("global_sensitivity"), changes)
 
 
 def section(**changes) -> dict:
@@ -42,7 +37,7 @@ def section(**changes) -> dict:
 
 @pytest.fixture(scope="module")
 def keys():
-    return keys_of(**section(rows=64))  # rows beyond the file's 16
+    return tiny_study(**section(rows=64)).keys  # rows beyond the file's 16
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +73,7 @@ def world(design, keys):
 
 def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design):
     points = design.points()
-    settings = settings_of_rock(design, tiny(**section(rows=64)), "slate")
+    settings = settings_of_rock(design, tiny_study(**section(rows=64)), "slate")
     first = [settings(3, point) for point in points[3]]
     low, high = 60e9, 72e9  # Table 2
     moduli = np.array([each.case.intact.youngs_modulus for each in first])
@@ -215,7 +210,7 @@ def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices
 
 
 def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
-    design = EXPERIMENT.design(tiny())
+    design = EXPERIMENT.design(tiny_study())
     points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
     joints = close_points(points, QUANTITIES)
     closed = by_rock(joints)["slate"]

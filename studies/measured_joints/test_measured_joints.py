@@ -8,23 +8,9 @@ from studies.frame.files import ConfigurationError
 from studies.measured_joints.observables import BASE, OBSERVABLES, observables_of
 from studies.measured_joints.study import EXPERIMENT
 from tests.joints import SPACING
-from tests.studied import checked_study
+from tests.studied import checked_study, tiny
 
-TINY = {
-    "study": {"name": "tiny_measured_joints", "rocks": ["slate"], "realizations": 6},
-    "grid": {"cells_x": 24, "cells_y": 24},
-    "surface": {"roll_off_mm": None},
-    "rocks": {"slate": {"max_normal_stress_MPa": 5}},
-    "numerics": {"breakage": "resolved"},
-    "measured_joints": {
-        "mismatch_wavelength_mm": [3, 0.5, 1.5],
-        "compressive_strength_MPa": [40],
-        "peak_modulus_ratio": [1],
-        "largest_radius_mm": [20],
-        "hardness_over_strength": [3],
-        "reseating_shift_in_cells": [0, 2],
-    },
-}
+TINY = tiny("measured_joints")
 RESEATED = "reseated, 0.5 mm off"
 
 

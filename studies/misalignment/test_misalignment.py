@@ -9,17 +9,9 @@ from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair
 from studies.misalignment.study import EXPERIMENT
+from tests.studied import tiny
 
-TINY = {
-    "study": {"name": "tiny_misalignment", "rocks": ["slate"], "realizations": 4},
-    "grid": {"cells_x": 24, "cells_y": 24},
-    "rocks": {"slate": {"max_normal_stress_MPa": 5}},
-    "misalignment": {
-        "tilt_degrees": [3, 0],
-        "rotation_degrees": [0, 45],
-        "mismatch_wavelength_mm": [0.77],
-    },
-}
+TINY = tiny("misalignment")
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,9 @@ import pytest
 
 from jointclosure.engine.ensembles import gridded
 from studies.mismatch.study import EXPERIMENT, independence_table
+from tests.studied import tiny
 
-TINY = {
-    "study": {"name": "tiny_mismatch", "rocks": ["slate"], "realizations": 3, "draws": "common"},
-    "grid": {"cells_x": 24, "cells_y": 24},
-    "rocks": {"slate": {"max_normal_stress_MPa": 5}},
-    "surface": {"roll_off_mm": None},
-    "mismatch": {"wavelength_mm": [3, 1], "shift_in_cells": [0, 8], "tolerance": 0.1},
-}
+TINY = tiny("mismatch")
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,6 @@ import xarray as xr
 from jointclosure.engine.walls import nested
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
-from studies.frame.configuration import merged
-from studies.frame.files import read_plain
 from studies.size.scaling import GEOMETRY, collapse_table
 from studies.size.study import (
     EXPERIMENT,
@@ -18,9 +16,9 @@ from studies.size.study import (
     runs_of,
     size_table,
 )
-from tests.studied import ROOT, checked_study
+from tests.studied import checked_study, tiny
 
-TINY = merged(read_plain(ROOT / "tests/workflow/tiny_size.yaml"), {"study": {"realizations": 4}})
+TINY = tiny("size")
 BASE = (3e-3, 0.25e-3)
 ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def measured(wall):
-    return {m.name: m for m in measure_wall(wall, SPACING, resamples=200)}
+    return {m.name: m for m in measure_wall(wall, SPACING, resamples=100)}
 
 
 def test_every_measure_lies_within_its_interval_and_the_slope_is_the_walls():

@@ -50,8 +50,7 @@ def grid(wall, origin=None, step=SPACING):
     return Scan(wall, (step, step), origin)
 
 
-@pytest.mark.parametrize("name", ORIENTATIONS)
-@pytest.mark.parametrize("quarters", [0, 1, 2])
+@pytest.mark.parametrize(("name", "quarters"), [*zip(ORIENTATIONS, range(4), strict=True)])
 def test_a_wall_that_lies_on_the_nodes_of_the_other_is_laid_there_without_a_change(
     name, quarters, joint
 ):
@@ -396,7 +395,6 @@ def copies(wall):
     """What one file may be given as twice: as it is, in other words, and moved."""
     scan = scanned(wall)
     return {
-        "the same": (scan, scan),
         "as points": (scan, Cloud(points_of(scan))),
         "turned over": (scanned(wall, "turned_over"), scan),
         "moved": (scan._replace(origin=(0.0, 3 * SPACING)), scan),

@@ -9,13 +9,8 @@ from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiments_in
-from studies.frame.files import read_plain
-from tests.studied import checked_study
+from tests.studied import checked_study, tiny
 from tests.workflow.runs import HERE, checkout, planned, snakemake
-
-
-def keys_of(name: str) -> dict:
-    return read_plain(HERE / f"tiny_{name}.yaml")
 
 
 @pytest.mark.slow
@@ -23,7 +18,7 @@ def keys_of(name: str) -> dict:
 def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(name, tmp_path):
     folder, config = checkout(tmp_path / name), f"tiny_{name}.yaml"
     shutil.copy(HERE / config, folder)
-    configured = checked_study(keys_of(name))
+    configured = checked_study(tiny(name))
     design = experiments_in(configured.keys)[name].design(configured)
     joints = sum(sample.joints for samples in design.timed().values() for sample in samples)
     assert f"{joints} joints will take about" in snakemake(folder, name, config=config)
@@ -50,7 +45,7 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
 
 def test_rows_that_are_added_close_no_others():
     section = "global_sensitivity"
-    keys = keys_of(section)
+    keys = tiny(section)
     few, many = (
         {name: entry.key for name, entry in cached(checked_study(keys, more), section).items()}
         for more in ({}, {section: {"rows": 32}})
