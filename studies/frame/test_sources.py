@@ -108,9 +108,7 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
 
 STEPS = Pipeline(checked_study(), apart=False, check=False).steps
 EDITS = [
-    (("../studies/frame/jobs.py",), set()),
     (("solvers/newton.py",), {"joints"}),
-    (("storage/provenance.py",), {"close_study"}),
     (
         (
             "../studies/paper/figures.py",

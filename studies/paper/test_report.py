@@ -1,5 +1,6 @@
 """The page of a study."""
 
+import pandas as pd
 import pytest
 
 from studies.frame.configuration import model
