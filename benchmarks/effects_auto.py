@@ -17,7 +17,6 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,8 +30,8 @@ from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possi
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.storage.files import read_csv, write_csv, write_text
-from jointclosure.storage.provenance import origin
+from jointclosure.storage.files import read_csv, write_csv
+from jointclosure.storage.provenance import write_origin
 
 SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180)
 ALL, FEWER = jc.Effects(), jc.Effects(interaction=False)
@@ -189,13 +188,11 @@ def continued(asked: argparse.Namespace, judged: Callable, names: list[str]) -> 
 def write_summary(table: pd.DataFrame, asked: argparse.Namespace) -> None:
     """Write a summary, and where it comes from."""
     write_csv(table, asked.output / "summary.csv")
-    made = origin()
-    about = {"run": asked.output.name, "commit": made.pop("provenance_commit")} | made
     cells = "{} {}".format(*asked.cells)
     note = (
         f"--scenes {asked.scenes} --surfaces {asked.surfaces} --cells {cells} --seed {asked.seed}"
     )
-    write_text(json.dumps(about | {"note": note}, indent=1) + "\n", asked.output / "origin.json")
+    write_origin(asked.output, note)
     print(table.round(3).T.to_string())
 
 

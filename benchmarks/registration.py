@@ -3,12 +3,13 @@
 Each upper scan is rotated by up to 180 degrees and tilted by up to 5, has another origin, is
 turned over or a cloud of points in some pairs; both scans have noise and missing heights.
 
-    .venv/bin/python -m benchmarks.registration [--pairs 40] [--close]
+    .venv/bin/python -m benchmarks.registration [--pairs 40] [--close] [--output FOLDER]
 """
 
 import argparse
 import math
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,8 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.provenance import write_origin
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.roughness import detrended
@@ -149,22 +152,36 @@ def compared(number: int, close: bool) -> dict[str, float]:
     return row
 
 
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Count pairs within the aims: 0.02 degrees, a tenth of a cell, and 5 % of the closure."""
+    scores = np.sqrt((table[["z_angle", "z_x", "z_y"]] ** 2).mean())
+    errors = {"degrees": table.angle.abs(), "cells": table.shift_in_cells}
+    aims = {"degrees": 0.02, "cells": 0.1}
+    if "ratio" in table:
+        errors["closure"], aims["closure"] = (table.ratio - 1.0).abs(), 0.05
+    row = {"pairs": len(table)} | {f"rms_{name}": value for name, value in scores.items()}
+    for name, error in errors.items():
+        row |= {f"{name}_within": int((error <= aims[name]).sum()), f"{name}_aim": aims[name]}
+        row |= {f"{name}_median": error.median(), f"{name}_largest": error.max()}
+    return pd.DataFrame([row])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--pairs", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--close", action="store_true")
+    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/registration"))
     options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
     rows = []
     for number in range(options.first, options.first + options.pairs):
         rows.append(compared(number, options.close))
         print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
-    table = pd.DataFrame(rows)
-    print("largest error of angle [degrees]", table.angle.abs().max())
-    print("largest error of shift [cells]", table.shift_in_cells.max())
-    print("rms of scores", np.sqrt((table[["z_angle", "z_x", "z_y"]] ** 2).mean()).to_dict())
-    if options.close:
-        print("within 5 %:", (np.abs(table.ratio - 1.0) < 0.05).mean())
+    write_csv(pd.DataFrame(rows), options.output / "registration.csv")
+    write_csv(summary(pd.DataFrame(rows)), options.output / "summary.csv")
+    write_origin(options.output, f"--pairs {options.pairs}{' --close' if options.close else ''}")
+    print(summary(pd.DataFrame(rows)).T.to_string(header=False))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ computed again. 40 joints take 20 minutes of a core.
 
 import argparse
 import itertools
-import json
 import math
 from pathlib import Path
 
@@ -26,8 +25,7 @@ from jointclosure.engine.walls import COPIES
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
-from jointclosure.storage.files import write_text
-from jointclosure.storage.provenance import origin
+from jointclosure.storage.provenance import write_origin
 
 NONE, BASE, RADIUS = "none, as in the paper", "strength bounded by the base", "largest radius 20 mm"
 RULES = {
@@ -136,9 +134,7 @@ def main() -> None:
             pd.DataFrame(rows).to_csv(file, index=False)
     table = summary(pd.DataFrame(rows))
     table.to_csv(asked.output / "summary.csv", index=False)
-    made = origin()
-    about = {"run": "strength_bound", "commit": made.pop("provenance_commit")} | made
-    write_text(json.dumps(about, indent=1) + "\n", asked.output / "origin.json")
+    write_origin(asked.output)
     print(table.to_string(index=False))
 
 

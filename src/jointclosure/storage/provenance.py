@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.compilation.sources import PACKAGE, package_digest
+from jointclosure.storage.files import write_text
 
 
 def origin() -> dict[str, str]:
@@ -25,6 +26,14 @@ def origin() -> dict[str, str]:
         "provenance_commit": commit(),
         "provenance_machine": f"{platform.system()} {platform.machine()}, {processor()}",
     }
+
+
+def write_origin(folder: Path, note: str = "") -> None:
+    """Write beside stored results which commit made them, with a note on how."""
+    made = origin()
+    about = {"run": folder.name, "commit": made.pop("provenance_commit")} | made
+    about |= {"note": note} if note else {}
+    write_text(json.dumps(about, indent=1) + "\n", folder / "origin.json")
 
 
 def to_plain(value: Any) -> Any:
