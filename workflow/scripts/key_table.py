@@ -50,13 +50,17 @@ def rows(schema: dict, default: object, path: str):
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
         entries["<rock>" if path == "rocks." else "<name>"] = extra
+    before = ""
     for name, entry in entries.items():
         value = default.get(name) if isinstance(default, dict) else None
         section = "properties" in entry or isinstance(entry.get("additionalProperties"), dict)
         if not section or "number" in entry.get("type", ""):  # a key may be either
-            shown = "" if "<rock>" in path else f"`{_shown(value)}`"
+            stated = isinstance(default, dict) and name in default and "<rock>" not in path
+            shown = f"`{_shown(value)}`" if stated else ""
             given = ": ".join(part for part in (shown, _allowed(name, entry)) if part)
-            yield f"- `{path}{name}` ({given}) {entry['description']}"
+            text = entry["description"]
+            yield f"- `{path}{name}` ({given}) {text if text != before else 'The same.'}"
+            before = text
         if section:
             yield from rows(entry, value, f"{path}{name}.")
 
