@@ -12,6 +12,7 @@ from jointclosure.engine.budget import (
     CLOSURE_NET,
     NUMBERS,
     QUANTITIES,
+    STIFFNESS,
     TOGETHER,
     Source,
     ranges_of,
@@ -108,6 +109,10 @@ def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
     printed = str(budget)
     assert budget.text(1, CLOSURE) in printed
     assert budget.sentences()[-1] in printed
+    finer = budget.results[budget.results.source == "breakage"].iloc[0]
+    for name in (CLOSURE, STIFFNESS):  # what other steps of breakage change
+        error = 100.0 * abs(finer[name] / budget.ranges.loc[(1, name), "best"] - 1.0)
+        assert f"{QUANTITIES[name]}: numerical error about {error:.2g} % on cycle 1" in printed
 
 
 def test_random_values_fill_their_ranges():
