@@ -28,13 +28,14 @@ from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 
 CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
+STIFFNESS = "stiffness_net_MPa_per_mm"
 QUANTITIES = {
     column: HEADINGS[column]
     for column in (
         CLOSURE_NET,
         "residual_closure_seated_net_mm",
         CLOSURE_GROSS,
-        "stiffness_net_MPa_per_mm",
+        STIFFNESS,
         "kni_net_MPa_per_mm",
         "vm_net_mm",
         "mean_aperture_at_max_mm",
@@ -133,7 +134,8 @@ class Budget(NamedTuple):
             f"{self.shares_text(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
-        lines += self._numerical_error(closure)
+        for quantity in (closure, STIFFNESS):
+            lines += self._numerical_error(quantity)
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
         for quantity, rows in self.ranges.groupby("quantity", sort=False):
             absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
@@ -255,7 +257,7 @@ def results_of(history: xr.Dataset, largest: float) -> pd.DataFrame:
     """Return cycles and `QUANTITIES` of a joint that did not fail, loaded to a stress [Pa]."""
     table, laws = cycle_table(history), fitted_laws(history, ["hyperbolic"], [LOADING])
     stiffness = net_responses(history, largest)["stiffness_net"]
-    table["stiffness_net_MPa_per_mm"] = 1e-9 * stiffness[table.cycle - 1]
+    table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
     for column, name in (("kni_net_MPa_per_mm", "kni_MPa_per_mm"), ("vm_net_mm", "vm_mm")):
         table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]
     return table[["cycle", *QUANTITIES]]
