@@ -4,23 +4,31 @@ Each upper scan is rotated by up to 180 degrees and tilted by up to 5, has anoth
 turned over or a cloud of points in some pairs; both scans have noise and missing heights.
 
     .venv/bin/python -m benchmarks.registration [--pairs 40] [--close]
+    .venv/bin/python -m benchmarks.registration --ranges [--pairs 40]
+
+The second command closes small pairs with their range, and the walls without noise, in their true
+position, with random values of the inputs that are not known: how often does the range hold these?
 """
 
 import argparse
 import math
 import time
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import scipy
 
 import jointclosure as jc
-from jointclosure.engine.budget import CLOSURE_NET
+from jointclosure.engine.budget import ALL, CLOSURE_NET, results_of
 from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.engine.uncertainty import Variant, sources_of, variants_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.storage.text import write_csv
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.roughness import detrended
@@ -149,17 +157,75 @@ def compared(number: int, close: bool) -> dict[str, float]:
     return row
 
 
+def covered(number: int, cells: int = 48, draws: int = 4) -> list[dict[str, float]]:
+    """Return ranges of a pair, and closures of its true walls [mm] with random inputs by cycle."""
+    truth = Truth(number, cells=cells)
+    spacing = paper_spacing(truth.cell)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        joint = jc.close(*truth.scans(), rock="granite", max_normal_stress=10e6, spacing=spacing)
+    assert joint.budget is not None
+    ranges = joint.budget.ranges.xs(CLOSURE_NET, level="quantity")
+    upper, lower = truth.walls(joint.pair)
+    variants = variants_of(
+        joint.conditions, sources_of(joint.conditions, upper.shape), draws, seed_of(2, number)
+    )
+    usual = Variant("usual", "", joint.conditions)
+    rows = []
+    for draw, variant in enumerate([usual, *(v for v in variants if v.source == ALL)]):
+        closed = close_walls(*variant.walls(upper, lower, None), variant.conditions)
+        table = results_of(closed, variant.conditions.largest_stress).set_index("cycle")
+        for cycle, row in ranges.iterrows():
+            about = {"number": number, "draw": draw, "cycle": cycle}
+            rows.append(about | {"true": table.loc[cycle, CLOSURE_NET]} | row.to_dict())
+    return rows
+
+
+def coverage(table: pd.DataFrame) -> pd.DataFrame:
+    """Return shares of true closures within the ranges by cycle, errors from the pairs."""
+    rows = []
+    for cycle, of_cycle in table.groupby("cycle"):
+        inside = of_cycle.true.between(of_cycle.low, of_cycle.high)
+        ratios = (of_cycle["median"] / of_cycle.true)[of_cycle.draw == 0]
+        for name, kept in (("random", of_cycle.draw > 0), ("usual", of_cycle.draw == 0)):
+            of_pairs = inside[kept].groupby(of_cycle.number).mean()
+            rows.append({
+                "cycle": cycle, "inputs": name, "pairs": len(of_pairs), "inside": of_pairs.mean(),
+                "inside_error": of_pairs.std() / math.sqrt(len(of_pairs)),
+                "below": (of_cycle.true < of_cycle.low)[kept].mean(),
+                "above": (of_cycle.true > of_cycle.high)[kept].mean(),
+                "median_over_true": ratios.median(),
+                "high_over_low": (of_cycle.high / of_cycle.low).median(),
+            })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--pairs", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--close", action="store_true")
+    parser.add_argument("--ranges", action="store_true")
+    parser.add_argument("--output", type=Path, default=Path("registration.csv"))
     options = parser.parse_args()
     rows = []
     for number in range(options.first, options.first + options.pairs):
-        rows.append(compared(number, options.close))
-        print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
-    table = pd.DataFrame(rows)
+        if options.ranges:
+            try:
+                rows += covered(number)
+            except jc.InputError as error:
+                print(number, error, flush=True)
+                continue
+        else:
+            rows.append(compared(number, options.close))
+            print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
+        table = pd.DataFrame(rows)
+        write_csv(table, options.output)
+        if options.ranges:
+            print(number, coverage(table).round(3).to_string(), sep="\n", flush=True)
+    if options.ranges:
+        write_csv(coverage(table), options.output.with_name("coverage.csv"))
+        return
     print("largest error of angle [degrees]", table.angle.abs().max())
     print("largest error of shift [cells]", table.shift_in_cells.max())
     print("rms of scores", np.sqrt((table[["z_angle", "z_x", "z_y"]] ** 2).mean()).to_dict())
