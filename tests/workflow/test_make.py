@@ -242,7 +242,7 @@ def test_a_study_adds_surfaces_until_its_accuracy_is_reached_the_most_or_its_bud
     again = make(project, "study", "CONFIG=accurate.yaml")
     assert "nothing was left to do" in again.stdout
     most = request(project, "most", "within: 0.01, most: 10")
-    assert re.search("not reached in 6 of 6, .*; 10 surfaces, the most, can give", most.stdout)
+    assert re.search("not reached in 12 of 12, .*; 10 surfaces, the most, can give", most.stdout)
     spent = request(project, "spent", "within: 0.01, budget_core_minutes: 0.1")
     assert "; the budget of 0.1 core-minutes does not suffice for more" in spent.stdout
     refused = request(project, "little", "within: 0.01, budget_core_minutes: 1.0e-6")

@@ -35,7 +35,7 @@ def test_kernels_are_compiled_by_the_job_that_is_there_for_it_and_by_no_other(tm
 def test_the_run_writes_what_the_readme_promises(study):
     results = study / RESULTS
     figures = list((results / "figures").iterdir())
-    assert len(figures) == 8
+    assert len({path.stem for path in figures}) == 8
     assert all(path.stat().st_size > 5000 for path in figures)
     assert len(pd.read_csv(results / "tables/table_3_indifference.csv")) == 8
     assert len(pd.read_csv(results / "tables/hydraulic_aperture.csv")) == 10 * 2 * 2 * 2 * 5
