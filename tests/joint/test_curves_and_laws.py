@@ -145,7 +145,8 @@ def test_curves_agree_with_the_history(closed):
 
 def test_softer_half_spaces_change_gross_columns_alone(closed):
     """The joint's own closure knows nothing of how far the intact rock gives way."""
-    closed = closed.assign_attrs(numerics="{}")  # no landing, whose steps are gross
+    linear = '{"breakage": "fixed_step", "target": "interpolate"}'
+    closed = closed.assign_attrs(numerics=linear)  # no landing, whose steps are gross
     softer = on_softer_half_spaces(closed)
     for table in (curve_table, cycle_table, stress_table):
         one, other = table(closed), table(softer)
