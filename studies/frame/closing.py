@@ -195,8 +195,7 @@ class Ensemble:
         """Return the first pair of walls (y, x) [m] of the first case."""
         entry = self.entries(folder)[0]
         walls, settings = entry.options.get("walls"), entry.settings[0].surfaces
-        pairs = cut_walls(read_netcdf(walls), settings) if walls else walls_of(settings)
-        pair = zip(("upper", "lower"), next(iter(pairs)), strict=True)
+        pair = zip(("upper", "lower"), next(iter(_pairs(settings, walls))), strict=True)
         about = {"units": "m", "long_name": "height towards the other wall"}
         return xr.Dataset(
             {name: (("y", "x"), wall, about) for name, wall in pair},

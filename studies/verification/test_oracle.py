@@ -117,3 +117,12 @@ def test_a_lower_strength_is_noticed(settled):
 def test_forces_of_another_model_are_noticed(settled, change):
     given, state = settled
     assert "residual" in complaints(given._replace(**change), state)
+
+
+def test_a_number_that_is_only_reported_hides_no_other_beyond_its_limit():
+    judge = Judge(None, TOLERANCES)
+    judge.worst = {"rounding": np.inf, "load": 1e-12, "raised": 0.0}
+    judge.limits = {"rounding": np.inf, "load": 2e-12, "raised": 0.0}
+    assert judge.ratio == 0.5
+    judge.worst["raised"] = 1e-9
+    assert judge.ratio == np.inf

@@ -88,10 +88,13 @@ class Judge:
 
     @property
     def ratio(self) -> float:
-        """Largest number over its limit; infinite for a number above a limit of 0."""
+        """Largest number over its limit; infinite for a number above a limit of 0.
+
+        Numbers that are only reported, whose limit is infinite, do not count.
+        """
         both = zip(self.worst.values(), self.limits.values(), strict=True)
-        shares = [value / limit if limit else math.inf for value, limit in both if value or limit]
-        return float(np.max(shares))
+        judged = [(value, limit) for value, limit in both if limit < math.inf and (value or limit)]
+        return float(np.max([value / limit if limit else math.inf for value, limit in judged]))
 
 
 def _share(value: float, limit: float) -> float:
