@@ -1,5 +1,8 @@
 """Joints that several tests close."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 
 import jointclosure as jc
@@ -7,6 +10,10 @@ import jointclosure as jc
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3
 ELASTIC = jc.Effects(breakage=False, gouge=False)
+TWO_WALLS = Path(
+    os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[2] / "shared/data/two_walls"
+)
+"""Scans of both walls of a fracture, where they are at hand."""
 
 
 def pair(cells=24, seed=3):

@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
+from jointclosure.storage.netcdf import write_netcdf
+from studies import __main__ as cli
 from studies.frame.tables import band_table
 from tests.joints import DOLERITE, SPACING
 
@@ -55,3 +57,20 @@ def test_stiffness_of_the_landing_is_left_out(ensemble):
     assert 0 < kept.sum() < whole[first][name].notna().sum()
     np.testing.assert_array_equal(without[first][name].notna(), kept)
     pd.testing.assert_frame_equal(whole[~first], without[~first])
+
+
+def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, capsys):
+    names = ["a-base", "a-jrc-low"]
+    study = ensemble.drop_vars("error").expand_dims(case=names)
+    study = study.assign_coords(parameter=("case", ["base", "jrc"]))
+    write_netcdf(study, tmp_path / "study.nc")
+    assert cli.main(["engineering", str(tmp_path)]) == 0
+    written = pd.read_csv(tmp_path / "engineering/a-base.csv")
+    expected = band_table(ensemble)
+    assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
+    np.testing.assert_allclose(written.closure_net_mm_q95, expected.closure_net_mm_q95, rtol=1e-6)
+    name = "normal_stiffness_net_MPa_per_mm_mean"
+    np.testing.assert_allclose(written[name], expected[name], rtol=1e-6)
+    capsys.readouterr()
+    assert cli.main(["engineering", str(tmp_path), "--case", "b-base"]) != 0
+    assert "--case b-base: must be one of a-base, a-jrc-low" in capsys.readouterr().err

@@ -83,3 +83,11 @@ def test_compare_exact_fails_where_anything_differs(folders, capsys):
     assert "variable max_closure differs in 24 of 24" in capsys.readouterr().out
     assert cli.main(["compare", "--exact", str(folders[0]), str(folders[0])]) == 0
     assert capsys.readouterr().out == "identical except for provenance and timing\n"
+
+
+def test_failures_are_left_out_on_both_sides():
+    broken = study(1.1)
+    broken["status"][0, 2] = 16
+    changes = closure_changes(study(), broken)
+    assert changes[changes.case == "slate-base"].samples.unique() == 5
+    np.testing.assert_allclose(changes.change_percent, 10.0)

@@ -11,8 +11,9 @@ from jointclosure.engine.walls import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
+from studies.frame.configuration import resolved, written_out
 from studies.frame.files import ConfigurationError, read_plain
-from tests.studied import DEFAULT, ROOT, study_of
+from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 HARD_CASES = "studies/verification/hard_cases.yaml"
 STUDIES = sorted(
@@ -181,3 +182,25 @@ def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(writ
     settings = to_si({"step_um": written, "steps_um": [written], "none_um": None})
     assert settings == {"step": read, "steps": [read], "none": None}
     assert in_unit(read, "um") == written
+
+
+def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_set():
+    assert study_of().output.largest_stress == 30e6
+    changed = {"slate": {"max_normal_stress_MPa": 3}, "dolerite": {"max_normal_stress_MPa": 40}}
+    change = {"study": {"rocks": ["slate"]}, "rocks": changed}
+    assert study_of(change).output.largest_stress == 3e6
+    assert study_of(change, {"output": {"largest_stress_MPa": 7}}).output.largest_stress == 7e6
+
+
+def test_a_study_is_read_again_from_the_keys_that_it_left():
+    keys = checked_study({"study": {"realizations_per_job": 3}}).keys
+    left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
+    assert resolved(left) == study_of()
+
+
+def test_auto_is_short_for_all_effects_to_two_percent():
+    study = study_of(written_out({"effects": "auto"}))
+    assert study.effects_chosen_to == 0.02
+    assert all(study.rocks["slate"].effects)
+    assert study_of().effects_chosen_to is None
+    assert written_out(DEFAULT) is DEFAULT

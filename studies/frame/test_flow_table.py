@@ -9,7 +9,7 @@ from jointclosure.engine.joints import close_case
 from jointclosure.engine.walls import walls_of
 from jointclosure.joint.history import crossing
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.tables import flow_table, join_cases
+from studies.frame.tables import check_results, flow_table, join_cases
 from tests.studied import study_of
 
 TINY = {
@@ -66,3 +66,14 @@ def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(stud
     assert rows.ratio_mean.iloc[2] == pytest.approx(ratio.mean())
     assert rows.ratio_standard_deviation.iloc[2] == pytest.approx(ratio.std(ddof=1))
     assert np.isnan(rows.ratio_standard_deviation.iloc[3])
+
+
+@pytest.mark.parametrize(("worst", "balanced"), [(1e-12, True), (1e-3, False)])
+def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
+    numerics = study_of(TINY).numerics
+    study = studies[True].copy(deep=True)
+    study["largest_flow_imbalance"][0, 0] = worst
+    checks = check_results(study, numerics, 3).set_index("check")
+    row = checks.loc["largest sum of the cells' mass balances in a flow, relative"]
+    assert row.passed == balanced
+    assert not any("flow" in check for check in check_results(studies[False], numerics, 3).check)

@@ -85,3 +85,22 @@ def test_what_a_run_left_behind_locks_only_if_it_may_be_at_work_elsewhere(entere
             enter_folder()
         LOCK.unlink()
     enter_folder()
+
+
+def test_without_locks_of_the_file_system_the_text_decides(entered, monkeypatch):
+    def flock(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr(folder.fcntl, "flock", flock)
+    enter_folder()
+    entered()
+    with pytest.raises(InputError, match="another run may be at work"):
+        enter_folder()
+
+
+@pytest.mark.parametrize("name", ["a{b", "a}b", "a\\b"])
+def test_a_folder_that_snakemake_cannot_work_in_is_refused(entered, monkeypatch, name):
+    Path(name).mkdir()
+    monkeypatch.chdir(name)
+    with pytest.raises(InputError, match="in its name"):
+        enter_folder()

@@ -112,3 +112,9 @@ def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
     np.testing.assert_allclose(found.upper, detrended(upper[:, 6:]), atol=1e-9)
     np.testing.assert_allclose(found.lower, detrended(lower[:, 6:]), atol=1e-9)
     assert "found: common_frame" in found.attrs["registration"]
+
+
+def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
+    design = {"tilt_degrees": [0, 0.5], "rotation_degrees": [0], "mismatch_wavelength_mm": [0.75]}
+    with pytest.raises(ConfigurationError, match=r"misalignment: not with rocks.slate.walls"):
+        study_of(with_walls(), {"misalignment": design})

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -102,3 +103,19 @@ def test_a_changed_file_is_made_again_with_all_that_follows_and_nothing_else(sma
     before = total(small)
     run(small)
     assert total(small) == before
+
+
+def test_a_table_of_another_study_is_refused_if_it_was_changed(small):
+    (small / "results/other/table.csv").write_text("2\n")
+    (small / "results/small/total.csv").unlink()
+    assert "the file is not as jointclosure wrote it" in run(small, fails=True)
+    (small / "results/other/table.csv").write_text("1\n")
+    run(small)
+
+
+def test_a_file_of_other_settings_than_the_rule_has_now_is_made_again_also_elsewhere(small):
+    shutil.rmtree(small / ".snakemake")  # as in a folder of another machine
+    before = total(small)
+    assert "the same of 1 more jobs" in run(small, start=5)
+    assert (small / "results/small/numbers/2.csv").read_text().splitlines()[1].startswith("7,")
+    assert total(small) != before

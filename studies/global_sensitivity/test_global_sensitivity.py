@@ -227,3 +227,10 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
             row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
         )
         assert float(here) == row.max_closure
+
+
+def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design, keys):
+    margins = conclusion_tables(design, keys, mixed(world, design, 0.5))[1]
+    here = margins[(margins.number == "5a") & (margins.response == "max_closure")]
+    assert (here[here.input == "poisson_ratio"].share > 0.9).all()
+    assert (here[here.input != "poisson_ratio"].share < 0.1).all()

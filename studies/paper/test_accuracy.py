@@ -1,14 +1,18 @@
 """Accuracy of a study by two levels: results, their intervals, and what `make study` does next."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.engine.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.statistics.two_level import t_interval
+from studies.frame.cases import closed_keys
+from studies.frame.closing import Ensemble
 from studies.frame.keys import Accuracy
 from studies.paper.accuracy import (
     START,
@@ -167,3 +171,30 @@ def test_a_budget_sets_the_start_and_must_suffice_for_two_surfaces():
 def test_a_request_that_cannot_be_is_refused(changes, words):
     with pytest.raises(InputError, match=re.escape(words)):
         checked_study({"study": {"accuracy": {"within": 0.1}}}, changes)
+
+
+def test_a_mean_stiffness_is_harmonic_and_its_interval_in_order():
+    study = slate(40)
+    finest = refined(study, 12)
+    table = reached_table(study, finest, Accuracy(within=0.1, of="stiffness"), 0.05)
+    closures = reached_closures(study, finest, 0.1)
+    assert (table.low < table.value).all()
+    assert (table.value < table.high).all()
+    np.testing.assert_allclose(table.half_width_percent, closures.half_width_percent)
+    np.testing.assert_allclose(table.value * closures.value, 1.0)  # in MPa/mm and mm
+
+
+def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
+    study = {"rocks": ["slate"], "realizations": 25, "pool": None, "accuracy": {"within": 0.1}}
+    whole = checked_study({"study": study, "effects": {"auto": 0.05}, "flow": True})
+    cases, finest = (Ensemble(whole.typed, name) for name in ("cases", "finest"))
+    assert [len(block) for block in cases.blocks] == [10, 10, 5]
+    assert [len(block) for block in finest.blocks] == [4, 4]
+    one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
+    assert other.surfaces == one.surfaces
+    assert other.numerics == FINEST != one.numerics
+    assert cases.pilots(Path()).keys() == {"slate"}
+    assert finest.pilots(Path()) == {}
+    plain = checked_study({"study": study | {"accuracy": None}})
+    assert closed_keys(whole.keys)["study"].keys() == plain.keys["study"].keys() - {"accuracy"}
+    assert len(Ensemble(plain.typed).blocks) == 1

@@ -10,7 +10,7 @@ from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import pool_of
 from studies.frame.files import PAPER_TABLE_3
-from studies.paper.claims import NEGLIGIBLE, TOLERANCE
+from studies.paper.claims import HERTZ_EXCESS, NEGLIGIBLE, TOLERANCE
 from studies.paper.judged_claims import Evidence, judge_claims
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
@@ -133,3 +133,19 @@ def test_failed_realisations_never_enter(true_world):
     assert one[0].equals(other[0])
     assert one[1].equals(other[1])
     assert one[1].equals(without[1])
+
+
+def test_the_excess_at_low_stress_is_that_of_hertz():
+    study, pool = (world(of, power=2.0 / 3.0) for of in (study_of(ONE), pool_of(study_of(ONE))))
+    margins = both_tables(study, pool, 1)[1]
+    np.testing.assert_allclose(margins.value[margins.number == "6b"], HERTZ_EXCESS, atol=1e-3)
+
+
+def test_other_rocks_are_asked_without_the_papers_figures():
+    paper = PAPER[PAPER.rock == "limestone"]
+    configuration = study_of(ONE, {"rocks": {"dolerite": {"levels": {"poisson_ratio": None}}}})
+    table = both_tables(world(configuration), world(pool_of(configuration)), 100, paper)[0]
+    assert not {"paper", "paper_finds"} & set(table.columns)
+    # without Poisson's ratio nothing is ranked
+    others = ["2c", "3b", "3c", "4", "5a", "5a, net", "5b", "5c", "5d", "6a", "6b"]
+    assert table.index.tolist() == others

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from jointclosure.engine.walls import walls_of
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.covariates import (
+    Covariates,
+    as_dataset,
     covariates_of_pair,
+    from_dataset,
     known_covariates,
     measure_covariates,
 )
@@ -56,3 +60,19 @@ def test_means_are_known_within_the_error_that_they_tell():
     error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in (one, other)))
     assert np.all((off != 0.0) & (np.abs(off) < 4.0 * error))
     assert np.all(error < 0.05 * one.means)
+
+
+def test_covariates_come_back_from_their_file(tmp_path):
+    configuration = study_of(SMALL)
+    study = world(configuration)
+    known = known_covariates(20, 1, configuration.grid, configuration.surface)
+    values = measure_covariates(study, configuration.grid, configuration.surface)
+    write_netcdf(as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
+    again = from_dataset(read_netcdf(tmp_path / "covariates.nc"))
+    np.testing.assert_array_equal(again.values, values)
+    for one, other in zip(again.known, known, strict=True):
+        np.testing.assert_array_equal(one, other)
+    first, later = again.of_cycle(1), again.of_cycle(2)
+    assert (first.values.shape[-1], later.values.shape[-1]) == (2, 1)
+    assert first.known.means.tolist() == known.means[:2].tolist()
+    assert later.known.covariance.tolist() == [[known.covariance[2, 2]]]

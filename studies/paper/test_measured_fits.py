@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.measured.curves import MeasuredCurve
-from studies.paper.closures import fit_table
+from studies.paper.closures import best_fits, fit_table
 
 SEATING = 0.5e6
 
@@ -81,3 +81,19 @@ def test_the_misfit_is_the_root_mean_square_of_the_differences_of_closures():
     assert table.misfit_mm[0] == pytest.approx(expected)
     largest = 1e3 * 1.3 * (1e-4 - 0.5e-4)
     assert table.misfit_percent[0] == pytest.approx(100 * expected / largest)
+
+
+def test_each_cycle_has_its_own_best_and_all_together_one():
+    one, two = like(0, 1), like(2, 2)
+    both = MeasuredCurve(*(np.concatenate(pair) for pair in zip(one, two, strict=True)))
+    table = fit_table(study(), {"one": both}, SEATING)
+    assert table.cycle.tolist() == ["1", "2", "all"]
+    # the first cycle's differences are ten times those of the second
+    assert table.best_realization.tolist() == [10, 12, 10]
+    assert [fit[:2] for fit in best_fits(table, "one")] == [(1, 10), (2, 12)]
+
+
+def test_a_failed_surface_is_never_the_best():
+    table = fit_table(study(status=(16, 0, 0)), {"one": like(0)}, SEATING)
+    assert table.best_realization[0] == 11
+    assert table.samples[0] == 2

@@ -14,8 +14,9 @@ from studies.paper.closures import (
     indifference_table,
 )
 from studies.paper.judged_claims import Evidence, judge_claims
-from studies.paper.planning import Goal, plan
+from studies.paper.planning import GOALS, Goal, plan, power_of_ends
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
+from studies.paper.responses import responses
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
 
@@ -156,3 +157,18 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
+
+
+def test_more_surfaces_are_needed_for_more(pool):
+    amounts = {"length": (4, 8), "width": (0.2, 0.4), "standard-error": (0.01, 0.02),
+               "elasticity-error": (0.02, 0.04), "power": (0.95, 0.5)}  # fmt: skip
+    assert set(amounts) == set(GOALS)
+    few = pool.isel(case=np.isin(pool.parameter, ["base", "jrc"]))
+    for kind, (more, less) in amounts.items():
+        strict, loose = (plan(few, Goal(kind, amount)).surfaces for amount in (more, less))
+        assert (strict >= loose).all()
+        assert (strict > loose).any()
+    errors = plan(few, Goal("standard-error", 0.01)).surfaces
+    np.testing.assert_allclose(errors / plan(few, Goal("standard-error", 0.02)).surfaces, 4, 0.1)
+    response = next(responses(pool, "max_closure"))
+    assert power_of_ends(response._replace(samples=response.samples * 0 + 1), 10, 0.05) == 1.0

@@ -10,6 +10,7 @@ from studies.paper.layout import (
     rock_table,
     table_3_latex,
     table_3_markdown,
+    with_paper,
 )
 from tests.studied import study_of
 
@@ -50,3 +51,18 @@ def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():
     assert own.value.tolist() == [25, 28.5, 32]
     assert own.level.tolist() == ["low", "base", "high"]
     assert set(own.unit) == {"GPa"}
+
+
+@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "\t=1"])
+def test_a_title_is_no_formula_of_a_spreadsheet(title):
+    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
+    assert rock_table({"slate": rocks["slate"]}).title.tolist() == ["'" + title]
+
+
+def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
+    at = {"rock": "slate", "parameter": "jrc", "cycle": 1}
+    paper = pd.DataFrame([at | {"paper_length": 0.726, "paper_percent": 11}])
+    own = pd.DataFrame([at | {"length": 1.5, "percent": 15.0, "samples": 20}])
+    assert with_paper(own, paper).paper_length.item() == 0.726
+    other = own.assign(rock="granite")
+    pd.testing.assert_frame_equal(with_paper(other, paper), other)

@@ -53,3 +53,10 @@ def test_the_spread_is_free_of_the_noise_of_its_means():
     error = np.std(squares) / np.sqrt(len(squares))
     assert abs(np.mean(squares) - true) < 3.0 * error
     assert true > 3.0 * error
+
+
+def test_what_is_no_power_of_the_size_stays():
+    predictors, response = made_up(8, 1e-9, extra=0.1)
+    found = collapse_of(predictors, response)
+    assert found.left == pytest.approx(np.sqrt(np.mean([0.01, 0.04, 0.01])))
+    assert found.removed == pytest.approx(1.0 - 0.02 / np.mean(response[:, 0] ** 2))

@@ -6,6 +6,8 @@ import xarray as xr
 
 from jointclosure.engine.walls import nested
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
+from jointclosure.joint.curves import closures_at, landing_stress
+from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.size.scaling import GEOMETRY, collapse_table
 from studies.size.study import (
@@ -15,8 +17,9 @@ from studies.size.study import (
     exponent_table,
     runs_of,
     size_table,
+    sizes_of,
 )
-from tests.studied import checked_study, tiny
+from tests.studied import checked_study, study_of, tiny
 
 TINY = tiny("size")
 BASE = (3e-3, 0.25e-3)
@@ -135,3 +138,35 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
     assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
     assert 0.0 < row.barton_bandis < 1.0
     assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}
+
+
+def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
+    """Later loadings do not land, and are read to the maximum."""
+    (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
+    conditions = point.settings.conditions()
+    largest = float(conditions.max_normal_stress)
+    closed = close_walls(*walls_of(point), conditions)
+    ends = landing_stress(closed, 1), float(closed.normal_stress.max())
+    assert 0.5 * largest < ends[0] < 0.95 * largest
+    for cycle, end in enumerate(ends, start=1):
+        levels = np.array([0.5 * largest, end])
+        chord = np.diff(levels) / np.diff(closures_at(closed, levels)[cycle - 1, 0])
+        read = run.stiffness_net.sel(
+            spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
+        )
+        assert float(read) == pytest.approx(chord[0])
+
+
+def test_what_is_too_many_cells_is_not_closed(run):
+    sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
+    assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
+    closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
+    assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
+
+
+def test_larger_patches_close_more(run):
+    table = size_table({"slate": run}, BASE).set_index(["spectrum", "cycle"])
+    for spectrum in ROLL_OFFS:
+        own = table.loc[(spectrum, 1)]
+        at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
+        assert at_base.max_closure_net_mm_ratio.is_monotonic_increasing

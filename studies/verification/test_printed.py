@@ -1,5 +1,6 @@
 """What the paper's printed formulas lose, and that ours do not."""
 
+import mpmath
 import numpy as np
 import pandas as pd
 import pytest
@@ -66,3 +67,11 @@ def test_every_formula_and_every_joint_is_a_row_that_holds(measured):
     assert rows.holds.all()
     assert rows.loc["interaction_paper_grid", "largest_error"] == 2e-11
     assert "2 loads, on 1 of which" in rows.loc["interaction_paper_grid", "hard"]
+
+
+def test_the_exact_deformation_solves_eq_10_to_50_digits():
+    for overlap, gamma in ((1e-300, 0.0), (1e-6, 1e-9), (1e-6, 1e15), (1e3, 1e12)):
+        with mpmath.workdps(80):
+            x = mpmath.sqrt(printed.exact_deformation(overlap, gamma))
+            left = mpmath.mpf(gamma) * x**3 + x**2
+            assert abs(left / mpmath.mpf(overlap) - 1) < mpmath.mpf(10) ** -50

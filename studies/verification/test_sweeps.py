@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from jointclosure.engine import oracle
+from jointclosure.parameters import Choices, Effects
+from jointclosure.solvers.equilibrium import solve_equilibrium
+from jointclosure.solvers.interaction_operator import influence_of
 from studies.verification import sweeps
 from tests.joints import DOLERITE, SPACING
 
@@ -76,3 +79,40 @@ def test_the_simultaneous_sweep_stops_converging_where_its_spectral_radius_passe
         # one-sided, it converges on both sides
         ordered = sweeps.one_sided(problem, 1e-10)
         np.testing.assert_allclose(ordered.force, exact, atol=1e-8 * exact.max())
+
+
+@pytest.mark.parametrize("part", [0.3, 1.0, 3.0, 10.0, 100.0])
+def test_the_fast_solver_is_in_equilibrium_at_every_load_of_the_hardest_walls(walls, part):
+    upper, lower = walls
+    closure = part * np.ptp(upper + lower)
+    problem = sweeps.problem_at(upper, lower, closure, 1.0, False)
+    found = field(problem, sweeps.fast(problem, 1e-12)[0], upper.shape)
+    assert found.min() >= 0.0
+    effects, choices = Effects(breakage=False, gouge=False, soft_peaks=False), Choices(1.0)
+    joint = oracle.Joint(upper, lower, SPACING, DOLERITE, effects, choices)
+    state = oracle.State(upper, lower, found, closure, found.sum())
+    assert oracle.residual(joint, state) < 1e-10 * closure
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-12, 1e6])
+@pytest.mark.parametrize("given", ["closure", "total force"])
+def test_the_hardest_case_depends_neither_on_the_start_nor_on_what_is_given(hardest, start, given):
+    exact, _ = sweeps.fast(hardest, 1e-13)
+    total = np.nan if given == "closure" else float(exact.sum())
+    stated = influence_of(hardest.table), hardest.contacts, np.full(exact.size, start)
+    found = solve_equilibrium(*stated, total, 1e-10)
+    assert found.residual <= 1e-10
+    assert abs(found.shift) < 1e-12 * hardest.contacts.overlap.max()
+    np.testing.assert_allclose(found.force, exact, atol=1e-9 * exact.max())
+
+
+@pytest.mark.slow
+def test_the_one_sided_sweep_ends_on_the_same_forces_a_thousand_sweeps_later(hardest):
+    exact, products = sweeps.fast(hardest, 1e-13)
+    history = sweeps.one_sided(hardest, 1e-10)
+    assert history.residuals[-1] <= 1e-10
+    np.testing.assert_allclose(history.force, exact, rtol=1e-7)
+    assert history.residuals.size > 10 * products
+    # its 1 % test is no error bound: no force changed by that much, and one is off by more
+    stopped = np.abs(history.stopped / exact - 1.0)
+    assert stopped.max() > 5 * sweeps.PAPER_TOLERANCE

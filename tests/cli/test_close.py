@@ -2,9 +2,7 @@
 
 import functools
 import json
-import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,18 +10,16 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
+from jointclosure.cli.results import summary
 from jointclosure.engine import scanned_joint
 from jointclosure.engine.budget import ALL, TOGETHER
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.registration import registered
+from tests.joints import TWO_WALLS
 
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
-TWO_WALLS = Path(
-    os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[3] / "shared/data/two_walls"
-)
-"""Scans of both walls of a fracture, where they are at hand."""
 RESOLVED = {"numerics": scanned_joint.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
 
@@ -188,3 +184,26 @@ def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, comman
     joint = jc.assess((pair.upper, pair.lower), within=0.2, workers=1, folder=folder, **load)
     written = pd.read_csv(folder / "differences.csv")
     pd.testing.assert_frame_equal(written, joint.differences, rtol=1e-12)
+
+
+def test_walls_lie_as_is_stated_and_are_moved_on_request(scans):
+    about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1, "single": True}
+    with pytest.raises(jc.InputError, match="orientation = 'towards': common_frame fits clearly"):
+        jc.close(*scans, **about, orientation="towards")
+    fits = jc.close(*scans, **about)
+    wrong = jc.close(*scans, **about, orientation="towards", unusual_values=True)
+    assert "the stated orientation towards" in "\n".join(cautions(wrong.pair.report))
+    assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
+    about |= {"unusual_values": True, "shift": "mated", "orientation": "towards"}
+    moved = jc.close(*scans, **about).pair
+    assert moved.motion.covariance.any()
+
+
+def test_a_joint_without_void_on_average_is_warned_of(joint):
+    closed = joint.history.copy()
+    assert "warning" not in summary(closed, joint.laws)
+    closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
+    assert (
+        summary(closed, joint.laws).count("warning: the mean aperture is -")
+        == closed.load_cycle.max()
+    )

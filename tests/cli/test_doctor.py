@@ -40,3 +40,12 @@ def test_a_snakemake_that_does_not_start_gets_an_advice(tmp_path, monkeypatch):
     (tmp_path / "config/smoke.yaml").write_text("")
     (tmp_path / "Snakefile").write_text("this is no rule\n")
     assert doctor._snakemake(tmp_path)[-1]
+
+
+def test_little_memory_means_fewer_jobs(monkeypatch):
+    class Memory:
+        available, total = 1.2e9, 4e9
+
+    monkeypatch.setattr(doctor.psutil, "virtual_memory", Memory)
+    assert doctor._memory(2)[-1] == ""
+    assert "CORES=2" in doctor._memory(8)[-1]

@@ -116,3 +116,12 @@ def test_files_of_another_form_are_refused(folder, command, file, old, new, mess
     code, _, err = command("validate", folder)
     assert code == 2
     assert message in err
+
+
+def test_units_of_readings_are_those_of_their_line(folder):
+    expected = validated(folder)
+    file = next(folder.rglob("ethz_-_specimen_vd1_*"))
+    lines = (line.split(",") for line in readings().removeprefix(READINGS).splitlines())
+    rows = [f"{number},{1e3 * float(closure)},{1e3 * float(s)}\n" for number, closure, s in lines]
+    file.write_text("Number,Disp,sigmaZ\n[-],[um],[kPa]\n" + "".join(rows))
+    pd.testing.assert_frame_equal(validated(folder), expected)

@@ -12,10 +12,13 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine import ensembles
 from jointclosure.engine.ensembles import NOT_SIMULATED
+from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.workers import Failed, shared
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from tests.engine.dying import die_or_double, kill_worker_once
 from tests.joints import DOLERITE, SPACING
+from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
 
@@ -114,3 +117,40 @@ def test_a_script_without_a_guard_is_not_run_again(tmp_path):
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["run", "2"]
+
+
+def test_each_joint_is_closed_as_a_study_closes_it(alone):
+    conditions = Conditions(
+        SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()
+    )
+    names = "closure", "max_closure", "status"
+    row = close_joint(rule(5), Reading(conditions, names, alone.stress.values))
+    for name in names:
+        np.testing.assert_array_equal(alone[name].values[1], row[name])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
+        ({"effects": jc.Effects(substrate=False)}, "interaction = True needs substrate"),
+        ({"seating_stress": 9e6}, "seating_stress"),
+    ],
+)
+def test_conditions_are_refused_at_every_door_before_walls_are_made(change, message, tmp_path):
+    def walls(*_):
+        raise AssertionError("walls were made")
+
+    stated = LOAD | change
+    curve = tmp_path / "lab.csv"
+    curve.write_text(GOOD)
+    load = {name: value for name, value in stated.items() if name != "spacing"}
+    fitted = {name: value for name, value in stated.items() if name != "max_normal_stress"}
+    for door in (
+        lambda: jc.simulate_ensemble(walls, **stated),
+        lambda: jc.close("none.npy", "none.npy", **load),
+        lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
+        lambda: jc.simulate(*rule(1), **stated),
+    ):
+        with pytest.raises(jc.InputError, match=message):
+            door()

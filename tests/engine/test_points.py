@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 
+from jointclosure.engine import joints as closing
 from jointclosure.engine.ensembles import (
     as_dataset,
     as_table,
@@ -77,3 +78,16 @@ def test_a_grid_has_each_joint_at_its_coordinates(joints):
         at = {name: getattr(row, name) for name in ("jrc", "stress", "realization")}
         assert float(grid.max_closure.sel(at | {"cycle": row.cycle})) == row.max_closure
         assert float(grid.seconds.sel(at)) == row.seconds
+
+
+def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
+    def failing(upper, lower, conditions, **options):
+        closed = close_walls(upper, lower, conditions)
+        closed["status"] = closed.status + 128
+        return closed
+
+    monkeypatch.setattr(closing, "close_walls", failing)
+    rows = close_points(points[:1], ("max_closure",))
+    assert len(rows) == 4
+    assert (rows.status >= 128).all()
+    assert rows.max_closure.isna().all()

@@ -7,6 +7,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.assess import ASSESSED
 from jointclosure.engine.selection import (
+    CRUSHED,
     ENOUGH,
     FEWEST_PAIRS,
     LOSS,
@@ -169,3 +170,11 @@ def test_gouge_and_substrate_are_kept_and_effects_that_are_off_are_not_brought_i
     assert all(scene.substrate and scene.gouge == scene.breakage for scene in scenes)
     assert possible_scenes(ELASTIC) == [ELASTIC, ELASTIC._replace(interaction=False)]
     assert possible_scenes(ALL, chosen=False) == [ALL]
+
+
+def test_soft_peaks_are_tested_only_where_walls_are_crushed():
+    for bulk, tested in ((0.9 * CRUSHED, False), (1.1 * CRUSHED, True)):
+        choice = choose_among(MadeUp([0.0] * 20, 10_000, (0.5, 0.01), bulk), 0.2)
+        (reason,) = (reason for reason in choice.reasons if "soft_peaks" in reason)
+        assert ("is not tested" not in reason) is tested
+        assert choice.effects.soft_peaks is not tested

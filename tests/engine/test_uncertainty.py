@@ -196,3 +196,12 @@ def test_what_is_plausible_is_what_the_global_sensitivity_study_varies():
     }
     del studied["largest_radius_mm"]  # it has no share of the variance of a closure
     assert {name: list(values) for name, values in PLAUSIBLE.items()} == studied
+
+
+def test_a_stated_source_and_a_wider_one_widen_the_range():
+    for seed in range(5):
+        few, two, wider = (
+            lower_end(widths, 0.1, seed)
+            for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
+        )
+        assert few > two > wider

@@ -16,7 +16,8 @@ from jointclosure.joint.curves import (
     secant_stiffness,
     stress_table,
 )
-from jointclosure.joint.laws import LAWS, fitted_laws, law_curves, parameter
+from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.laws import LAWS, fit_law, fitted_laws, law_curves, parameter
 from tests import joints
 from tests.joints import SPACING, on_softer_half_spaces, pair
 
@@ -192,3 +193,37 @@ def test_the_law_of_barton_and_bandis_since_seating_is_the_same_curve():
         closed = law.closure(stress) - law.closure(0.5e6)
         np.testing.assert_allclose(since.closure(stress - 0.5e6), closed, atol=1e-15)
     assert not laws_of_joint(float("nan"), 150e6, 0.5e6, 2).by_cycle
+
+
+def test_a_curve_that_bends_up_has_a_hyperbola_all_the_same():
+    stress, closure = np.linspace(0.5, 10.0, 40), np.linspace(0.0, 1.0, 40) ** 2
+    kni, vm = fit_law(LAWS["hyperbolic"], stress, closure, 0.5)[0]
+    assert kni > 0.0
+    assert vm > 1.0
+
+
+def test_chords_before_a_landing_know_nothing_of_it(closed):
+    """A cubic through all steps would bring the stiffness of the landing into the chord before."""
+    end = landing_stress(closed, 1)
+    kept = np.flatnonzero(here(closed) & (closed.normal_stress.values <= end))
+    levels = np.linspace(0.9 * end, end, 4)
+    without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
+    np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
+
+
+def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
+    """Net of bulk indentation no step is a whole one: the landing is that of the closure."""
+    end = landing_stress(closed, 1)
+    levels = np.array([2e6, end])
+    bulk = closures_at(closed, levels, GROSS) - closures_at(closed, levels, NET)
+    assert (bulk > 0.0).all()
+    at_end = here(closed) & (closed.normal_stress.values == end)
+    assert bulk[0, 0, 1] == pytest.approx(closed.bulk_indentation.values[at_end][0])
+    rise = np.diff(closures_at(closed, levels, NET)[0, 0])[0]
+    stiffness = secant_stiffness(closed, 1, 2e6, 5e6, NET)
+    assert stiffness == pytest.approx((end - 2e6) / rise)
+    assert stiffness > secant_stiffness(closed, 1, 2e6, 5e6, GROSS)
+    fitted = law_curves(closed)[1, "loading"][1]
+    levels = 1e6 * law_curves(closed)[1, "loading"][0][[0, -1]]
+    closures = closures_at(closed, levels, NET)[0, 0]
+    assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])

@@ -88,3 +88,9 @@ def test_no_history_takes_more_breakage_steps_than_the_bound():
     assert int(ended.breakage_steps) < int(whole.breakage_steps)
     unbounded = {"most_steps": math.inf, "most_breakage_steps": math.inf}
     assert int(closed(stress=1e5, **unbounded).status) < FAILURE
+
+
+def test_what_is_refused_can_be_asked_for_by_name():
+    bounds = {"most_breakage_steps": 3e6, "most_steps": 20}
+    ended = closed(largest_radius=SPACING, breakage="resolved", **bounds)
+    assert FLAGS[int(ended.status)] == "too_many_steps"

@@ -180,3 +180,18 @@ def test_pressures_are_those_of_a_dense_solution():
     load[cells[:, 0]] = 2.0 * cubes[:, 0]
     pressure = flow_along(field, "x", "periodic").pressure
     assert pressure.ravel() == pytest.approx(np.linalg.solve(matrix, load), rel=1e-10)
+
+
+def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
+    """A cell of 30 nm is solved, those of 15 nm beside it are left out, as cells of 1 mm adjoin."""
+    field = np.full((20, 6), 1e-3)
+    field[:, 3] = 15e-9
+    field[7, 3] = 30e-9
+    flow = flow_along(field, "x")
+    assert flow.status == AT_LEAST
+    narrow = np.mean(field[:, 3] ** 3) * 6.0  # all of the pressure falls along the narrow cells
+    assert flow.hydraulic_aperture < 0.9 * np.cbrt(narrow)
+    field[:, 3] = 0.0
+    field[7, 3] = 30e-9
+    assert flow_along(field, "x").status == FLOWS
+    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(flow.hydraulic_aperture)

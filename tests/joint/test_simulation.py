@@ -9,10 +9,11 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.protocol import FLAGS
+from jointclosure.joint.simulation import height_datum
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
 from tests import joints
-from tests.joints import DOLERITE, SPACING
+from tests.joints import DOLERITE, ELASTIC, SPACING
 
 TARGET = 4e6
 
@@ -183,3 +184,23 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
         (ridge, -0.3e-5 * y), 1e7, spacing=1e-4, effects=effects, strength_bound="none"
     )
     assert float(joint.flat_share.max()) > 0.5
+
+
+@pytest.mark.parametrize("offset", [0.0, -0.9, 5.0, 40.0, -1e6])
+def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset, walls):
+    wall = np.random.default_rng(3).standard_normal((30, 30)) + offset
+    datum = height_datum(wall)
+    np.testing.assert_array_equal((wall - datum) + datum, wall)
+    if abs(offset) > 100.0:
+        assert np.abs(wall - datum).max() < 20.0
+    assert [height_datum(wall) for wall in walls] == [0.0, 0.0]
+    assert height_datum(np.full((3, 3), 0.1)) == 0.1
+
+
+@pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])
+def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress):
+    """0.5 MPa is one of sixty stresses, but for rounding."""
+    walls = jc.wall_pair(8.0, (8, 8), SPACING, seed=1)
+    joint = joints.closed(walls, stress, cycles=1, effects=ELASTIC)
+    loading = joint.normal_stress.values[joint.branch.values == "loading"]
+    assert np.diff(loading).min() > 1e-3 * stress

@@ -231,3 +231,29 @@ def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, abou
         fit(path, **({"rock": "granite", "jrc": 10.0, "shape": (64, 64)} | about))
     assert printed in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_the_first_loading_of_a_curve_that_loses_more_than_the_model_is_fitted_alone(found, lab):
+    loading = [f"{line},1" for line in GOOD.splitlines()[1:]]
+    later = TWO_CYCLES.replace("2,5", "2,9").split("0.12,1\n")[1].replace("0.12,2", "0.15,2")
+    text = "\n".join(["stress_MPa,closure_mm,cycle", *loading, later])
+    lossy = lab.with_name("lossy.csv")
+    lossy.write_text(text)
+    alone = fit(lossy, jrc=10.0, **ABOUT, first_loading=True, simulated=found.simulated)
+    assert alone.p_value == found.p_value
+    assert alone.assumed == f"{found.assumed}; only the first loading is fitted"
+    both = fit(lossy, jrc=10.0, **ABOUT | {"surfaces": 5})
+    assert not both.interval_holds
+    assert "first_loading=True (--first-loading) fits alone" in both.sentences()[0]
+
+
+def test_two_loadings_are_read_without_the_unloading_between_them():
+    head, first = "stress_MPa,closure_mm,cycle\n", "0.5,0,1\n2.75,0.08,1\n5,0.1,1\n"
+    unloading, later = "0.5,0.05,1\n", "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"
+    whole, loadings = (
+        readings_of_curve(parsed_curve(head + text + later, "lab.csv"), SEATING)
+        for text in (first + unloading, first)
+    )
+    kept = [number for number, (_, level) in enumerate(whole.places()) if level is not None]
+    assert loadings.places() == [whole.places()[number] for number in kept]
+    np.testing.assert_allclose(loadings.values, whole.values[kept])

@@ -7,8 +7,8 @@ import scipy.optimize
 import jointclosure as jc
 from jointclosure.engine import oracle
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.solvers import equilibrium
-from tests.joints import DOLERITE, SPACING, balanced, bump, closed
+from jointclosure.solvers import elastic, equilibrium
+from tests.joints import DOLERITE, SPACING, balanced, bump, closed, pair
 
 SCENES = {
     "asperities": jc.Effects(False, False, False, False, True),
@@ -116,3 +116,20 @@ def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
     closure = closures(first)[0]
     assert round(float(curve.contact_fraction.max()) * upper.size) == 2
     assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
+
+
+def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
+    """Started from half of the cells, the curve is the same."""
+    walls = pair(60, 4)
+    curve = curve_of(walls)
+    predicted = elastic._predicted
+
+    def halved(*given):
+        point = predicted(*given)
+        point.force[::2], point.gap[:] = 0.0, np.nan
+        return point
+
+    monkeypatch.setattr(elastic, "_predicted", halved)
+    from_half = curve_of(walls)
+    assert int(from_half.solver_iterations) > int(curve.solver_iterations)
+    np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)

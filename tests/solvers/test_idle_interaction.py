@@ -87,3 +87,20 @@ def test_means_of_closure_stay_within_the_share_and_products_are_saved():
     assert np.abs(means[1] / means[0] - 1.0).max() <= SHARE
     products = [sum(int(joint.solver_iterations) for joint in runs) for runs in (full, less)]
     assert products[1] < 0.9 * products[0]
+
+
+@pytest.mark.parametrize(
+    ("bound", "value", "idle"),
+    [
+        # 10 MPa of 165 MPa: at a pressure of the strength 0.0606 of the cells, 97 of 1600, carry it
+        ("_FEWEST_CONTACTS", 96, True),
+        ("_FEWEST_CONTACTS", 98, False),
+        ("_MOST_CRUSHED", 0.0605, False),
+        ("_MOST_CRUSHED", 0.0607, True),
+    ],
+)
+def test_where_few_cells_touch_or_most_are_crushed_nothing_is_left_out(
+    monkeypatch, bound, value, idle
+):
+    monkeypatch.setattr(protocol, bound, value)
+    assert bool(closed().idle_steps) is idle

@@ -7,16 +7,27 @@ from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.solvers import joint
 from jointclosure.solvers.conjugate_gradients import (
     coarse_space,
+    newton_direction,
     patch_shares,
     precondition,
 )
 from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.interaction_operator import (
+    Neighbours,
+    influence_matrix,
     influence_of,
     influence_table,
 )
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 from tests.joints import SPACING, closed, pair
+
+NO_MATRIX = np.empty((0, 0))
+
+
+def by_distance(table, cells):
+    y, x = np.divmod(cells, SHAPE[1])
+    return table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
+
 
 MODULUS = 4e10
 SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)
@@ -86,3 +97,45 @@ def test_products_are_those_of_linear_algebra(n):
     assert inner(one, other) == pytest.approx(one @ other, rel=1e-12, abs=1e-13)
     np.testing.assert_allclose(symmetric_times(matrix, one), matrix @ one, rtol=1e-11, atol=1e-11)
     np.testing.assert_allclose(symmetric_inverse(matrix) @ matrix, np.eye(n), atol=1e-12)
+
+
+@pytest.mark.parametrize("shortfall", [np.nan, 2.0])
+def test_direction_solves_newtons_equation(shortfall):
+    influence, cells, stiffness = contacts_of((30, 30), 0.5)
+    secant = np.where(stiffness > 0.0, 1.0 / np.maximum(stiffness, 1e-300), np.inf)
+    space = coarse_space(influence, cells, stiffness)
+    step = np.where(stiffness > 0.0, np.sin(np.arange(cells.size)), 0.0)
+    active = stiffness > 0.0
+    forces = np.zeros((30, 30))
+    forces.ravel()[cells[~active]] = 1e3  # of contacts at their limit, which do not move
+    direction, shift, used = newton_direction(
+        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, forces
+    )
+    interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
+    left = secant[active] * direction[active] + interaction @ direction[active]
+    right = secant[active] * step[active] + shift
+    np.testing.assert_allclose(left, right, atol=1e-10 * np.abs(right).max())
+    assert np.all(direction[~active] == 0.0)
+    assert used < 40
+    if np.isnan(shortfall):
+        assert shift == 0.0
+    else:
+        assert direction.sum() == pytest.approx(shortfall, rel=1e-10)
+
+
+def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
+    table = influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING)
+    near, random = Neighbours(table), np.random.default_rng(2)
+    begun_anew, largest = 0, 0
+    for size in (3, 60, 61, 64, 90, 40, 150, 20, 391):
+        wanted = np.sort(random.permutation(table.size)[:size])
+        before = near.cells
+        slots = near.slots(wanted)
+        n = near.cells.size
+        np.testing.assert_array_equal(near.cells[slots], wanted)
+        np.testing.assert_array_equal(near.matrix[:n, :n], by_distance(table, near.cells))
+        assert n <= 1.25 * size or n == before.size
+        begun_anew += not np.array_equal(near.cells[: before.size], before)
+        largest = max(largest, n)
+    assert begun_anew > 0
+    assert largest == table.size

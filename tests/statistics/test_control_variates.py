@@ -4,10 +4,12 @@ import pytest
 from jointclosure.statistics.control_variates import (
     Known,
     adjusted_deviations,
+    adjusted_length,
     adjusted_means,
     adjusted_values,
 )
 from jointclosure.statistics.correlations import elasticity_of
+from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.statistics.verdicts import t_interval
@@ -137,3 +139,23 @@ def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_of
     assert 0.93 <= np.mean(inside) <= 0.97
     assert np.mean(ignored) < 0.85
     assert stated.covariance[0, 1] > 0.0
+
+
+def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says():
+    random = generator(10)
+    truth = indifference_interval(LEVELS, MEAN + 5 * STEPS, np.full(3, DEVIATION), 60, base=78.0)
+    adjusted, plain, inside = [], [], []
+    for i in range(120):
+        samples, covariates = levels_of_surfaces(random, 60, shared=False)
+        samples += 4 * STEPS[:, None]
+        length, scatter = adjusted_length(
+            LEVELS, samples, covariates, KNOWN, generator(i), base=78.0
+        )
+        adjusted.append(length)
+        inside.append(scatter.low <= truth.length <= scatter.high)
+        moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+        plain.append(indifference_interval(LEVELS, *moments, 60, base=78.0).length)
+    assert np.median(adjusted) == pytest.approx(truth.length, rel=0.05)
+    assert 0.90 <= np.mean(inside) <= 0.98
+    spread = [np.diff(np.nanquantile(each, [0.16, 0.84]))[0] for each in (plain, adjusted)]
+    assert (spread[0] / spread[1]) ** 2 > 3.0

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
+import jointclosure as jc
 from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.indifference import (
     difference_scatter,
@@ -88,3 +89,13 @@ def test_paired_lack_of_fit_is_uniform_for_a_quadratic_and_small_for_a_kink(coun
     assert scipy.stats.kstest(fitted, "uniform").pvalue > 0.001
     assert paired_lack_of_fit(levels, responses(random, levels, 20) + kink) < 1e-3
     assert np.isnan(paired_lack_of_fit(LEVELS, responses(random, LEVELS, 20)))
+
+
+def test_surfaces_that_differ_only_in_height_leave_the_length_alone():
+    random = generator(4)
+    samples = responses(random, LEVELS, 20)
+    other = paired_indifference_interval(1e9 * LEVELS, samples + 5.0 * random.normal(size=20))
+    found = paired_indifference_interval(LEVELS, samples)
+    assert other.length == pytest.approx(1e9 * found.length, rel=1e-9)
+    moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    assert found.length < 0.5 * jc.indifference_interval(LEVELS, *moments, 20).length

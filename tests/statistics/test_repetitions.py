@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
+import jointclosure as jc
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.repetitions import (
@@ -106,6 +107,9 @@ def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():
     assert np.isnan(pool_error([np.nan, np.nan, np.nan, 0.5], 100))
 
 
+EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}
+
+
 def pools(random, effects, size=60):
     return {name: sensitivity(random, e, size, "rock", True) for name, e in effects.items()}
 
@@ -165,3 +169,49 @@ def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
     unlikely = joint_test(drawn, 5.0 * observed)
     assert unlikely.p < 0.01
     assert unlikely.log_likelihood < joint_test(drawn, observed).log_likelihood - 5.0
+
+
+def test_lengths_are_those_of_the_means_and_deviations_drawn():
+    random = generator(4)
+    drawn = draw_studies({"x": sensitivity(random, 0.05, 60, "x")}, Design(), 200, random)["x"]
+    for r in range(200):
+        one = jc.indifference_interval(LEVELS, drawn.means[r, 0], drawn.deviations[r, 0], 20)
+        expected = np.inf if np.isnan(one.length) else one.length
+        assert drawn.lengths[r, 0] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_p_values_of_a_parameter_without_effect_are_uniform_up_to_the_dash():
+    p = []
+    for truth, lengths in distributions(0.0, 60, 800, seed=5, null=True):
+        p.append(share_as_short(lengths[:, 0], truth[0]))
+    p, dash = np.array(p), np.mean(np.array(p) == 1.0)
+    assert 0.03 < dash < 0.25
+    assert scipy.stats.kstest(p[p < 1.0] / (1.0 - dash), "uniform").pvalue > 0.001
+    assert 0.03 < np.mean(p < 0.05) < 0.07
+
+
+def test_pools_of_the_same_surfaces_are_resampled_together():
+    pool = Pool(generator(7).normal(size=(1, 30)), "x")
+    one = {"x": Sensitivity(np.arange(3.0), 1.0, (pool, Pool(pool.values + 1.0, "x"), pool))}
+    for each in resampled_pools(one, generator(8), 3):
+        low, middle, high = (own.values for own in each["x"].pools)
+        np.testing.assert_array_equal(low, high)
+        np.testing.assert_allclose(middle, low + 1.0)
+        assert len(np.unique(low)) < 30
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("null", [False, True])
+def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
+    random = generator(5)
+    effects = dict.fromkeys(EFFECTS, 0.0) if null else EFFECTS
+    p = []
+    for _ in range(300):
+        sensitivities = pools(random, effects)
+        if null:
+            sensitivities = without_effect(sensitivities)
+        drawn = table_of(draw_studies(sensitivities, Design(), 400, random))
+        p.append(joint_test(drawn, table(random, effects)).p)
+    assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
+    assert 0.02 < np.mean(np.array(p) < 0.05) < 0.09

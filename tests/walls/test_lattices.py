@@ -130,3 +130,10 @@ def test_a_closed_block_below_a_wall_is_no_wall(points, tmp_path):
     (tmp_path / "a.stl").write_bytes(solid.export(file_type="stl"))
     with pytest.raises(jc.InputError, match=r"a\.stl: the surface overlaps itself: .* covers? 3 "):
         read_scan(tmp_path / "a.stl", units="mm")
+
+
+def test_places_that_are_written_rounded_are_those_of_a_grid(points, tmp_path):
+    points = points * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
+    scan = read_points(tmp_path / "a.xyz", points, digits=2)
+    assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
+    assert scan.heights.shape == SHAPE

@@ -99,3 +99,18 @@ def test_correlations_over_shifts_are_those_of_the_definition():
                 assert found[down, right] == pytest.approx(expected, abs=1e-12)
             else:
                 assert np.isnan(found[down, right])
+
+
+def test_it_is_where_the_correlation_is_a_half_though_long_waves_do_not_mate_fully():
+    """Correlations of 0.65 beyond 14 cells, 0.39 from 6 to 14 cells, and 0 below."""
+    wavelength, found = 14 * SPACING, []
+    for seed in range(PAIRS):
+        about = {"jrc": 8.0, "shape": (80, 96), "spacing": SPACING, "normalise": "expectation"}
+        upper, far = jc.wall_pair(**about, seed=seed, mismatch_wavelength=wavelength)
+        _, near = jc.wall_pair(**about, seed=seed, mismatch_wavelength=6 * SPACING)
+        other, _ = jc.wall_pair(**about, seed=1000 + seed)
+        lower = 0.7 * (0.6 * far + 0.4 * near + other)
+        found.append(measured_mismatch(upper, lower, SPACING))
+    value, low, high = np.array(found).T / wavelength
+    assert np.median(value) == pytest.approx(1.0, abs=0.15)
+    assert np.mean((low <= 1.0) & (high >= 1.0)) >= 0.8

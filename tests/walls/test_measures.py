@@ -1,5 +1,6 @@
 """What is measured of a wall is what it was made with."""
 
+import os
 import re
 from pathlib import Path
 
@@ -8,10 +9,19 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator
+from jointclosure.walls.measured import wall_on_grid
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
-from jointclosure.walls.roughness import RELATIONS, bearing_depths
+from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
+from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
 from tests.joints import SPACING, bump
+
+ROOT = Path(__file__).parents[2]
+
+
+SCAN = Path(
+    os.environ.get("JOINTCLOSURE_SCAN") or ROOT.parent / "shared/data/foliation_joint_0p25mm.npz"
+)
 
 ROOT = Path(__file__).parents[2]
 
@@ -98,3 +108,22 @@ def test_the_samples_run_and_make_the_example_wall(tmp_path, monkeypatch, capsys
         assert sorted(made.files) == sorted(kept.files)
         # heights are rounded to micrometres; on another machine the last one may differ
         np.testing.assert_allclose(made["Z_mm"], kept["Z_mm"], atol=1.1e-3)
+
+
+@pytest.mark.skipif(not SCAN.is_file(), reason="the scanned wall is not part of the project")
+def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
+    scan = read_scan(SCAN, variable="patch63_mm")
+    wall = wall_on_grid(scan, SPACING)
+    assert wall.shape == (63, 63)
+    # rms 0.255 mm and Z2 of 0.115 and 0.152 along its axes, as its README has them
+    assert 1e3 * wall.std() == pytest.approx(0.255, abs=5e-4)
+    slopes = sorted(np.sqrt(np.mean(np.diff(wall, axis=a) ** 2)) / SPACING for a in (0, 1))
+    assert slopes == pytest.approx([0.115, 0.152], abs=6e-4)
+    assert rms_slope(wall, SPACING) == pytest.approx(measured(wall)["Z2, both directions"].value)
+
+
+def test_rigid_walls_overlap_in_that_share_at_that_closure():
+    upper, lower = jc.wall_pair(8, (30, 40), 0.25e-3, 2)
+    gap = (upper + lower).max() - (upper + lower)
+    closure = bearing_depths(upper + lower, 0.05)
+    assert np.mean(gap <= closure * (1 + 1e-12)) == pytest.approx(0.05, abs=0.5 / gap.size)

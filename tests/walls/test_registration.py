@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 import jointclosure as jc
-from benchmarks.registration import Truth
+from benchmarks.registration import Truth, rotation
 from jointclosure.engine.selection import choose_effects
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
@@ -19,8 +19,9 @@ from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
+from jointclosure.walls.scans import read_scan
 from studies.frame.walls import prepared_walls
-from tests.joints import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING, TWO_WALLS
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
@@ -478,3 +479,47 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
+
+
+def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
+    rng = np.random.default_rng(5)
+    waves = rng.normal(size=(60, 2)) * 2500.0
+    phases = rng.random(60) * 2.0 * np.pi
+
+    def heights(places):
+        return 1e-5 * np.cos(places @ waves.T + phases).sum(axis=1)
+
+    places = rng.random((2, 14000, 2)) * 25e-3
+    true = np.array([0.31e-3, -0.83e-3])  # of the upper cloud, along x and y
+    lower = np.column_stack([places[0], heights(places[0])])
+    upper = np.column_stack([places[1], heights(places[1] + true) + 1e-3])
+    found = registered(Cloud(upper), Cloud(lower))
+    assert found.orientation == "common_frame"
+    moved = (found.motion.place - found.motion.middle)[:2]
+    assert moved == pytest.approx(tuple(true), abs=0.05 * found.spacing)
+    assert found.correlation > 0.99
+
+
+@pytest.fixture(scope="module")
+def two_walls():
+    """Upper and lower scan of a published fracture, and the walls that they make."""
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    names = ("side_b_top.txt", "side_a_bottom.txt")
+    upper, lower = (read_scan(TWO_WALLS / name, units="mm") for name in names)
+    return upper, lower, registered(upper, lower, 0.5e-3)
+
+
+@pytest.mark.parametrize(("name", "degrees"), [("turned_over", 33.0), ("common_frame", 171.0)])
+def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, degrees, two_walls):
+    upper, lower, right = two_walls
+    assert right.orientation == "common_frame"
+    assert right.correlation > 0.9
+    over = np.diag([1.0, -1.0, -1.0] if name == "turned_over" else [1.0, 1.0, 1.0])
+    turn = rotation("z", degrees) @ rotation("x", 2.0)
+    found = registered(Cloud(upper.points @ (over @ turn)), lower, 0.5e-3)
+    assert found.orientation == name
+    angle = abs(found.mated.angle - right.mated.angle)
+    assert angle == pytest.approx(degrees, abs=4.0 * found.mated.errors()[0])
+    assert found.correlation == pytest.approx(right.correlation, abs=0.005)
+    assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.05)

@@ -1,0 +1,97 @@
+"""The memory that puts a study together does not grow with its realisations."""
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointclosure.engine.joints import close_case
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from studies.frame.cases import blocks_of, cases_of
+from studies.frame.closing import Ensemble
+from studies.frame.configuration import Configuration, resolved
+from tests.engine.test_settings import ELASTIC, settings_of
+from tests.studied import DEFAULT, checked_study
+
+ROOT = Path(__file__).parents[2]
+PER_JOB = 2500
+
+pytestmark = pytest.mark.slow
+
+
+def keys_of_study(realizations: int) -> dict:
+    """One case of joints that do not break, with 50 points of stress."""
+    changes = {
+        "grid": {"cells_x": 8, "cells_y": 8},
+        "effects": ELASTIC,
+        "numerics": {"curve_points": 5},
+        "output": {"stress_points": 50},
+        "statistics": {"control_variates": None},
+        "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
+        "study": {
+            "rocks": ["slate"],
+            "realizations": realizations,
+            "realizations_per_job": PER_JOB,
+            "draws": "common",
+            "pool": None,
+        },
+    }
+    return checked_study(changes).keys
+
+
+def case_files(configuration: Configuration, folder: Path) -> list[Path]:
+    """Files of every block: one joint's numbers, and in two variables the realisation's own."""
+    (case,) = cases_of(configuration)
+    one = close_case(settings_of(configuration, case.label, range(1)))
+    (folder / "cases").mkdir()
+    paths = []
+    for block in blocks_of(configuration.study):
+        many = one.isel(realization=np.zeros(len(block), dtype=int))
+        many = many.assign_coords(realization=np.array(block))
+        random = np.random.default_rng(block.start).random(many.closure.shape)
+        many = many.assign(closure=(many.closure.dims, random, many.closure.attrs))
+        many["breakage_steps"] = ("realization", np.array(block), one.breakage_steps.attrs)
+        paths.append(folder / f"cases/{case.label}.{block.start}.nc")
+        write_netcdf(many.assign_attrs(scene="elastic"), paths[-1])
+    return paths
+
+
+def joined(realizations: int, folder: Path) -> int:
+    """Put the study together as its job does; the peak memory [kB] of this process."""
+    ensemble = Ensemble(resolved(keys_of_study(realizations)))
+    output = folder / "study.nc"
+    ensemble.join(ensemble.entries(folder), folder, {}, output, lambda line: None)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def memory(realizations: int, folder: Path) -> int:
+    folder.mkdir()
+    case_files(resolved(keys_of_study(realizations)), folder)
+    command = (
+        "import sys, pathlib; from tests.workflow.test_many_realizations import joined; "
+        "print(joined(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", command, str(realizations), str(folder)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stderr
+    return int(answer.stdout.splitlines()[-1])
+
+
+def test_ten_times_the_realisations_take_no_more_memory(tmp_path):
+    few, many = memory(2_500, tmp_path / "few"), memory(25_000, tmp_path / "many")
+    study = read_netcdf(tmp_path / "many/study.nc")
+    # but for what netCDF keeps of each variable, which is bounded
+    assert 1024 * (many - few) < 0.2 * study.nbytes, f"{few} and {many} kB"
+    steps = study.breakage_steps.values
+    np.testing.assert_array_equal(steps, np.arange(25_000)[np.newaxis])
+    last = read_netcdf(tmp_path / "many/cases/slate-base.22500.nc")
+    there = study.closure.isel(case=0, realization=slice(22_500, None))
+    np.testing.assert_array_equal(there.values, last.closure.values)
