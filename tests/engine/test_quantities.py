@@ -114,3 +114,11 @@ def test_stored_tables_name_quantities_as_the_table_of_quantities():
                 assert {*table[column]} <= {*QUANTITIES}
             for column in table.filter(regex="closure|stiffness|aperture_|hysteresis"):
                 assert re.sub("_(ratio|error)$", "", column) in HEADINGS
+
+
+def test_walls_are_summed_so_that_mates_have_no_relief(joint):
+    _, read = joint
+    upper = read.walls[0]
+    mates = ClosedWalls((upper, -upper), read.closed, CONDITIONS, 0.0, np.empty(0))
+    for name in ("rms_height", "rms_slope", "initial_aperture"):
+        assert value(name, mates) == 0.0 < value(name, read)
