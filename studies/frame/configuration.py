@@ -22,7 +22,7 @@ from jointclosure.parameters import (
     check_scene,
 )
 from jointclosure.parameters import USUAL as _OF_ROCK
-from jointclosure.parameters.units import in_unit, name_and_unit
+from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame.files import DEFAULT, ConfigurationError, read_plain
 from studies.frame.keys import (
@@ -287,5 +287,6 @@ def _unusual(keys: dict, where: str) -> Iterator[str]:
                 if not (low <= number <= high or number == 0.0):
                     yield (
                         f"{where}{key} = {number!r}: not usual of rock ({low:g} to {high:g} {unit})"
-                        "; is the unit right? study.unusual_values: allow takes it as it is"
+                        f"; {unit_meant(number * SI_FACTORS.get(unit, 1.0), *USUAL[name])} "
+                        "study.unusual_values: allow takes it as it is"
                     )

@@ -75,6 +75,8 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
     [
         ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
         ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
+        ({"max_normal_stress": 5}, "is 5 MPa meant, 5e+06 Pa?"),
+        ({"max_normal_stress": 5e12}, "is 5e+06 Pa meant?"),
         ({"max_normal_stress": [5e6, 0.0, 8]}, "max_normal_stress = 8 Pa: not usual"),
         ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
         ({"numerics": jc.Numerics(displacement_step=12.5)}, "displacement_step = 12.5 m: not"),

@@ -133,7 +133,7 @@ def test_each_joint_is_closed_as_a_study_closes_it(alone):
     ("change", "message"),
     [
         ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
-        ({"effects": jc.Effects(substrate=False)}, "interaction = True needs substrate"),
+        ({"effects": jc.Effects(substrate=False)}, "substrate = False needs interaction = False"),
         ({"seating_stress": 9e6}, "seating_stress"),
     ],
 )

@@ -135,6 +135,9 @@ def test_relations_invert(relation):
         ({"correlation": 2.0}, "correlation = 2.0"),
         ({"shift_in_cells": -1}, "shift_in_cells = -1"),
         ({"roll_off": 0.03}, "roll_off = 0.03 m: must be at most the longer side of the walls"),
+        ({"roll_off": 3}, r"roll_off = 3 m: not usual .* is 3 mm meant, 0.003 m\?"),
+        ({"roll_off": 4e-4}, "roll_off = 0.0004 m with spacing = 0.00025 m: must be at least two"),
+        ({"spacing": 0.25}, r"spacing = 0.25 m: not usual .* is 0.25 mm meant, 0.00025 m\?"),
         ({"mismatch_wavelength": -1e-3}, "mismatch_wavelength = -0.001 m: must be finite, 0"),
         ({"mismatch_wavelength": 1e-3, "correlation": 0.5}, "correlation = 0.5: must be 0"),
     ],
@@ -143,6 +146,14 @@ def test_bad_input_is_refused_by_name(change, named):
     good = {"jrc": 8.0, "shape": (9, 9), "spacing": SPACING, "seed": 1}
     with pytest.raises(jc.InputError, match=named):
         jc.wall_pair(**(good | change))
+
+
+def test_the_default_roll_off_is_allowed_on_every_grid():
+    coarse = {"jrc": 8.0, "shape": (9, 9), "spacing": 2e-3, "seed": 1}
+    for wall, stated in zip(
+        jc.wall_pair(**coarse), jc.wall_pair(**coarse, roll_off=4e-3), strict=True
+    ):
+        np.testing.assert_array_equal(wall, stated)
 
 
 def test_waves_longer_than_the_mismatch_wavelength_mate_and_shorter_ones_are_independent():

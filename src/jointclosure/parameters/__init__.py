@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
-from jointclosure.parameters.units import Property, properties_of
+from jointclosure.parameters.units import Property, properties_of, unit_meant
 
 
 class Rock(NamedTuple):
@@ -243,7 +243,7 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
             if not (low <= value <= high or value == 0.0 or np.isinf(value)):
                 raise InputError(
                     f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
-                    f"is the unit right? {AS_IT_IS}"
+                    f"{unit_meant(value, low, high, unit)} {AS_IT_IS}"
                 )
 
 
@@ -256,11 +256,11 @@ def check_scene(effects: Effects) -> None:
             raise InputError(f"effects: {name} = {value!r}: must be True or False")
     if effects.interaction and not effects.substrate:
         raise InputError(
-            "effects: interaction = True needs substrate = True; without the compliance of the "
+            "effects: substrate = False needs interaction = False; without the compliance of the "
             "substrate the interaction operator is indefinite and equilibrium is not unique"
         )
     if effects.gouge and not effects.breakage:
-        raise InputError("effects: gouge = True needs breakage = True, which makes the gouge")
+        raise InputError("effects: breakage = False needs gouge = False, as breakage makes gouge")
 
 
 def well_posed_scenes() -> Iterator[Effects]:

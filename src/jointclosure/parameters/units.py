@@ -12,6 +12,19 @@ from jointclosure.inputs import InputError, check_number, check_positive
 
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
 """Units that a configuration may use, in SI."""
+_LIKELY = "MPa", "GPa", "mm", "um"
+"""Units that values in SI, which they are not, are probably in, the likeliest first."""
+
+
+def unit_meant(value: float, low: float, high: float, unit: str) -> str:
+    """Ask for the unit in which a value [SI] outside of usual ones was probably given."""
+    for name in _LIKELY if unit in ("Pa", "m") else ():
+        size = SI_FACTORS[name]
+        if name.endswith(unit) and low <= value * size <= high:
+            return f"is {value:g} {name} meant, {value * size:g} {unit}?"
+        if name.endswith(unit) and low <= value / size <= high:
+            return f"is {value / size:g} {unit} meant?"
+    return "is the unit right?"
 
 
 class Property(NamedTuple):

@@ -185,8 +185,9 @@ def wall_pair(
         the nearest heights (`Spectrum`); ``hurst`` then only carries Z2 to the spacing.
     roll_off : float, optional
         Wavelength [m] beyond which the spectrum is flat; None for no limit. The default is for
-        the paper's study, whose Table 3 asks for it (docs/decisions.md#0013-readings). Natural
-        walls have waves of all lengths: take None for them, as `jointclosure.fit` does.
+        the paper's study, whose Table 3 asks for it (docs/decisions.md#0013-readings), and two
+        spacings where these are more. Natural walls have waves of all lengths: take None for
+        them, as `jointclosure.fit` does.
     unusual_values : bool
         Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
 
@@ -207,11 +208,13 @@ def wall_pair(
     _check(shape, hurst, correlation, shift_in_cells)
     check_mismatch(mismatch_wavelength, correlation)
     if not unusual_values:
-        check_usual((), roll_off=roll_off, mismatch_wavelength=mismatch_wavelength)
+        lengths = {"roll_off": roll_off, "mismatch_wavelength": mismatch_wavelength}
+        check_usual((), spacing=spacing, **lengths)
         check_roll_off(roll_off, max(shape) * spacing)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     wide = (shape[0], shape[1] + shift_in_cells)
+    roll_off = max(roll_off, 2.0 * spacing) if roll_off == ROLL_OFF else roll_off
     spectrum = spectrum_of(hurst, rule, roll_off, spacing)
     if mismatch_wavelength is not None:
         longest = float(mismatch_wavelength) / spacing
@@ -307,8 +310,8 @@ def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float)
     check_length("roll_off", roll_off)
     if roll_off < 2.0 * spacing:
         raise InputError(
-            f"roll_off = {roll_off!r} m: must be at least two spacings, {2.0 * spacing!r} m, the "
-            "shortest wavelength of the grid (or None: no roll-off)"
+            f"roll_off = {roll_off!r} m with spacing = {spacing!r} m: must be at least two "
+            "spacings, the shortest wavelength of the grid (or None: no roll-off)"
         )
     return Spectrum(hurst, rule, float(roll_off) / spacing)
 
