@@ -30,7 +30,7 @@ def walls_of_files(
     """Read the scans of a rock, and return `prepared_walls` of them."""
     given: dict[str, Any] = {
         "units": walls.units,
-        "spacing": walls.spacing,
+        "scan_spacing": walls.spacing,
         "variable": walls.variable,
     }
     scans = {side: read_scan(file, **given) for side, file in wall_files(walls).items()}
@@ -60,7 +60,7 @@ def prepared_walls(
                 spacing,
                 orientation=settings.orientation,
                 shift=settings.shift,
-                cut_spikes=settings.spikes == "cut",
+                spikes=settings.spikes,
                 largest_filled_share=settings.largest_filled_share,
                 unusual_values=unusual_values,
             )

@@ -174,7 +174,7 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
 
 
 def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command):
-    folder, words = tmp_path / "a", [*WORDS, "--cycles", 1, "--grid-spacing", 2, "--within", 0.2]
+    folder, words = tmp_path / "a", [*WORDS, "--cycles", 1, "--spacing", 2, "--within", 0.2]
     code, out, _ = command("assess", *scans, *words, "--output", folder)
     assert code in (0, 1)
     assert "without soft peaks" in out

@@ -13,7 +13,7 @@ SCANS = ["top.xyz", "bottom.xyz", "--units", "mm", "--stress", 2]
 GRANITE = ["--rock", "granite"]
 FIT = ["lab.csv", *GRANITE, "--jrc", 10]
 WALL = ["wall.npy", "--units", "mm"]
-ARRAYS = ["top.npy", "bottom.npy", "--units", "mm", "--spacing", 0.25]
+ARRAYS = ["top.npy", "bottom.npy", "--units", "mm,mm", "--scan-spacing", 0.25]
 STRENGTH = ["--range", "compressive_strength_MPa"]
 
 
@@ -47,7 +47,7 @@ def nothing_is_computed(monkeypatch, inputs):
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
         (["fit", *FIT, "--scans", *SCANS[:2]], "jrc = 10.0: must be left out with scans"),
-        (["roughness", *WALL, "--spacing", 1, "--picture", "a.gif"], "a.gif: must end in .png"),
+        (["roughness", *WALL, "--picture", "a.gif"], "a.gif: must end in .png"),
         (["validate", "none"], "must be a folder that contains both clones"),
         (["report", "."], "must be a folder that `jointclosure close` wrote"),
     ],
@@ -73,7 +73,7 @@ WORDS = {
     "assess": [*ARRAYS, *LOAD],
     "simulate": ["--jrc", 8, "--cells", 8, *LOAD],
     "fit": [*FIT, "--cells", 16],
-    "roughness": [*WALL, "--spacing", 0.25],
+    "roughness": [*WALL, "--scan-spacing", 0.25],
 }
 """Words of each command that has numeric options, with which it would work."""
 MODEL = (*jc.Rock._fields, *jc.Choices._fields, *jc.Numerics._fields)

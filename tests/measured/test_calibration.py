@@ -186,7 +186,7 @@ def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
 def test_the_strength_of_scanned_walls_is_within_its_interval():
     upper, lower = jc.wall_pair(10.0, SHAPE, SPACING, 3, mismatch_wavelength=3e-3)
     scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
-    pair = registered(*scans, orientation="common_frame", cut_spikes=False)
+    pair = registered(*scans, orientation="common_frame", spikes="keep")
     weak = GRANITE._replace(compressive_strength=130e6)
     curve = curve_of(close_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
     result = fit(

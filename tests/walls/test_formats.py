@@ -165,27 +165,31 @@ def test_a_pickle_is_refused_and_not_run(name, tmp_path):
     trapped = np.array([[Trap(), 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 3.0, 0.0]], dtype=object)
     np.save(path, trapped) if name == "a.npy" else np.savez(path, Z_mm=trapped)
     with pytest.raises(jc.InputError, match=rf"{name}: .*(allow_pickle|type object)"):
-        read_scan(path, units="mm", spacing=SPACING)
+        read_scan(path, units="mm", scan_spacing=SPACING)
     path.write_bytes(pickle.dumps(Trap()))
     with pytest.raises(jc.InputError, match=rf"{name}: cannot be read as an array"):
-        read_scan(path, units="mm", spacing=SPACING)
+        read_scan(path, units="mm", scan_spacing=SPACING)
     assert not (tmp_path / "sprung").exists()
 
 
 @pytest.mark.parametrize(
     ("form", "given", "printed"),
     [
-        ("a.npy", {"spacing": SPACING}, "does not state the units of its heights"),
+        ("a.npy", {"scan_spacing": SPACING}, "does not state the units of its heights"),
         ("a.npy", {"units": "mm"}, "does not state the spacing"),
-        ("a.npy", {"units": "inch", "spacing": SPACING}, "must be one of m, mm, um, nm"),
+        ("a.npy", {"units": "inch", "scan_spacing": SPACING}, "must be one of m, mm, um, nm"),
         ("a.npz", {"units": "mm"}, "units = 'mm': the heights of the file are in 'um'"),
-        ("a.npz", {"spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
+        ("a.npz", {"scan_spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
         ("a.npz", {"variable": "Q"}, "variable = 'Q': must be one of Z_um, spacing_m"),
         ("a.nc", {"units": "mm"}, "units = 'mm': the heights of the file are in 'micrometre'"),
         ("a.nc", {"units": "um"}, "units = 'um': the distances of the file are in 'm'"),
         ("a.csv", {"units": "m"}, "units = 'm': the heights of the file are in 'um'"),
         ("geo.tiff", {"units": "mm"}, "the heights of the file are in 'm'"),
-        ("a.stl", {"units": "mm", "spacing": 5e-4}, "spacing = 0.5 mm: the file states 0.25 mm"),
+        (
+            "a.stl",
+            {"units": "mm", "scan_spacing": 5e-4},
+            "spacing = 0.5 mm: the file states 0.25 mm",
+        ),
         ("gwyddion.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
     ],
 )
@@ -495,7 +499,7 @@ def test_a_netcdf_grid_is_turned_by_the_names_of_its_dimensions(dims, attributes
 
 def test_an_archive_that_declares_more_than_a_scan_is_refused_unread(wall, tmp_path):
     """Zeros are packed a thousand times: of a bomb nothing but the head may be read."""
-    path, stated = tmp_path / "a.npz", {"units": "mm", "spacing": SPACING}
+    path, stated = tmp_path / "a.npz", {"units": "mm", "scan_spacing": SPACING}
     np.savez(path, Z_mm=wall, spacing_mm=STEP_MM)
     heads = {"other": ("<f8", (40_000, 25_000)), "item": ("|V300000000", (3, 3))}
     with zipfile.ZipFile(path, "a") as archive:
@@ -536,9 +540,9 @@ def test_a_no_data_value_that_is_no_number_is_none_or_named(word, fails, wall, t
     tifffile.imwrite(tmp_path / "a.tif", wall, extratags=[(42113, "s", 0, word, True)])
     if fails:
         with pytest.raises(jc.InputError, match=r"a\.tif: GDAL_NODATA = 'lots': must be a number"):
-            read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
+            read_scan(tmp_path / "a.tif", units="mm", scan_spacing=SPACING)
     else:
-        found = read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
+        found = read_scan(tmp_path / "a.tif", units="mm", scan_spacing=SPACING)
         np.testing.assert_allclose(found.heights, 1e-3 * wall)
 
 

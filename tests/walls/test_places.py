@@ -78,7 +78,7 @@ def test_statements_that_agree_in_any_unit_are_one_wall(tmp_path, stated, argume
         forms["vectors"]["y"] = forms["vectors"]["y"][::-1]
         forms["matrices"]["Y"] = forms["matrices"]["Y"][::-1]
     if argument and steps[0] == steps[1]:
-        given["spacing"] = 1e-3 * steps[0]
+        given["scan_spacing"] = 1e-3 * steps[0]
     write(path, {"Z_um": 1e3 * heights} | named(forms, units))
     scan = read_scan(path, **given)
     np.testing.assert_allclose(scan.heights, 1e-3 * WALL, rtol=1e-9)
@@ -96,7 +96,7 @@ def test_a_statement_that_differs_is_refused_with_names_and_values(tmp_path, sta
     arrays = named(statements(steps, WALL.shape), units, {form: factor})
     if len(units) == 1:
         assume(steps[0] == steps[1])
-        given["spacing"] = 1e-3 * steps[0]
+        given["scan_spacing"] = 1e-3 * steps[0]
     write(path, {"Z_um": 1e3 * WALL} | arrays)
     with pytest.raises(jc.InputError) as error:
         read_scan(path, **given)
@@ -121,8 +121,8 @@ FOLDED, ORDER = np.abs(X - 2.0), [0, 2, 1, 4, 3, 5, 6, 7, 9, 8, 11, 10]
 FILES = {
     "dx alone": ({"dx": 0.4}, {}, (0.4, 0.4)),
     "one coordinate": ({"x": X}, {}, "does not state the spacing of its grid along y:"),
-    "one coordinate and a spacing": ({"x": X}, {"spacing": 4e-4}, (0.4, 0.4)),
-    "one coordinate and another spacing": ({"x": X}, {"spacing": 3e-4}, "the file states 0.4"),
+    "one coordinate and a spacing": ({"x": X}, {"scan_spacing": 4e-4}, (0.4, 0.4)),
+    "one coordinate and another spacing": ({"x": X}, {"scan_spacing": 3e-4}, "the file states 0.4"),
     "one coordinate and dy": ({"x": X, "dy": 0.3}, {}, (0.3, 0.4)),
     "one uneven coordinate": ({"x": X**2}, {}, "x: must be evenly spaced"),
     "returning coordinates": ({"x": FOLDED, "y": Y}, {}, "places have several heights"),
@@ -173,7 +173,7 @@ def test_heights_that_are_not_valid_by_the_cf_conventions_are_missing(bounds, pa
             z.scale_factor = 1e-3
         z.set_auto_mask(False)
         z[:] = heights
-    scan = read_scan(tmp_path / "a.nc", spacing=3e-4)
+    scan = read_scan(tmp_path / "a.nc", scan_spacing=3e-4)
     np.testing.assert_array_equal(np.isnan(scan.heights), np.abs(heights) > 1.0)
     np.testing.assert_allclose(np.nan_to_num(scan.heights[0]), 1e-3 * heights[0], atol=6e-7)
 

@@ -11,6 +11,7 @@ from scipy import ndimage
 
 import jointclosure as jc
 from benchmarks.registration import Truth, rotation
+from jointclosure.engine.scanned_joint import registered_walls
 from jointclosure.engine.selection import choose_effects
 from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
@@ -24,7 +25,7 @@ from studies.frame.walls import prepared_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS
 
 SHAPE = (64, 72)
-AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
+AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
 EXAMPLES = settings(max_examples=8, deadline=None, derandomize=True)
 
 
@@ -51,6 +52,19 @@ def grid(wall, origin=None, step=SPACING):
     return Scan(wall, (step, step), origin)
 
 
+def test_units_are_those_of_each_scan(walls, tmp_path):
+    sizes, files = {"mm": 1e3, "um": 1e6}, [tmp_path / "upper.npy", tmp_path / "lower.npy"]
+    found = []
+    for units in (("mm", "um"), ("mm", "mm")):
+        for file, wall, unit in zip(files, (0.6e-3 - walls[0], walls[1]), units, strict=True):
+            np.save(file, sizes[unit] * wall)
+        stated = {"units": units, "scan_spacing": SPACING}
+        found.append(registered_walls(*files, stated, orientation="common_frame"))
+    np.testing.assert_allclose(found[0].lower, found[1].lower, atol=1e-12)
+    with pytest.raises(jc.InputError, match=r"\('m', 'm', 'm'\): must be one value, or one for"):
+        registered_walls(*files, {"units": ("m", "m", "m")})
+
+
 @pytest.mark.parametrize(("name", "quarters"), [*zip(ORIENTATIONS, range(4), strict=True)])
 def test_a_wall_that_lies_on_the_nodes_of_the_other_is_laid_there_without_a_change(
     name, quarters, joint
@@ -58,7 +72,7 @@ def test_a_wall_that_lies_on_the_nodes_of_the_other_is_laid_there_without_a_chan
     upper, lower = joint
     scan = scanned(upper, name)
     scan = scan._replace(heights=np.rot90(scan.heights, quarters))
-    found = registered(scan, grid(lower), cut_spikes=False)
+    found = registered(scan, grid(lower), spikes="keep")
     assert found.orientation == name
     turned = abs(found.motion.angle) % 360.0
     assert min(turned % 90.0, 90.0 - turned % 90.0) == pytest.approx(0.0, abs=1e-9)
@@ -99,7 +113,7 @@ def test_walls_that_are_turned_as_scanned_are_refused_with_the_angle():
 def test_a_shift_is_found_and_the_same_places_meet():
     upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.999, roll_off=None)
     first, second = upper[7:, 11:], lower[:-9, :-4]
-    found = registered(scanned(first, "turned_over"), grid(second), cut_spikes=False)
+    found = registered(scanned(first, "turned_over"), grid(second), spikes="keep")
     assert found.orientation == "turned_over"
     np.testing.assert_allclose(found.upper, detrended(upper[7:-9, 11:-4]), atol=1e-12)
     np.testing.assert_allclose(found.lower, detrended(lower[7:-9, 11:-4]), atol=1e-12)
@@ -110,7 +124,7 @@ def test_a_shift_is_found_and_the_same_places_meet():
 def test_scans_mate_unless_they_are_to_stay_where_they_are():
     upper, lower = jc.wall_pair(9.0, (64, 78), SPACING, seed=4, correlation=0.999, roll_off=None)
     first, second = upper[:, 6:], lower[:, :-6]
-    stay = registered(scanned(first), grid(second), shift="scanned", cut_spikes=False)
+    stay = registered(scanned(first), grid(second), shift="scanned", spikes="keep")
     np.testing.assert_array_equal(stay.motion.place, stay.motion.middle)
     moved = (stay.mated.place - stay.mated.middle)[:2]
     assert moved == pytest.approx((6 * SPACING, 0.0), abs=0.1 * SPACING)
@@ -151,7 +165,7 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     for seed in range(3):
         upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
         try:
-            registered(scanned(upper, "towards"), grid(lower), cut_spikes=False)
+            registered(scanned(upper, "towards"), grid(lower), spikes="keep")
         except jc.InputError as error:
             refused.append(str(error))
     assert len(refused) >= 2  # one in ten may fit by chance
@@ -186,7 +200,7 @@ def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, wo
 def test_the_aperture_is_zero_at_first_touch_where_no_spike_is(joint, walls):
     upper, spiked = walls
     spiked[40, 50] += 3e-3
-    whole, kept = (registered(scanned(upper), grid(spiked), cut_spikes=k) for k in (True, False))
+    whole, kept = (registered(scanned(upper), grid(spiked), spikes=k) for k in ("cut", "keep"))
     for pair in (whole, kept):
         summed = pair.upper + pair.lower
         assert pair.aperture.min() == 0.0 == pair.aperture[pair.first_touch]
@@ -406,8 +420,8 @@ def copies(wall):
 def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
     scans = copies(joint[0])[kind]
     with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
-        registered(*scans, shift="mated", cut_spikes=False)
-    pair = registered(*scans, shift="mated", cut_spikes=False, unusual_values=True)
+        registered(*scans, shift="mated", spikes="keep")
+    pair = registered(*scans, shift="mated", spikes="keep", unusual_values=True)
     assert abs(pair.correlation) == pytest.approx(1.0)
     assert np.abs(pair.mating.correlation).max() <= 1.0
 
@@ -464,9 +478,9 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     rough = joint[1]
     tilted = rough + 5e-6 * np.indices(rough.shape)[1]
     lower, aperture = grid(tilted), grid(rough.max() - rough)
-    under = registered("flat", lower, cut_spikes=False)
-    mapped = registered(aperture, "flat", orientation="common_frame", cut_spikes=False)
-    turned = registered(lower, "flat", orientation="towards", cut_spikes=False)
+    under = registered("flat", lower, spikes="keep")
+    mapped = registered(aperture, "flat", orientation="common_frame", spikes="keep")
+    turned = registered(lower, "flat", orientation="towards", spikes="keep")
     for pair in (mapped, turned):
         np.testing.assert_allclose(pair.aperture, under.aperture, atol=1e-12)
     assert not under.upper.any()

@@ -135,7 +135,7 @@ def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpola
     upper, lower = jc.wall_pair(9.0, (64, 64), SPACING, seed=2, roll_off=None, correlation=0.9)
     origin = 7 * SPACING + shift[0] * SPACING, shift[1] * SPACING
     scans = scan(-upper[7:], origin=origin), scan(lower, origin=(0.0, 0.0))
-    pair = registered(*scans, orientation="common_frame", shift="scanned", cut_spikes=False)
+    pair = registered(*scans, orientation="common_frame", shift="scanned", spikes="keep")
     lost = [line for line in pair.warnings if "heights were interpolated" in line]
     assert len(lost) == interpolated
     for line in lost:

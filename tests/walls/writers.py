@@ -30,7 +30,7 @@ class Ground:
 
 def as_npy(path, ground):
     np.save(path, ground.heights)
-    return {"units": "mm", "spacing": 1e-3 * ground.step}
+    return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
 
 
 def as_npz(path, ground):
@@ -64,7 +64,7 @@ def as_shuffled_text(path, ground):
 
 def as_matrix(path, ground):
     np.savetxt(path, ground.heights, "%.6f")
-    return {"units": "mm", "spacing": 1e-3 * ground.step}
+    return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
 
 
 def as_gwyddion(path, ground):
@@ -147,7 +147,7 @@ def as_esri(path, ground, rows=None, **head):
 
 def as_tiff(path, ground):
     pytest.importorskip("tifffile").imwrite(path, ground.heights)
-    return {"units": "mm", "spacing": 1e-3 * ground.step}
+    return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
 
 
 def as_geotiff(path, ground):

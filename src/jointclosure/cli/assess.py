@@ -33,10 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     stated = options.conditions_of(arguments, rock, RESOLVED)
     asked = options.given(arguments, ("within", "budget"))
     check_request(Conditions(**{"spacing": None} | stated), **asked)
-    files = options.given(arguments, ("units", "scan_spacing", "variable"))
-    scans = {"spacing" if name == "scan_spacing" else name: v for name, v in files.items()}
-    grid = options.given(arguments, ("orientation", "shift"))
-    grid |= {"cut_spikes": arguments.cut_spikes == "cut"}
+    scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))
     walls = arguments.upper, arguments.lower
     pair = registered_walls(*walls, scans, stated.pop("spacing", None), **grid)
     print("\n".join(f"- {line}" for line in pair.report), flush=True)
@@ -47,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         assessment = assess(joint, spacing=pair.spacing, **stated, **asked, **kept)
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)
-    settings = {"upper": walls[0], "lower": walls[1], **files, **grid, **stated, **asked}
+    settings = {"upper": walls[0], "lower": walls[1], **scans, **grid, **stated, **asked}
     record = {"sentences": assessment.sentences, "title": title} | results.attributes(settings)
     written: dict[str, Any] = {
         "closures.csv": assessment.closures,

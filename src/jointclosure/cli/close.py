@@ -6,7 +6,7 @@ examples:
   jointclosure close top.stl bottom.stl --units mm --rock granite --stress 5 --cycles 3
   jointclosure close aperture.asc flat --orientation common_frame --units mm --rock granite
   jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
-      --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
+      --strength 180 --stress 15 --spacing 0.5 --output my_joint
 
 docs/two_scans.md is a tutorial.
 """
@@ -29,7 +29,7 @@ from jointclosure.parameters.units import to_si
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.scans import file_digest
 
-_SCANNED = ("units", "scan_spacing", "variable", "orientation", "shift", "single")
+_SCANNED = (*options.SCANS, *options.PLACES, "single")
 """Keywords of `jointclosure.close` that are no conditions."""
 
 
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("--range: must be left out with --single")
     rock = options.rock_of(arguments, "max_normal_stress")
     stated = options.conditions_of(arguments, rock, RESOLVED) | options.given(arguments, _SCANNED)
-    stated |= {"cut_spikes": arguments.cut_spikes == "cut", "ranges": _ranges(arguments.range)}
+    stated |= {"ranges": _ranges(arguments.range)}
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     kept = results.kept_stresses(arguments, stated["max_normal_stress"])
     joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)

@@ -16,7 +16,7 @@ from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import in_unit, to_si
 from jointclosure.storage.files import check_record
-from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, registered
+from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
 
 UNITS = (
     {name: about.unit for name, about in OF_ROCK.items()}
@@ -26,16 +26,17 @@ UNITS = (
     | dict.fromkeys(("roll_off", "mismatch_wavelength", "size"), "mm")
 )
 """Units of options by keyword; other options have none."""
-_OPTIONS = {
+_SHORT = {
     "max_normal_stress": "stress",
     "seating_stress": "seating",
     "compressive_strength": "strength",
 }
-"""Options that have another name than their keyword."""
+"""Short names of options beside that of their keyword."""
 _CHOICES: dict[str, Iterable[str]] = {
     "units": UNITS_OF_SCANS,
     "orientation": ORIENTATIONS,
     "shift": SHIFTS,
+    "spikes": SPIKES,
     "solver": SOLVER_NAMES,
 }
 PICTURES = (".png", ".pdf", ".svg")
@@ -53,9 +54,10 @@ CELLS: dict[str, Any] = {"option": "--cells", "type": shape, "metavar": "N"}
 """Arguments of the option for the keyword ``shape``."""
 
 
-def option_of(keyword: str) -> str:
-    """Return the option of a keyword: --grid-spacing of grid_spacing."""
-    return "--" + _OPTIONS.get(keyword, keyword).replace("_", "-")
+def options_of(keyword: str) -> list[str]:
+    """Return the options of a keyword, a short one first: --stress, --max-normal-stress."""
+    names = dict.fromkeys((_SHORT.get(keyword, keyword), keyword))
+    return [f"--{name.replace('_', '-')}" for name in names]
 
 
 def documented(function: Callable) -> dict[str, str]:
@@ -96,22 +98,25 @@ def add_keywords(
             shown = f"{in_unit(default, unit)} {unit}" if unit else default
             about["help"] += f" (default {shown})"
         about |= change
-        group.add_argument(about.pop("option", option_of(name)), **about)
+        option = about.pop("option", None)
+        group.add_argument(*([option] if option else options_of(name)), **about)
 
 
 def _form(name: str, hint: Any) -> dict[str, Any]:
     """Return the arguments of ``add_argument`` for a keyword with a type."""
     types = get_args(hint) if get_origin(hint) is UnionType else (hint,)
     kinds = {get_origin(kind) or kind for kind in types}
+    several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction if name == "replay" else "store_true"}
     if name in _CHOICES or Literal in kinds:
-        return {"choices": list(_CHOICES.get(name, get_args(hint)))}
+        allowed = list(_CHOICES.get(name, get_args(hint)))
+        for_each = {"type": partial(read, one_or_two, allowed), "metavar": "UNIT[,UNIT]"}
+        return for_each if several else {"choices": allowed}
     if int in kinds:
         return {"type": int, "metavar": "N"}
     if name not in UNITS and float not in kinds:
         return {}
-    several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
     kind = partial(read, numbers, name, bool(several), float in kinds, type(None) in kinds)
     metavar = "NUMBER" if unit == "1" else unit
     return {"type": kind, "metavar": f"{metavar},..." if several else metavar}
@@ -123,6 +128,14 @@ def read(check: Callable, *words: Any) -> Any:
         return check(*words)
     except InputError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def one_or_two(allowed: list[str], text: str) -> str | tuple[str, ...]:
+    """Read a word for both walls, or two with a comma for the upper and the lower one."""
+    words = tuple(text.split(","))
+    if len(words) > 2 or not set(words) <= set(allowed):
+        raise InputError(f"{text!r}: must be one of {', '.join(allowed)}, or two with a comma")
+    return words[0] if len(words) == 1 else words
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
@@ -163,6 +176,12 @@ def add_file(
     group.add_argument(option, help=text, type=kind, metavar=metavar, **changes)
 
 
+SCANS = ("units", "scan_spacing", "variable")
+"""Keywords of `jointclosure.read_scan`."""
+PLACES = ("orientation", "shift", "spikes")
+"""Keywords of `registered` besides the spacing of the joint, which is one of `Conditions`."""
+
+
 def add_walls(command: argparse.ArgumentParser) -> None:
     """Declare the scans of both walls, and the grid and position of the joint."""
     from jointclosure.engine.scanned_joint import close  # which other commands do not load
@@ -171,11 +190,9 @@ def add_walls(command: argparse.ArgumentParser) -> None:
         what = "x.txt,y.txt,z.txt for matrices in three files; or flat"
         command.add_argument(wall, help=f"scan of the {wall} wall; {what}")
     scans = command.add_argument_group("scans")
-    add_keywords(scans, close, "units", scan_spacing={"option": "--spacing"}, variable={})
-    spikes = {"option": "--spikes", "choices": ("keep", "cut"), "default": "cut"}
-    add_keywords(scans, registered, cut_spikes=spikes)
+    add_keywords(scans, close, *SCANS)
     joint = command.add_argument_group("joint")
-    add_keywords(joint, registered, spacing={"option": "--grid-spacing"}, orientation={}, shift={})
+    add_keywords(joint, registered, "spacing", *PLACES)
 
 
 def add_conditions(
@@ -187,7 +204,7 @@ def add_conditions(
                       type=lambda name: matching(name, ROCKS) or name)  # fmt: skip
     for name, about in OF_ROCK.items():
         form = _form(name, float) | {"dest": name, "default": argparse.SUPPRESS}
-        rock.add_argument(option_of(name), help=f"{about.long_name} {about.symbol}", **form)
+        rock.add_argument(*options_of(name), help=f"{about.long_name} {about.symbol}", **form)
     if load:
         from jointclosure.joint.simulation import simulate  # which other commands do not load
 
@@ -219,7 +236,7 @@ def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
     known, stated = ROCKS.get(arguments.rock), given(arguments, OF_ROCK)
     required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]
     missing = [
-        option_of(name)
+        options_of(name)[0]
         for name in (*required, *needed)
         if getattr(known, name, None) is None and not hasattr(arguments, name)
     ]

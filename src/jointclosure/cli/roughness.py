@@ -34,9 +34,8 @@ _SPIKES = (
 
 def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", type=Path, help="the scanned wall")
-    options.add_keywords(command, read_scan, "units", "spacing", "variable")
-    grid = {"option": "--grid-spacing", "help": "interpolate to this spacing first"}
-    options.add_keywords(command, registered, spacing=grid | {"dest": "grid_spacing"})
+    options.add_keywords(command, read_scan, *options.SCANS)
+    options.add_keywords(command, registered, spacing={"help": "interpolate to this spacing first"})
     command.add_argument("--missing", choices=MISSING, default="avoid", help=_MISSING)
     command.add_argument("--spikes", choices=("keep", "cut"), default="keep", help=_SPIKES)
     text = "draw the wall (png, pdf or svg)"
@@ -46,18 +45,18 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the measures, and draw the wall if requested."""
-    for name, value in options.given(arguments, ["spacing", "grid_spacing"]).items():
+    for name, value in options.given(arguments, ["scan_spacing", "spacing"]).items():
         if value is not None and not 0.0 < value < 1e15:
-            raise InputError(f"{options.option_of(name)}: must be a positive number of mm")
+            raise InputError(f"{options.options_of(name)[0]}: must be a positive number of mm")
     if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
-    scan = read_scan(arguments.file, **options.given(arguments, ["units", "spacing", "variable"]))
+    scan = read_scan(arguments.file, **options.given(arguments, options.SCANS))
     try:
         scan = without_plateaus(scan)
         kept, spikes = without_spikes(scan)
         if arguments.spikes == "cut":
             scan = kept
-        step = getattr(arguments, "grid_spacing", None) or point_distance(scan)
+        step = getattr(arguments, "spacing", None) or point_distance(scan)
         wall = wall_on_grid(scan, step)
         smoothed = smoothing_of(scan, wall, step)
         wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)

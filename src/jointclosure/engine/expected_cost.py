@@ -53,7 +53,7 @@ def coarser(shape: tuple[int, int], spacing: float) -> str:
     """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
     step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
     return (
-        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--grid-spacing, or spacing= in m) takes "
+        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
         "less, but a cell is an asperity: its effect is in the range as grid spacing"
     )
 

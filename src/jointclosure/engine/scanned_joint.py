@@ -104,12 +104,12 @@ def close(
     lower: Wall,
     *,
     conditions: Conditions | None = None,
-    units: str | None = None,
-    scan_spacing: float | None = None,
+    units: str | tuple[str, str] | None = None,
+    scan_spacing: float | tuple[float, float] | None = None,
     variable: str | None = None,
     orientation: str | None = None,
     shift: str | None = None,
-    cut_spikes: bool = True,
+    spikes: str = "cut",
     single: bool = False,
     ranges: Mapping[str, tuple[float, float]] = {},
     report: Report | None = None,
@@ -125,14 +125,14 @@ def close(
     upper, lower : path, three paths, Scan, Cloud or "flat"
         Files for `jointclosure.read_scan`, or what it returned. One of both may be flat, such as a
         saw cut; see `jointclosure.walls.registration.registered`.
-    units : {"m", "mm", "um", "nm"}, optional
-        Units of both files, if the files do not state them.
-    scan_spacing : float, optional
-        Spacing of both scans [m], if the files do not state it.
+    units : {"m", "mm", "um", "nm"} or a pair of them, optional
+        Units of both files, or of the upper and the lower one, if the files do not state them.
+    scan_spacing : float or a pair, optional
+        Spacing of both scans [m], or of the upper and the lower one, if the files do not state it.
     variable : str, optional
         Name of the array or channel, or columns of a text file, in both files, as for
         `jointclosure.read_scan`.
-    orientation, shift, cut_spikes
+    orientation, shift, spikes
         As for `jointclosure.walls.registration.registered`.
     single : bool
         Whether to close the joint once, without the range of its results.
@@ -168,10 +168,10 @@ def close(
         changes = {"numerics": RESOLVED} | changes
     stated = conditions_from(conditions, changes, "close")
     checked = stated.checked(snapshots)
-    scans = {"units": units, "spacing": scan_spacing, "variable": variable}
+    scans = {"units": units, "scan_spacing": scan_spacing, "variable": variable}
     pair = registered_walls(
         upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
-        cut_spikes=cut_spikes, unusual_values=stated.unusual_values,
+        spikes=spikes, unusual_values=stated.unusual_values,
     )  # fmt: skip
     of_pair = checked._replace(spacing=pair.spacing)
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
@@ -229,9 +229,16 @@ def registered_walls(
 ) -> RegisteredPair:
     """Read and register two walls; the message of an error names their files.
 
-    ``scans`` are keywords of `jointclosure.read_scan`, ``options`` those of `registered`.
+    ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
+    ``options`` are those of `registered`.
     """
-    above, below = (read_wall(wall, **scans) for wall in (upper, lower))
+    for name, value in scans.items():
+        if isinstance(value, tuple | list) and len(value) != 2:
+            raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
+    above, below = (
+        read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
+        for n, wall in enumerate((upper, lower))
+    )
     if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
         return registered(above, below, spacing, **options)
     names = (
@@ -250,13 +257,8 @@ def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> 
     return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {load}"
 
 
-def read_wall(
-    wall: Wall,
-    units: str | None = None,
-    spacing: float | None = None,
-    variable: str | None = None,
-) -> Scan | Cloud | str:
-    """Return a scan or "flat", read from its file; arguments as for `jointclosure.read_scan`."""
+def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:
+    """Return a scan or "flat", read from its file; keywords as for `jointclosure.read_scan`."""
     if isinstance(wall, Scan | Cloud):
         return wall
     if isinstance(wall, str | Path) and str(wall) == FLAT:
@@ -266,4 +268,4 @@ def read_wall(
             f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
             "walls that are arrays, with heights towards each other, are closed by simulate"
         )
-    return read_scan(wall, units=units, spacing=spacing, variable=variable)
+    return read_scan(wall, **stated)

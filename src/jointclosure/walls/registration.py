@@ -45,7 +45,7 @@ _FAR = 1.5
 aperture."""
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
-SHIFTS = ("scanned", "mated")
+SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
 _SIDES = ("upper", "lower")
 
 
@@ -124,7 +124,7 @@ def registered(
     *,
     orientation: str | None = None,
     shift: str | None = None,
-    cut_spikes: bool = True,
+    spikes: str = "cut",
     largest_filled_share: float = LARGEST_HOLES,
     unusual_values: bool = False,
 ) -> RegisteredPair:
@@ -145,8 +145,8 @@ def registered(
     shift : {"scanned", "mated"}, optional
         Leave the walls in their scanned position, or move the upper one to the best fit, the
         default. Walls that do not mate stay as scanned; they need their orientation.
-    cut_spikes : bool
-        Whether to leave out spikes, points that differ from all but one of their neighbours
+    spikes : {"keep", "cut"}
+        Whether to leave out points that differ from all but one of their neighbours
         (`jointclosure.walls.outliers.without_spikes`).
     largest_filled_share : float
         Largest share of cells in holes inside the walls for which they are taken out of contact:
@@ -167,6 +167,7 @@ def registered(
         check_one_of("orientation", orientation, tuple(ORIENTATIONS))
     if shift is not None:
         check_one_of("shift", shift, SHIFTS)
+    check_one_of("spikes", spikes, SPIKES)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
     distance = max(map(measured.point_distance, scans))
@@ -179,7 +180,7 @@ def registered(
         if side != flat and not unusual_values:
             scans[place] = without_plateaus(scans[place])
         report += _named(side, scans[place].remarks)
-        if side != flat and cut_spikes:
+        if side != flat and spikes == "cut":
             scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError, naming, size_of
+from jointclosure.inputs import InputError, check_length, naming, size_of
 from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.scans import grids, meshes, text
 from jointclosure.walls.scans.contents import (
@@ -76,7 +76,7 @@ def read_scan(
     path: str | Path | Sequence[str | Path],
     *,
     units: str | None = None,
-    spacing: float | None = None,
+    scan_spacing: float | None = None,
     variable: str | None = None,
 ) -> Scan | Cloud:
     """Read a scanned wall from a file.
@@ -88,7 +88,7 @@ def read_scan(
         Three files, as a sequence or as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
     units : {"m", "mm", "um", "nm"}, optional
         Units of heights and distances, if the file does not state them.
-    spacing : float, optional
+    scan_spacing : float, optional
         Spacing of a grid [m], if the file does not state it.
     variable : str, optional
         Name of an array of an npz, netCDF or MATLAB file, of a channel of a scanner's file, or of
@@ -105,6 +105,8 @@ def read_scan(
         If the file does not exist, its format cannot be read, or units are not stated or
         contradict those of the file. The message names the file, the problem and what is allowed.
     """
+    if scan_spacing is not None:
+        check_length("scan_spacing", scan_spacing)
     files = files_of(path)
     for file in files:
         with naming(str(file)):
@@ -113,7 +115,7 @@ def read_scan(
         try:
             several = len(files) > 1
             contents = _joined(files, variable) if several else _contents(files[0], variable)
-            return _in_metres(contents, units, spacing)
+            return _in_metres(contents, units, scan_spacing)
         except MemoryError:
             raise InputError("needs more memory than there is") from None
 
@@ -210,7 +212,7 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
     across, remarks = size_of(lengths), contents.remarks + doubted(lengths, contents.sides())
     if contents.points is not None:
         if spacing is not None:
-            given = f"spacing = {1e3 * spacing:g} mm"
+            given = f"scan_spacing = {1e3 * spacing:g} mm"
             raise InputError(f"{given}: must be left out for points, which have no grid")
         known = contents.points[np.isfinite(contents.points[:, 2])]
         if empty := len(contents.points) - len(known):
@@ -234,17 +236,17 @@ def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
         if (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
             steps = [f"{1e3 * step:g}" for step in dict.fromkeys(stated.tolist()) if step > 0.0]
             raise InputError(
-                f"spacing = {1e3 * spacing:g} mm: the file states {' and '.join(steps)} mm; must "
-                "be left out"
+                f"scan_spacing = {1e3 * spacing:g} mm: the file states {' and '.join(steps)} mm; "
+                "must be left out"
             )
         stated = np.where(np.isnan(stated), spacing, stated)
     elif np.isnan(stated).any():
         axes = " and ".join(axis for axis, step in zip("yx", stated, strict=True) if step != step)
         raise InputError(
-            f"does not state the spacing of its grid along {axes}: spacing_mm must be given "
-            "(--spacing on the command line)"
+            f"does not state the spacing of its grid along {axes}: scan_spacing must be given "
+            "(--scan-spacing on the command line, spacing_mm in a configuration)"
         )
     dy, dx = stated.tolist()
     if not all(np.isfinite(step) and step > 0.0 for step in (dy, dx)):
-        raise InputError(f"spacing {(dy, dx)}: must be positive")
+        raise InputError(f"scan_spacing = {(dy, dx)}: must be positive")
     return dy, dx
