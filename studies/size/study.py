@@ -208,14 +208,7 @@ def law_of_size(
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
-    law = barton_bandis(jrc, strength, strength / wall_strength, cycle)
-    half, whole = law.closure(np.array([0.5, 1.0]) * stress)
-    return {
-        "kni_net": law.initial_stiffness,
-        "vm_net": law.largest_closure,
-        "stiffness_net": 0.5 * stress / float(whole - half),
-        "max_closure_seated_net": float(whole),
-    }
+    return barton_bandis(jrc, strength, strength / wall_strength, cycle).results(stress)
 
 
 def size_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:

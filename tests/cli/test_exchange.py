@@ -84,6 +84,9 @@ def test_tables_of_flow_hold_the_geometric_mean_of_both_directions_and_a_bound(h
     for name, factor in (("aperture", 2.0), ("aperture-bound", 4.0)):
         _, values = itasca_table(files["joint_stiffness.dat"], f"{name}-cycle-1-loading")
         np.testing.assert_allclose(values, factor * 1e-3 * first.mean_aperture_mm, rtol=1e-6)
+    shut = flow.hydraulic_aperture - flow.hydraulic_aperture.min("step")  # at the maximum
+    curves = stress_table(flow.assign(hydraulic_aperture=shut))
+    assert (curves[["hydraulic_aperture_mm", "transmissivity_m2_per_s"]] < 0.0).sum(axis=None) == 0
     blocked = with_flow(history, share=0.0)
     np.testing.assert_allclose(geos_table(blocked)[1], 2.0 * geos_table(flow)[1], rtol=1e-4)
 

@@ -33,6 +33,7 @@ def nothing_is_computed(monkeypatch, inputs):
             ["close", *SCANS, "--rock", "granit"],
             "--rock: invalid choice: 'granit' (choose",
         ),
+        (["close", *SCANS, *GRANITE, "--orientation", "towards"], "common_frame fits clearly"),
         (["close", *SCANS, *GRANITE, "--output", "no/where"], "no/where: folder no not found"),
         (["close", *SCANS, *GRANITE, "--range", "strength", 1, 2], "--range strength: must be one"),
         (["close", *SCANS, *GRANITE, *(2 * [*STRENGTH, 1, 2])], "MPa: must be given once"),

@@ -61,12 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     kept = results.kept_stresses(arguments, stated["max_normal_stress"])
     joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)
-    print(results.summary(joint.history, joint.laws, joint.budget))
+    text, answer = results.summary(joint.history, joint.laws, joint.budget)
+    print(text)
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
-    files = _files(joint, scans, results.attributes(scans | stated), title)
+    files = _files(joint, scans, results.attributes(scans | stated), title, answer)
     wrote = results.write_folder(arguments.output, "close", files)
-    warned = len(cautions(joint.pair.report))
+    warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
     spent = duration(time.perf_counter() - start)
     print(f"{results.status_text(joint.history)}; {spent} in all{above}", wrote, sep="\n")
@@ -91,7 +92,7 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
 
 
 def _files(
-    joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str
+    joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str, answer: dict
 ) -> dict[str, Any]:
     """Return history, registration and figures of a joint by the names of their files."""
     from jointclosure.plotting.joint import closure_curve
@@ -102,7 +103,7 @@ def _files(
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
     files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
-        "joint.json": _record(joint, title) | {"sha256": digests, "provenance": about},
+        "joint.json": _record(joint, title, answer) | {"sha256": digests, "provenance": about},
         "walls.png": pair_figure(joint.pair, title),
         "closure.png": closure_curve(history, title, budget and budget.ranges),
     }
@@ -114,10 +115,10 @@ def _files(
     return files | export_files(history, title, curves, laws.by_cycle)
 
 
-def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
-    """Return the results with units in their names."""
+def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
+    """Return the results with units in their names; ``answer`` is what was printed of them."""
     pair, history, budget, laws = joint.pair, joint.history, joint.budget, joint.laws
-    beside = {"results": results.law_texts(history, laws)}
+    beside = {"results": results.law_values(history, laws)}
     cycles = cycle_table(history).drop(columns="cycle")
     per_cycle = {name: results.finite(values) for name, values in cycles.items()}
     for name in ("residual_closure", "max_bulk_indentation"):
@@ -128,7 +129,7 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": results.status_text(history),
         "found": pair.report,
-        "warnings": cautions(pair.report),
+        "warnings": cautions([*pair.report, *answer["remarks"]]),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,
@@ -146,5 +147,5 @@ def _record(joint: ClosedJoint, title: str) -> dict[str, Any]:
         "per_cycle": per_cycle,
         "barton_bandis": {"jrc": laws.jrc, "jcs_MPa": 1e-6 * laws.strength, **beside},
         "range": budget.record() if budget else [],
-        "about_range": [*(budget.sentences() if budget else []), laws.sentence()],
+        **answer,
     }

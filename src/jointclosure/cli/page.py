@@ -6,18 +6,14 @@ The page's content security policy forbids everything else, in particular the ne
 import base64
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
 import jinja2
 
-from jointclosure.statistics.standard_errors import significant
-
 LIBRARY = "jointclosure.cli"
 """Package with the style and the frame of all pages."""
-ABSENT = "–"
 
 
 def source(png: bytes) -> str:
@@ -54,16 +50,3 @@ def provenance_rows(about: Mapping[str, Any]) -> list[tuple[str, str]]:
     versions = json.loads(about["provenance_versions"])
     rows = [(term, value) for term, value in named.items() if value is not None]
     return rows + [(f"Version of {name}", version) for name, version in versions.items()]
-
-
-def number_text(value: float, figures: int = 4) -> str:
-    """Format a number with significant digits; a dash if it is missing."""
-    if math.isnan(value):
-        return ABSENT
-    if math.isinf(value):
-        return "∞" if value > 0.0 else "−∞"
-    if value == 0.0:
-        return "0"
-    if 1e-3 <= abs(value) < 1e6:
-        return significant(value, figures)
-    return f"{value:.{figures - 1}e}"

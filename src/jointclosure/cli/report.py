@@ -6,22 +6,22 @@ import argparse
 import json
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import NOT_MODELLED, results_of, table_of
+from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.curves import members
 from jointclosure.joint.laws import LAWS, fitted_laws, law_words
 from jointclosure.joint.protocol import LOADING
+from jointclosure.statistics.standard_errors import ABSENT, number_text
 from jointclosure.storage.files import add_file, read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
 
 with needs("report", "a page"):
-    from jointclosure.cli.page import ABSENT, number_text, provenance_rows, render, source
+    from jointclosure.cli.page import provenance_rows, render, source
 
 _TITLES = (
     HEADINGS
@@ -64,17 +64,12 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     about = {column: about for law in LAWS.values() for column, about in law.parameters.items()}
     laws["parameter"] = [", ".join(filter(None, about[name])) for name in laws.parameter]
     laws["law"] = laws.law.map(law_words)
-    texts = {(entry["cycle"], entry["quantity"]): entry["text"] for entry in record["range"]}
-    results = results_of(history, float(history.normal_stress.max())).set_index("cycle")
+    first = pd.DataFrame(record["table"])
 
     def text(name: str, cycle: int = 1) -> str:
         """Return a result with its range, if that is known; "" if there is none."""
-        value = results.loc[cycle, name]
-        return texts.get((cycle, name)) or (number_text(value, 3) if np.isfinite(value) else "")
+        return first.loc[QUANTITIES[name], f"cycle {cycle}"].removeprefix(ABSENT)
 
-    first = table_of(
-        results.index, lambda cycle, name: text(name, cycle), record["barton_bandis"]["results"]
-    )
     tables = {
         "results": first.rename_axis("result").reset_index(),
         "curves": _curves(curves[curves.branch == LOADING]),
@@ -85,7 +80,7 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "text": text,
         "not_modelled": NOT_MODELLED,
-        "ends": sorted({1, int(results.index[-1])}),
+        "ends": sorted({1, int(history.load_cycle.max())}),
         "seating": 1e-6 * float(history.attrs["seating_stress_Pa"]),
         "half": 0.5e-6 * float(history.normal_stress.max()),
         "tables": {name: _html(table) for name, table in tables.items()},

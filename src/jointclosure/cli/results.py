@@ -10,13 +10,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import Budget, results_of, table_of
+from jointclosure.engine.budget import NOT_MODELLED, Budget, leading, results_of, table_of
+from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
-from jointclosure.joint.curves import cycle_table, has_flow
+from jointclosure.joint.curves import cycle_table, has_flow, stress_table
 from jointclosure.joint.history import branch_of, with_snapshots
-from jointclosure.joint.protocol import FAILURE, UNLOADING
-from jointclosure.statistics.standard_errors import significant
+from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import (
     replace_files,
     save_animation,
@@ -32,62 +34,89 @@ FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
 neighbouring steps."""
 _BLOCKED = (
-    "a cell in contact is shut whole, although contacts are smaller than cells; at most: as if the "
-    "open cells of every line across the flow were connected"
+    "flow is blocked where no open cells connect both sides: a cell in contact is shut whole, "
+    "although contacts are smaller than cells; at most: as if the open cells of every line across "
+    "the flow were connected"
 )
+_FLOW = "hydraulic_aperture_mm", "largest_hydraulic_mm", "transmissivity_m2_per_s"
+"""Curves of flow whose value at the maximum is one of the first results."""
+_ROUNDING = 1e-12
+"""Largest result that is the rounding of 0, which the model gives whatever the inputs are."""
 
 
-def summary(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> str:
-    """Format the results of each cycle as lines of text, with their range if it is known."""
-    cycles = cycle_table(closed)
-    since = f"closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+def summary(
+    closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None
+) -> tuple[str, dict[str, Any]]:
+    """Format the results of each cycle with remarks on them; return them for JSON too."""
+    table, remarks = result_table(closed, laws, budget), remarks_on(closed, laws, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
-    lines, beside = [f"{about}; {since}"], law_texts(closed, laws)
-    if budget is None:
-        lines.append(plain_table(closed, beside).to_string())
-    else:
-        lines[0] += (
-            "; in brackets the range of 9 in 10 random sets of the inputs that are not known"
-        )
-        lines.append(budget.table(beside).to_string())
-        lines += [f"- {line}" for line in budget.sentences()]
-    lines.append(f"- {laws.sentence()}")
+    head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+    if budget is not None:
+        head += "; in brackets the range of 9 in 10 random sets of the inputs that are not known"
+    lines = [head, table.to_string(), *(f"- {remark}" for remark in remarks)]
+    return "\n".join(lines), {"table": table.to_dict(), "remarks": remarks}
+
+
+def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> pd.DataFrame:
+    """Return results over cycles as text, with their ranges if known, beside Barton and Bandis."""
+    results = results_of(closed, float(closed.normal_stress.max())).set_index("cycle")
+
+    def text(cycle: int, name: str) -> str:
+        value = float(results.loc[cycle, name])
+        return NOT_MODELLED if abs(value) <= _ROUNDING else number_text(value)
+
+    beside = {
+        title: {name: significant(value, 2) for name, value in values.items()}
+        for title, values in law_values(closed, laws).items()
+    }
+    table = budget.table(beside) if budget else table_of(results.index, text, beside)
+    curves = stress_table(closed) if budget is None else budget.curves
+    highest = curves[curves.branch == LOADING].groupby("cycle").tail(1)
+    for name in _FLOW if has_flow(closed) else ():
+        title = CURVES[name][0].replace(" (", ", at the maximum stress (")
+        texts = [_with_range(row, name) for _, row in highest.iterrows()]
+        table.loc[title] = [*texts, *[""] * len(beside)]
+    return table
+
+
+def _with_range(row: pd.Series, name: str) -> str:
+    """Return a quantity of a row of bands as text, the number given first as for `leading`."""
+    ends = {end: row.get(f"{name}_{end}") for end in ("median", "low", "high")}
+    if None in ends.values():
+        return number_text(row[name])
+    numbers = leading(pd.Series({"best": row[name], **ends})), ends["low"], ends["high"]
+    return "{} ({} to {})".format(*(number_text(value, 2) for value in numbers))
+
+
+def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
+    """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
+    largest = float(closed.normal_stress.max())
+    values: dict[str, dict[str, float]] = {}
+    for cycle, law in laws.by_cycle.items():
+        values[(title := f"Barton-Bandis, cycle {cycle}")] = {}
+        for name, value in law.results(largest, laws.seating).items():
+            column, scale = shown_as(name, QUANTITIES[name].unit)
+            values[title][column] = scale * value
+    return values
+
+
+def remarks_on(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> list[str]:
+    """Describe ranges, laws and flow of a joint, and warn where the model does not hold."""
+    remarks = [*(budget.sentences() if budget else []), laws.sentence()]
+    cycles = cycle_table(closed)
     full = cycles[cycles.mean_aperture_at_max_mm <= 0.0]
     for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
-        lines.append(
-            f"warning: the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the "
-            "walls overlap by more than the void that is left, and the model does not hold there"
-        )
-    return "\n".join(lines + (_flow_lines(closed) if has_flow(closed) else []))
+        remarks.append(caution(
+            f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the walls "
+            "overlap by more than the void that is left, and the model does not hold there"
+        ))  # fmt: skip
+    return remarks + (_flow_remarks(closed) if has_flow(closed) else [])
 
 
-def plain_table(closed: xr.Dataset, beside: Mapping[str, Mapping[str, str]]) -> pd.DataFrame:
-    """Return the results of a joint without ranges as text, and texts beside them."""
-    results = results_of(closed, float(closed.normal_stress.max())).set_index("cycle")
-    return table_of(results.index, lambda cycle, name: f"{results.loc[cycle, name]:.4g}", beside)
-
-
-def law_texts(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, str]]:
-    """Return what the laws of Barton and Bandis give for the results of a joint, as text."""
-    largest = float(closed.normal_stress.max())
-    texts = {}
-    for cycle, law in laws.by_cycle.items():
-        half, whole = law.closure(np.array([0.5, 1.0]) * largest - laws.seating)
-        values = {
-            "max_closure_seated_net_mm": 1e3 * whole,
-            "stiffness_net_MPa_per_mm": 0.5e-9 * largest / (whole - half),
-            "kni_net_MPa_per_mm": 1e-9 * law.initial_stiffness,
-            "vm_net_mm": 1e3 * law.largest_closure,
-        }
-        texts[f"Barton-Bandis, cycle {cycle}"] = {k: significant(v, 2) for k, v in values.items()}
-    return texts
-
-
-def _flow_lines(closed: xr.Dataset) -> list[str]:
+def _flow_remarks(closed: xr.Dataset) -> list[str]:
     """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
-    about = closed.flow_status.attrs
+    about, remarks = closed.flow_status.attrs, []
     words = dict(zip(about["flag_values"], about["flag_meanings"].split(), strict=True))
-    lines, blocked = ["hydraulic aperture at the maximum (mm), and flow_status"], False
     for cycle in cycle_table(closed).cycle:
         step = branch_of(closed, cycle, UNLOADING)[:1]
         parts = []
@@ -97,12 +126,11 @@ def _flow_lines(closed: xr.Dataset) -> list[str]:
                 for name in ("hydraulic_aperture", "largest_hydraulic", "flow_status")
             )
             status = words[int(status)]
-            parts.append(f"along {direction} {1e3 * value:.3g} ({status})")
-            if status != "flows":
-                parts[-1] += f", at most {1e3 * bound:.2g}"
-                blocked = True
-        lines.append(f"cycle {cycle}: {'; '.join(parts)}")
-    return [*lines, f"({_BLOCKED})"] if blocked else lines
+            most = "" if status == "flows" else f", at most {1e3 * bound:.2g}"
+            parts.append(f"along {direction} {1e3 * value:.3g} ({status}){most}")
+        about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
+        remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
+    return [*remarks, _BLOCKED] if any("at most" in remark for remark in remarks) else remarks
 
 
 def failed(closed: xr.Dataset) -> bool:

@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
     laws = laws_of_joint(jrc, strength, closed.attrs["seating_stress_Pa"], cycles)
-    print(results.summary(closed, laws))
+    print(results.summary(closed, laws)[0])
     print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")
     closed.attrs |= {"joint": title} | results.attributes(about | stated)
     closed = results.write_animation(closed, arguments, title)

@@ -26,6 +26,19 @@ class BartonBandis(NamedTuple):
             initial_stiffness=self.initial_stiffness * rise**2, largest_closure=left
         )
 
+    def results(self, normal_stress: float, seating: float = 0.0) -> dict[str, float]:
+        """Return results [SI] of a loading to a stress [Pa] by the names of the model's.
+
+        For a law ``since`` a seating stress [Pa] that is the ``seating``.
+        """
+        half, whole = self.closure(np.array([0.5, 1.0]) * normal_stress - seating)
+        return {
+            "kni_net": self.initial_stiffness,
+            "vm_net": self.largest_closure,
+            "stiffness_net": 0.5 * normal_stress / float(whole - half),
+            "max_closure_seated_net": float(whole),
+        }
+
 
 # A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]. Those of cycle 3 stand in `bartonBandis`
 # of the MATLAB Reservoir Simulation Toolbox too; those of cycle 2 are quoted from memory, and no

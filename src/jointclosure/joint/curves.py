@@ -275,7 +275,7 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
             np.isfinite(known), known, means["largest_hydraulic"]
         )
         flows = history.assign({f"{name}_mean": ("step", mean) for name, mean in means.items()})
-        read = {name: closures_at(flows, levels, f"{name}_mean") for name in means}
+        read = {n: np.maximum(closures_at(flows, levels, f"{n}_mean"), 0.0) for n in means}
         columns |= {f"{name}_mm": 1e3 * values for name, values in read.items()}
     index = pd.MultiIndex.from_product(
         [range(1, begun + 1), (LOADING, UNLOADING), 1e-6 * levels],

@@ -1,5 +1,6 @@
 """Standard errors of results, ratios of means, and rounding of numbers to their errors."""
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -94,6 +95,20 @@ def significant(value: float, figures: int) -> str:
     rounded = float(f"{value:.{figures - 1}e}")
     exponent = int(f"{abs(rounded):e}".split("e")[1])
     return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
+
+
+ABSENT = "–"
+
+
+def number_text(value: float, figures: int = 4) -> str:
+    """Format a number with significant digits for reading; `ABSENT` if it is missing."""
+    if math.isnan(value):
+        return ABSENT
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        return significant(value, figures)
+    return f"{value:.{figures - 1}e}"
 
 
 def percent(share: float) -> str:

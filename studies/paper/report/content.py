@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.page import number_text, provenance_rows
+from jointclosure.cli.page import provenance_rows
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.standard_errors import harmonic_mean, ratio_of_means
+from jointclosure.statistics.standard_errors import harmonic_mean, number_text, ratio_of_means
 from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.tables import succeeded

@@ -14,9 +14,9 @@ import jinja2
 import pandas as pd
 
 from jointclosure.cli import page
-from jointclosure.cli.page import ABSENT, number_text, source
+from jointclosure.cli.page import source
 from jointclosure.engine.quantities import HEADINGS
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
 
 
 class Caption(NamedTuple):
