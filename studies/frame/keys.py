@@ -4,8 +4,19 @@ A section is checked in the units of its keys, and has SI values once it is read
 ``spacing_mm`` of a file is the attribute ``spacing`` [m].
 """
 
+import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Self,
+    TypeVar,
+    get_args,
+    get_type_hints,
+)
 
 from pydantic import (
     AfterValidator,
@@ -15,21 +26,27 @@ from pydantic import (
     GetCoreSchemaHandler,
     Strict,
     StringConstraints,
+    create_model,
 )
 from pydantic_core import CoreSchema, core_schema
 
-from jointclosure.parameters import PROPERTIES
-from jointclosure.parameters.units import name_and_unit, to_si
-
-if TYPE_CHECKING:
-    from studies.frame.configuration import Configuration
-from typing import Literal
-
-from jointclosure.parameters import SOLVER_NAMES, Effects
+from jointclosure.parameters import (
+    INTERVALS,
+    PROPERTIES,
+    SOLVER_NAMES,
+    Choices,
+    Effects,
+    Numerics,
+)
+from jointclosure.parameters.units import documented, ends_of, name_and_unit, to_si
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
 
+if TYPE_CHECKING:
+    from studies.frame.configuration import Configuration
+
+_STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
 Several = Annotated[tuple[T, ...], Strict(False)]
 Ascending = Annotated[Several[T], AfterValidator(lambda values: tuple(sorted(values)))]
@@ -68,6 +85,24 @@ class Section(BaseModel):
     def _replace(self, **changes: Any) -> Self:
         """Return a copy with other values [SI], which are not checked."""
         return self.model_copy(update=changes)
+
+
+def keys_of(fields: Any, **units: str) -> Any:
+    """Return a section with a key for each field of choices or numerics, of some units.
+
+    Descriptions are those of the attributes, and bounds those of `INTERVALS`.
+    """
+    keys: dict[str, Any] = {}
+    for name, text in documented(fields).items():
+        kind, unit, bounds = get_type_hints(fields)[name], units.get(name), {}
+        if {kind, *get_args(kind)} & {float, int}:
+            interval, _ = INTERVALS.get(name, ("(0, inf)", ""))
+            signs = "ge" if interval[0] == "[" else "gt", "le" if interval[-1] == "]" else "lt"
+            ends = zip(signs, ends_of(interval), strict=True)
+            bounds = {sign: end for sign, end in ends if math.isfinite(end)}
+        alias = f"{name}_{unit}" if unit else name
+        keys[name] = kind, entry(text.replace("None", "null"), alias=alias, **bounds)
+    return create_model(fields.__name__, __base__=Section, **keys)
 
 
 class Made:
@@ -232,100 +267,15 @@ class StudyEffects(Section):
         return Effects._make(getattr(self, name) for name in Effects._fields)
 
 
-class ChoiceKeys(Section):
+class ChoiceKeys(keys_of(Choices, largest_radius="mm")):  # type: ignore[misc]
     """Decisions that the paper leaves open."""
 
-    base_radius_in_cells: float = entry(
-        "Base radius r of an asperity over the grid spacing.", gt=0, le=1
-    )
-    peak_modulus_ratio: float = entry("Young's modulus of a peak over the rock's.", gt=0, le=1)
-    concave: Literal["magnitude", "flat"] = entry(
-        "How valleys and saddles count. magnitude: by the size of their curvature; flat: such a "
-        "cell of a wall is level, and only the other wall's asperity gives the pair a curvature."
-    )
-    peaks: Literal["pristine", "current"] = entry(
-        "Whether peaks are those of the walls before loading, or of the walls as they are."
-    )
-    largest_radius: float | None = entry(
-        "Upper bound of each wall's Gaussian radius [mm]; null for none, the paper's.",
-        alias="largest_radius_mm",
-        gt=0,
-    )
-    strength_bound: Literal["none", "base"] = entry(
-        "Upper bound of a contact's strength. base: its mean pressure over the whole base of the "
-        "asperity is at most that of a Hertz contact at strength; none: the paper's, by which the "
-        "first cycle has no limit."
-    )
-    tie_tolerance: float = entry(
-        "Difference in height that counts as lower, over the walls' rms height.", gt=0, lt=0.001
-    )
 
-
-class NumericsKeys(Section):
+class NumericsKeys(keys_of(Numerics, **dict.fromkeys(_STEPS, "um"))):  # type: ignore[misc]
     """Solver, steps and tolerances."""
 
     solver: Literal[SOLVER_NAMES] = entry(  # type: ignore[valid-type]
         "fast, or reference: the paper's own loop, for small grids."
-    )
-    breakage: Literal["fixed_step", "resolved"] = entry(
-        "fixed_step: contacts break by the breakage steps (the paper's); resolved: by what brings "
-        "them back to their strength, in steps controlled by an error estimate (fast solver)."
-    )
-    tolerance: float = entry(
-        "What mean closures may be off by, relative, where breakage is resolved.", gt=0, le=0.1
-    )
-    displacement_step: float = entry(
-        "Displacement step of the first loading [um].", gt=0, alias="displacement_step_um"
-    )
-    breakage_step: float = entry(
-        "Breakage step of the first loading [um]; smaller than the displacement step.",
-        gt=0,
-        alias="breakage_step_um",
-    )
-    later_displacement_step: float = entry(
-        "Displacement step of every branch after the first loading [um].",
-        gt=0,
-        alias="later_displacement_step_um",
-    )
-    later_breakage_step: float = entry(
-        "Breakage step of every branch after the first loading [um].",
-        gt=0,
-        alias="later_breakage_step_um",
-    )
-    target: Literal["equilibrate", "interpolate"] = entry(
-        "equilibrate: repeat the last step, smaller, until the stress is met; interpolate: the "
-        "paper's."
-    )
-    stress_tolerance: float = entry(
-        "Relative distance to the maximum stress that counts as met.", gt=0, lt=1
-    )
-    force_tolerance: float = entry(
-        "Relative residual of equilibrium that the fast solver reaches.", gt=0, lt=1
-    )
-    sweep_tolerance: float = entry(
-        "Largest relative change of a force between two sweeps at which the reference stops.",
-        gt=0,
-        lt=1,
-    )
-    curve_points: int = entry(
-        "Stresses of a closure curve, evenly spaced up to the maximum, where nothing breaks (fast "
-        "solver).",
-        ge=1,
-        le=100_000,
-    )
-    most_steps: float = entry(
-        "Displacement steps of a simulation, beyond which it is refused, or ends as "
-        "too_many_steps.",
-        ge=1,
-    )
-    most_breakage_steps: float = entry(
-        "Breakage steps of a simulation for each of its cells, beyond which it is refused, or "
-        "ends as breakage_not_at_rest.",
-        ge=1,
-    )
-    replay: bool = entry(
-        "Whether a cycle like the one before, whose unloading broke nothing, is that unloading's "
-        "curve, up and down; false: it is closed again."
     )
     idle_interaction: float | None = entry(
         "The interaction is left out of the first loading while it would displace no contact by "

@@ -14,7 +14,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
-from jointclosure.parameters.units import in_unit, to_si
+from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.files import check_record
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
 
@@ -60,17 +60,6 @@ def options_of(keyword: str) -> list[str]:
     return [f"--{name.replace('_', '-')}" for name in names]
 
 
-def documented(function: Callable) -> dict[str, str]:
-    """Return the first sentence of the documentation of each parameter of a function."""
-    text = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")[1]
-    entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
-    texts: dict[str, str] = {}
-    for names, about in entries:
-        plain = re.sub(r" \[\w+\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
-        texts |= dict.fromkeys(names.split(", "), re.split(r"(?<! al)\.(?: |$)", plain)[0])
-    return texts
-
-
 def add_keywords(
     group: argparse._ActionsContainer,
     function: Callable,
@@ -78,7 +67,7 @@ def add_keywords(
     usual: Mapping[str, Any] = {},
     **changes: dict,
 ) -> None:
-    """Declare keywords of a function as options; its documentation is their help.
+    """Declare keywords of a function as options, helped by first sentences of its documentation.
 
     A value that is not given is not in the arguments, so that the function's default holds, or
     that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword, with the ``option``
@@ -88,7 +77,7 @@ def add_keywords(
     for name in (*names, *changes):
         change = changes.get(name, {})
         about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}
-        about["help"] = texts[name].replace("%", "%%")
+        about["help"] = re.split(r"(?<! al)\.(?: |$)", texts[name])[0].replace("%", "%%")
         about |= {} if "choices" in change else _form(name, signature[name].annotation)
         default = change.get("default", usual.get(name, signature[name].default))
         if isinstance(default, bool):

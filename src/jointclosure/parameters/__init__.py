@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
-from jointclosure.parameters.units import Property, properties_of, unit_meant
+from jointclosure.parameters.units import Property, ends_of, properties_of, unit_meant
 
 
 class Rock(NamedTuple):
@@ -272,7 +272,7 @@ def well_posed_scenes() -> Iterator[Effects]:
 
 
 _LEAST = "; rounding allows no less"
-_INTERVALS = {
+INTERVALS: dict[str, tuple[str, str]] = {
     "base_radius_in_cells": (
         "(0, 1]",
         "; with larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold",
@@ -281,7 +281,7 @@ _INTERVALS = {
     "tie_tolerance": ("(0, 0.001)", ""),
     "tolerance": ("(0, 0.1]", ""),
     "idle_interaction": ("[0, 1)", ""),
-    "curve_points": ("[1, inf)", ""),
+    "curve_points": ("[1, 100000]", ""),
     **dict.fromkeys(("most_steps", "most_breakage_steps"), ("[1, inf]", "")),
     **{f"{of}_tolerance": ("[1e-14, 1)", _LEAST) for of in ("stress", "force", "sweep")},
 }
@@ -291,11 +291,11 @@ _INTERVALS = {
 def _check_intervals(settings: NamedTuple) -> None:
     """Raise `InputError` if a number of choices or numerics lies outside of its interval."""
     for name, value in settings._asdict().items():
-        if name not in _INTERVALS:
+        if name not in INTERVALS:
             continue
         check_number(name, value, whole=name == "curve_points")
-        interval, reason = _INTERVALS[name]
-        low, high = (float(end) for end in interval[1:-1].split(","))
+        interval, reason = INTERVALS[name]
+        low, high = ends_of(interval)
         above = value > low or (value == low and interval[0] == "[")
         below = value < high or (value == high and interval[-1] == "]")
         if not (above and below):

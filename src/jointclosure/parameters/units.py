@@ -1,7 +1,10 @@
 """Properties with unit, range, title and symbol; units of a configuration in SI and back."""
 
+import inspect
 import math
+import re
 import unicodedata
+from collections.abc import Callable
 from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple, get_type_hints
@@ -107,6 +110,22 @@ def properties_of(fields: type) -> dict[str, Property]:
     """Return the properties of the fields of a named tuple, by name."""
     hints = get_type_hints(fields, include_extras=True)
     return {name: hint.__metadata__[0] for name, hint in hints.items()}
+
+
+def ends_of(interval: str) -> list[float]:
+    """Return the ends of an interval such as "(0, 1]"."""
+    return [float(end) for end in interval[1:-1].split(",")]
+
+
+def documented(function: Callable[..., Any]) -> dict[str, str]:
+    """Return the documentation of each parameter of a function, or attribute of a type."""
+    text = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")[1]
+    entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
+    texts: dict[str, str] = {}
+    for names, about in entries:
+        plain = re.sub(r" \[\w+\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
+        texts |= dict.fromkeys(names.split(", "), plain)
+    return texts
 
 
 def _greek(letter: str) -> str:
