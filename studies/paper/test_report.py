@@ -1,5 +1,7 @@
 """The page of a study."""
 
+import re
+
 import pandas as pd
 import pytest
 
@@ -13,6 +15,7 @@ from studies.paper.report.content import (
     most_sensitive,
     setting_rows,
 )
+from studies.paper.report.page import render
 
 
 @pytest.fixture(scope="module")
@@ -64,3 +67,14 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     assert most_sensitive(table, "youngs_modulus") == verdict
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
     assert headline(table) == about
+
+
+def test_closures_of_a_joint_are_given_since_seating_and_as_in_the_paper_and_else_not(page):
+    headings = re.findall(r"<th[^>]*>([^<]*)", render(page))
+    shown = {head.strip() for head in headings if "closure" in head.lower() and "(mm)" in head}
+    own = {head for head in shown if "measured" not in head.lower()}
+    assert own == {
+        "Net closure since seating, cycle 1 (mm)",
+        "Net closure since seating, cycle 2 (mm)",
+        "Maximum closure, mean (mm)",
+    }
