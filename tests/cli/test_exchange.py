@@ -91,7 +91,7 @@ def test_tables_of_flow_hold_the_geometric_mean_of_both_directions_and_a_bound(h
     np.testing.assert_allclose(geos_table(blocked)[1], 2.0 * geos_table(flow)[1], rtol=1e-4)
 
 
-def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history):
+def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history, capsys):
     curves = stress_table(history)
     names = [name for name in curves if name not in ("cycle", "branch", "normal_stress_MPa")]
     ends = {"median": 1.1, "low": 1.0, "high": 1.3}
@@ -112,6 +112,9 @@ def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history):
     low, middle, high = (np.array(values, float) for values in apertures)
     assert (low < middle).all()
     assert (middle < high).all()
+    full = geos_files(history, band.assign(mean_aperture_mm_low=0.0))
+    assert {"geos_aperture.csv", "geos_aperture_high.csv"} == {n for n in full if "aperture" in n}
+    assert "not written: geos_aperture_low.csv: at this end" in capsys.readouterr().out
 
 
 def test_porepy_closes_as_the_joint_does(folder, history):

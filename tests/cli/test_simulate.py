@@ -8,17 +8,8 @@ import jointclosure as jc
 from jointclosure.joint.simulation import simulate_by
 from jointclosure.storage.netcdf import read_netcdf
 
-SMALL = ["--cells", "12x14", "--stress", 2, "--seating", 0.2]
-BY_NUMBERS = [
-    "--youngs-modulus",
-    78,
-    "--poisson-ratio",
-    0.2,
-    "--compressive-strength",
-    165,
-    "--jrc",
-    8,
-]
+SMALL = ["--cells", "12x14", "--max-normal-stress", 2, "--seating-stress", 0.2]
+BY_NUMBERS = ["--youngs-modulus", 78, "--poisson-ratio", 0.2, "--strength", 165, "--jrc", 8]
 
 
 def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_path, command):

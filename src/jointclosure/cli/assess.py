@@ -7,7 +7,6 @@ example:
 """
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         "closures.csv": assessment.closures,
         "differences.csv": assessment.differences,
         "hardness.csv": assessment.hardness,
-        "assessment.json": json.dumps(record, indent=1, default=str) + "\n",
+        "assessment.json": record,
     }
     if assessment.price.shape[0] > 1:
         from jointclosure.plotting.assessment import assessment_figure

@@ -29,9 +29,6 @@ from jointclosure.parameters.units import to_si
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.scans import file_digest
 
-_SCANNED = (*options.SCANS, *options.PLACES, "single")
-"""Keywords of `jointclosure.close` that are no conditions."""
-
 
 def declare(command: argparse.ArgumentParser) -> None:
     options.add_walls(command)
@@ -56,8 +53,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
     rock = options.rock_of(arguments, "max_normal_stress")
-    stated = options.conditions_of(arguments, rock, RESOLVED) | options.given(arguments, _SCANNED)
-    stated |= {"ranges": _ranges(arguments.range)}
+    further = options.given(arguments, (*options.SCANS, *options.PLACES, "single"))
+    further |= {"ranges": _ranges(arguments.range)}
+    stated = options.conditions_of(arguments, rock, RESOLVED) | further
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     kept = results.kept_stresses(arguments, stated["max_normal_stress"])
     joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)
@@ -111,18 +109,16 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    curves = budget and budget.curves
-    return files | export_files(history, title, curves, laws.by_cycle)
+    return files | export_files(history, title, budget and budget.curves, laws.by_cycle)
 
 
 def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
     """Return the results with units in their names; ``answer`` is what was printed of them."""
     pair, history, budget, laws = joint.pair, joint.history, joint.budget, joint.laws
-    beside = {"results": results.law_values(history, laws)}
+    values = results.law_values(history, laws)
     cycles = cycle_table(history).drop(columns="cycle")
-    per_cycle = {name: results.finite(values) for name, values in cycles.items()}
     for name in ("residual_closure", "max_bulk_indentation"):
-        per_cycle[f"{name}_mm"] = results.finite(history[name].values, 1e3)
+        cycles[f"{name}_mm"] = 1e3 * history[name].values[: len(cycles)]
     return {
         "title": title,
         "joint": repr(joint),
@@ -144,8 +140,8 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "mismatch_wavelength_mm": results.scaled(pair.mismatch, 1e3),
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
-        "per_cycle": per_cycle,
-        "barton_bandis": {"jrc": laws.jrc, "jcs_MPa": 1e-6 * laws.strength, **beside},
+        "per_cycle": {name: results.scaled(column) for name, column in cycles.items()},
+        "barton_bandis": {"jrc": laws.jrc, "jcs_MPa": 1e-6 * laws.strength, "results": values},
         "range": budget.record() if budget else [],
         **answer,
     }

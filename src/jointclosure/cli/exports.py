@@ -30,7 +30,7 @@ slope 1, because each wall keeps its volume."""
 _END = 0.01
 """Share of the last interval that has this slope."""
 _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
-     Gap and aperture in m, from joint.nc beside this file. -->
+     Gap and aperture in m, of the last loading in answer.csv beside this file. -->
 <TableFunction
   name="joint_aperture"
   coordinateFiles="{ geos_gap.csv }"
@@ -143,18 +143,19 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
             aperture = np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
         if (aperture > 0.0).all():
             apertures[f"geos_aperture{ending}.csv"] = aperture
-        elif not ending:  # at an end of a band no void may be left
-            first = rows.normal_stress_MPa.iloc[int(np.argmin(aperture > 0.0))]
-            raise InputError(
-                f"GEOS: the {kind} aperture must be positive, and is not from {first:.3g} MPa on, "
-                "where no void is left that could flow"
-            )
+            continue
+        first = rows.normal_stress_MPa.iloc[int(np.argmin(aperture > 0.0))]
+        reason = (
+            f"the {kind} aperture must be positive, and is not from {first:.3g} MPa on, where no "
+            "void is left that could flow"
+        )
+        if not ending:
+            raise InputError(f"GEOS: {reason}")
+        print(f"- not written: geos_aperture{ending}.csv: at this end of the band {reason}")
     gap, tables = _with_opening(closure, np.stack(list(apertures.values())))
     written = {"geos_gap.csv": gap} | dict(zip(apertures, tables, strict=True))
-    texts = {
-        name: "".join(f"{value:.9e}\n" for value in values) for name, values in written.items()
-    }
-    return texts | {"geos.xml": _GEOS}
+    lines = {name: [f"{value:.9e}\n" for value in values] for name, values in written.items()}
+    return {name: "".join(lines[name]) for name in lines} | {"geos.xml": _GEOS}
 
 
 def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

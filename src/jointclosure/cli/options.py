@@ -100,7 +100,7 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
         return {"action": argparse.BooleanOptionalAction if name == "replay" else "store_true"}
     if name in _CHOICES or Literal in kinds:
         allowed = list(_CHOICES.get(name, get_args(hint)))
-        for_each = {"type": partial(read, one_or_two, allowed), "metavar": "UNIT[,UNIT]"}
+        for_each = {"type": one_or_two, "metavar": f"{'|'.join(allowed)},..."}
         return for_each if several else {"choices": allowed}
     if int in kinds:
         return {"type": int, "metavar": "N"}
@@ -119,12 +119,10 @@ def read(check: Callable, *words: Any) -> Any:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-def one_or_two(allowed: list[str], text: str) -> str | tuple[str, ...]:
+def one_or_two(text: str) -> str | tuple[str, ...]:
     """Read a word for both walls, or two with a comma for the upper and the lower one."""
     words = tuple(text.split(","))
-    if len(words) > 2 or not set(words) <= set(allowed):
-        raise InputError(f"{text!r}: must be one of {', '.join(allowed)}, or two with a comma")
-    return words[0] if len(words) == 1 else words
+    return words if words[1:] else text
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
@@ -165,10 +163,8 @@ def add_file(
     group.add_argument(option, help=text, type=kind, metavar=metavar, **changes)
 
 
-SCANS = ("units", "scan_spacing", "variable")
-"""Keywords of `jointclosure.read_scan`."""
-PLACES = ("orientation", "shift", "spikes")
-"""Keywords of `registered` besides the spacing of the joint, which is one of `Conditions`."""
+SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
+"""Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
 
 
 def add_walls(command: argparse.ArgumentParser) -> None:

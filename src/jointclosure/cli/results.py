@@ -2,7 +2,7 @@
 
 import argparse
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import NOT_MODELLED, Budget, leading, results_of, table_of
+from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, leading, results_of, table_of
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
@@ -40,8 +40,6 @@ _BLOCKED = (
 )
 _FLOW = "hydraulic_aperture_mm", "largest_hydraulic_mm", "transmissivity_m2_per_s"
 """Curves of flow whose value at the maximum is one of the first results."""
-_ROUNDING = 1e-12
-"""Largest result that is the rounding of 0, which the model gives whatever the inputs are."""
 
 
 def summary(
@@ -63,7 +61,7 @@ def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = No
 
     def text(cycle: int, name: str) -> str:
         value = float(results.loc[cycle, name])
-        return NOT_MODELLED if abs(value) <= _ROUNDING else number_text(value)
+        return NOT_MODELLED if abs(value) <= ROUNDING else number_text(value)
 
     beside = {
         title: {name: significant(value, 2) for name, value in values.items()}
@@ -91,13 +89,14 @@ def _with_range(row: pd.Series, name: str) -> str:
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
     largest = float(closed.normal_stress.max())
-    values: dict[str, dict[str, float]] = {}
-    for cycle, law in laws.by_cycle.items():
-        values[(title := f"Barton-Bandis, cycle {cycle}")] = {}
-        for name, value in law.results(largest, laws.seating).items():
-            column, scale = shown_as(name, QUANTITIES[name].unit)
-            values[title][column] = scale * value
-    return values
+    return {
+        f"Barton-Bandis, cycle {cycle}": {
+            column: scale * value
+            for name, value in law.results(largest, laws.seating).items()
+            for column, scale in [shown_as(name, QUANTITIES[name].unit)]
+        }
+        for cycle, law in laws.by_cycle.items()
+    }
 
 
 def remarks_on(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> list[str]:
@@ -115,8 +114,7 @@ def remarks_on(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:
     """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
-    about, remarks = closed.flow_status.attrs, []
-    words = dict(zip(about["flag_values"], about["flag_meanings"].split(), strict=True))
+    words, remarks = closed.flow_status.attrs["flag_meanings"].split(), []
     for cycle in cycle_table(closed).cycle:
         step = branch_of(closed, cycle, UNLOADING)[:1]
         parts = []
@@ -152,14 +150,10 @@ def attributes(settings: Mapping[str, Any]) -> dict[str, str]:
     return origin() | {"settings": json.dumps(to_plain(settings), default=str)}
 
 
-def finite(values: Iterable[float], scale: float = 1.0) -> list[float | None]:
-    """Return scaled numbers for JSON, with null for numbers that are not finite."""
-    return [scale * float(value) if np.isfinite(value) else None for value in values]
-
-
-def scaled(values: Any, scale: float) -> dict[str, float | None]:
-    """Return the scaled fields of a named tuple for JSON, with null for infinity."""
-    return dict(zip(values._fields, finite(values, scale), strict=True))
+def scaled(values: Any, scale: float = 1.0) -> Any:
+    """Return scaled numbers, or fields of a named tuple, for JSON: null if they are not finite."""
+    known = [scale * float(value) if np.isfinite(value) else None for value in values]
+    return dict(zip(values._fields, known, strict=True)) if hasattr(values, "_fields") else known
 
 
 def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ...]:

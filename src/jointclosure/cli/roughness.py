@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.cli import options, results
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_length
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.walls.measured import (
     LARGEST_FILLED_SHARE,
@@ -26,18 +26,14 @@ from jointclosure.walls.registration import registered
 from jointclosure.walls.scans import read_scan
 
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
-_SPIKES = (
-    "points that differ from all but one of their neighbours: reported (keep, the default), or "
-    "left out (cut)"
-)
 
 
 def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", type=Path, help="the scanned wall")
     options.add_keywords(command, read_scan, *options.SCANS)
-    options.add_keywords(command, registered, spacing={"help": "interpolate to this spacing first"})
+    grid = {"help": "interpolate to this spacing first"}
+    options.add_keywords(command, registered, spacing=grid, spikes={"default": "keep"})
     command.add_argument("--missing", choices=MISSING, default="avoid", help=_MISSING)
-    command.add_argument("--spikes", choices=("keep", "cut"), default="keep", help=_SPIKES)
     text = "draw the wall (png, pdf or svg)"
     options.add_file(command, "--picture", text, *options.PICTURES)
     options.add_file(command, "--table", "write the measures", ".csv")
@@ -45,9 +41,8 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the measures, and draw the wall if requested."""
-    for name, value in options.given(arguments, ["scan_spacing", "spacing"]).items():
-        if value is not None and not 0.0 < value < 1e15:
-            raise InputError(f"{options.options_of(name)[0]}: must be a positive number of mm")
+    if getattr(arguments, "spacing", None) is not None:
+        check_length("spacing", arguments.spacing)
     if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
     scan = read_scan(arguments.file, **options.given(arguments, options.SCANS))

@@ -224,7 +224,7 @@ class Budget(NamedTuple):
     def modelled(self, cycle: int, quantity: str) -> bool:
         """Return whether any variant has a result other than 0."""
         values = self.results.loc[self.results.cycle == cycle, quantity].dropna()
-        return values.empty or bool((values.abs() > _ROUNDING).any())
+        return values.empty or bool((values.abs() > ROUNDING).any())
 
     def shares_text(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
@@ -242,13 +242,13 @@ def leading(row: Any) -> float:
     return float(row["median"] if outside else row.best)
 
 
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
 """Largest closure [mm] that is the rounding of 0."""
 
 
 def _two_digits(value: float) -> str:
     """Format a number with two significant digits and no exponent."""
-    if not abs(value) > _ROUNDING:
+    if not abs(value) > ROUNDING:
         return "nan" if np.isnan(value) else "0"
     return significant(value, 2)
 
