@@ -28,7 +28,7 @@ import pandas as pd
 import peers
 from matplotlib.figure import Figure
 
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import walls_of
 from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots

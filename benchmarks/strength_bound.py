@@ -18,10 +18,9 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import resolved
+from jointclosure.engine.assess import COPIES, resolved
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import registered_walls
-from jointclosure.engine.walls import COPIES
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded

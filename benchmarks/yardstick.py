@@ -27,8 +27,7 @@ import pandas as pd
 import scipy.fft
 
 import jointclosure as jc
-from jointclosure.engine.settings import BASE, Case, ClosureSettings
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import BASE, Case, ClosureSettings, walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.provenance import processor, versions_of
 from studies.frame.cases import block_settings, cases_of

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.engine.cache import digest
-from jointclosure.engine.settings import Walls
 from jointclosure.storage.files import read_text
 from jointclosure.walls.scans import files_of
 from studies.commands.report import CAPTIONS, report_page
@@ -18,7 +17,13 @@ from studies.frame.experiments import cached, experiments_in, steps_of
 from studies.frame.files import DEFAULT, PAPER_TABLE_3
 from studies.frame.plan import Plan
 from studies.frame.products import EARLY, Step
-from studies.frame.rocks import check_files, curve_settings, measured_curves, wall_files
+from studies.frame.rocks import (
+    ScannedWalls,
+    check_files,
+    curve_settings,
+    measured_curves,
+    wall_files,
+)
 from studies.frame.walls import prepare_walls
 from studies.paper.products import PRODUCTS
 from studies.paper.report.page import template_digest
@@ -86,7 +91,7 @@ class Pipeline:
         """Input function of these files, for Snakemake."""
         return lambda wildcards: self.closed_apart(*kinds)
 
-    def _scan(self, rock: str, walls: Walls) -> Step:
+    def _scan(self, rock: str, walls: ScannedWalls) -> Step:
         """Step of the scanned walls of a rock; contents of scans count, and not their times."""
         scans = [str(file) for scan in wall_files(walls).values() for file in files_of(scan)]
         settings = {

@@ -7,11 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.assess import READ, assessed, variants_of, worst_first
+from jointclosure.engine.assess import COPIES, READ, assessed, variants_of, worst_first
 from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import Case, ClosureSettings
-from jointclosure.engine.walls import COPIES, Walls, walls_of
+from jointclosure.engine.settings import Case, ClosureSettings, Walls, walls_of
 from studies.assessment import figures
 from studies.assessment.figures import condition
 from studies.assessment.section import Assessment
@@ -23,14 +21,12 @@ from studies.frame.walls import cut_walls, walls_of_files
 
 _CONDITION = ("rock", "jrc", "stress_MPa")
 _VALUES = ["value", "low", "high"]
-_COPIES = f"{__name__}:copies"
 
 
 def assessment_design(configured: Configured) -> Design:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
     configuration = configured.typed
     section, jobs, ladders = configuration.section(Assessment), {}, {}
-    code = code_digest(_COPIES, titles=False)
     for number, case in enumerate(_conditions(configuration, section)):
         settings = settings_of(configuration, case)
         count = section.joints
@@ -40,7 +36,7 @@ def assessment_design(configured: Configured) -> Design:
         settings = settings._replace(surfaces=surfaces)
         stated, ladder, variants = variants_of(settings.conditions())
         ladders[case.rock] = stated, ladder
-        options = {"unusual_values": configuration.study.unusual_values == "allow", "code": code}
+        options = {"unusual_values": configuration.study.unusual_values == "allow"}
         for name, conditions in variants.items():
             varied = settings._replace(numerics=conditions.numerics)
             varied = varied.with_effects(conditions.effects)
@@ -49,7 +45,7 @@ def assessment_design(configured: Configured) -> Design:
                 Point(
                     at | {"variant": name, "copy_of_walls": copy},
                     varied,
-                    _COPIES,
+                    f"{__name__}:copies",
                     options | {"copy": copy},
                 )
                 for copy in (COPIES if name == stated else ["as it is"])
@@ -70,9 +66,7 @@ def _conditions(configuration: Configuration, section: Assessment) -> Iterator[C
             yield base._replace(jrc=jrc, max_normal_stress=stress)
 
 
-def copies(
-    settings: ClosureSettings, copy: str, unusual_values: bool, code: str
-) -> Iterator[Walls]:
+def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterator[Walls]:
     """Generate copies (`COPIES`) of the walls of a block, made or cut out of scans."""
     surfaces = settings.surfaces
     if surfaces.walls:

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import LADDER
+from jointclosure.engine.assess import COPIES, LADDER
 from jointclosure.engine.ensembles import close_points
-from jointclosure.engine.walls import maker_of, walls_of
+from jointclosure.engine.settings import walls_of
 from studies.assessment.study import EXPERIMENT
 from studies.frame.files import read_plain
 from tests.studied import ROOT, checked_study, tiny
@@ -42,9 +42,8 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     assert "Granite, scanned, 10 MPa" in made["assessment.md"]
     for name in design.figures:
         assert EXPERIMENT.draw(name, made, design.parameters).axes
-    make, settings, options = maker_of(points[0].walls), points[0].settings, points[0].options
-    pairs = (next(make(settings, **options | {"copy": name})) for name in ("as it is", "mirrored"))
-    plain, mirrored = map(np.array, pairs)
+    copied = (points[0]._replace(options=points[0].options | {"copy": name}) for name in COPIES)
+    plain, _, mirrored, _ = (np.array(next(point.walls())) for point in copied)
     np.testing.assert_array_equal(mirrored, plain[:, :, ::-1])
 
 

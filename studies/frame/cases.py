@@ -5,12 +5,12 @@ are fields of `Case`, and coordinates of every dataset.
 """
 
 from jointclosure.engine.assess import FINEST
-from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings, Walls
+from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Accuracy, Study
-from studies.frame.rocks import StudyRock, wall_files
+from studies.frame.rocks import ScannedWalls, StudyRock, wall_files
 
 BLOCK, FEW = 10, 4
 """Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""
@@ -115,7 +115,7 @@ def closed_keys(keys: dict) -> dict:
     return closed | {"study": study, "output": output}
 
 
-def wall_digests(walls: Walls) -> dict[str, str]:
+def wall_digests(walls: ScannedWalls) -> dict[str, str]:
     """Return the SHA-256 of the files of scanned walls, which depends on their content only."""
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 

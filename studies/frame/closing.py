@@ -20,8 +20,14 @@ from jointclosure.engine.joints import (
     stacked,
 )
 from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
-from jointclosure.engine.settings import BASE, ClosureSettings, SurfaceSettings
-from jointclosure.engine.walls import Walls, seeds_of, walls_of
+from jointclosure.engine.settings import (
+    BASE,
+    ClosureSettings,
+    SurfaceSettings,
+    Walls,
+    seeds_of,
+    walls_of,
+)
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.settings import Grid, Surface
-from jointclosure.engine.walls import walls_of_seed
+from jointclosure.engine.settings import Grid, Surface, walls_of_seed
 from jointclosure.statistics.control_variates import Known
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.walls.roughness import bearing_depths, bearing_excess, z2_of_jrc

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
-from jointclosure.engine.settings import SIDES, Walls
+from jointclosure.engine.settings import SIDES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
@@ -71,7 +71,7 @@ _WALL = (
 )
 
 
-class WallKeys(Section):
+class ScannedWalls(Section):
     """Scanned walls instead of a JRC, docs/two_scans.md."""
 
     upper: Text = entry(_WALL)
@@ -165,7 +165,7 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
         Effects._make([None] * len(Effects._fields))
     )
     other_levels: Levels = Field(Levels(), alias="levels")
-    walls: Annotated[Walls, Made(WallKeys)] | None = None
+    walls: ScannedWalls | None = None
     measured: MeasuredFile | None = None
 
     @property
@@ -245,7 +245,7 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 
 
-def _registration_problems(walls: Walls, where: str) -> Iterator[str]:
+def _registration_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
     """Generate contradictions between the keys of scanned walls, one line each."""
     files, inverted = wall_files(walls), f"{where}.inverted = {list(walls.inverted)!r}"
     if not files:
@@ -271,7 +271,7 @@ def _registration_problems(walls: Walls, where: str) -> Iterator[str]:
         )
 
 
-def wall_files(walls: Walls) -> dict[str, str]:
+def wall_files(walls: ScannedWalls) -> dict[str, str]:
     """Return the scans of walls by "upper" and "lower": a file, or three with commas."""
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from jointclosure.compilation.sources import PACKAGE
-from jointclosure.engine.walls import seeds_of
+from jointclosure.engine.settings import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of

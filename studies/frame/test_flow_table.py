@@ -6,7 +6,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine.joints import close_case
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import walls_of
 from jointclosure.joint.history import crossing
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.tables import check_results, flow_table, join_cases

@@ -129,7 +129,7 @@ def all_digests():
     forget()
     steps = {name: step.params("not made")["code"] for name, step in STEPS.items()}
     cache._code.cache_clear()
-    return steps | {"joints": cache._code(close_block)}
+    return steps | {"joints": cache._code(f"{close_block.__module__}:close_block")}
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.settings import Grid, SurfaceSettings, Walls
-from jointclosure.engine.walls import seeds_of
+from jointclosure.engine.settings import Grid, SurfaceSettings, seeds_of
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
@@ -21,11 +20,11 @@ from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
-from studies.frame.rocks import wall_files
+from studies.frame.rocks import ScannedWalls, wall_files
 
 
 def walls_of_files(
-    walls: Walls, spacing: float, jrc_relation: str, unusual_values: bool
+    walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
     """Read the scans of a rock, and return `prepared_walls` of them."""
     given: dict[str, Any] = {
@@ -39,7 +38,7 @@ def walls_of_files(
 
 def prepared_walls(
     scans: dict[str, Scan | Cloud],
-    settings: Walls,
+    settings: ScannedWalls,
     spacing: float,
     jrc_relation: str,
     unusual_values: bool = False,
@@ -97,7 +96,7 @@ def prepared_walls(
     return walls
 
 
-def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: float) -> None:
+def _check_plausible(walls: dict[str, np.ndarray], settings: ScannedWalls, spacing: float) -> None:
     """Raise `InputError` if units or orientation of the walls are probably wrong."""
     both = len(walls) == 2
     problems = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
@@ -108,7 +107,7 @@ def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: flo
 
 
 def _as_they_lie(
-    scans: dict[str, Scan | Cloud], settings: Walls, spacing: float
+    scans: dict[str, Scan | Cloud], settings: ScannedWalls, spacing: float
 ) -> dict[str, tuple[np.ndarray, float]]:
     """Return unregistered walls, heights towards the other wall, with shares of missing cells."""
     bounds = _common_bounds(scans)
@@ -153,7 +152,7 @@ def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
 
 
 def prepare_walls(
-    walls: Walls,
+    walls: ScannedWalls,
     digests: dict[str, str],
     grid: Grid,
     jrc_relation: str,

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.engine.ensembles import close_points
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import walls_of
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged, resolved

@@ -6,7 +6,7 @@ of its first loading. All else is then judged: stiffness and closure of the late
 share of it that stays, and the area of contact. The strength of the rock was not published either.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
+from jointclosure.joint.simulation import close_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from studies.frame.cases import base_case
@@ -82,8 +83,19 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
             name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
             name = name if rock == BASE else f"{rock}, {name}"
             once = of_rock._replace(cycles=1)
-            variants[name] = Point({"loaded_as": rock}, once, "reseated", {"shift": shift})
+            variants[name] = Point(
+                {"loaded_as": rock}, once, f"{__name__}:reseated", {"shift": shift}
+            )
     return variants
+
+
+def reseated(settings: ClosureSettings, shift: int) -> Iterator[Walls]:
+    """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
+    conditions = settings.conditions()._replace(cycles=1)
+    for pair in walls_of(settings.surfaces):
+        closed = close_walls(*pair, conditions)
+        upper, lower = closed.upper_final.values, closed.lower_final.values
+        yield upper[:, shift:], lower[:, : lower.shape[1] - shift]
 
 
 def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:

@@ -4,12 +4,17 @@ Independent walls, and walls whose longer waves mate, are closed at every tilt a
 rotation, on the same surfaces.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from jointclosure.engine.ensembles import Point
 from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.engine.settings import ClosureSettings, Walls, seeds_of
+from jointclosure.walls.roughness import z2_of_jrc
+from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
@@ -28,6 +33,24 @@ SHOWN += (("stiffness_net", 1), ("stiffness_net", 2))
 """Response and cycle of each row of the figure."""
 
 
+def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
+    """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
+    surfaces = settings.surfaces
+    grid, surface = surfaces.grid, surfaces.surface
+    wavelength = surface.mismatch_wavelength
+    for seed in seeds_of(surfaces):
+        upper, lower = rotated_pair(
+            z2_of_jrc(surfaces.jrc, grid.spacing, surface.hurst, surface.jrc_relation),
+            grid.shape,
+            grid.spacing,
+            spectrum_of(surface.hurst, surface.rule, surface.roll_off, grid.spacing),
+            seed,
+            np.inf if wavelength is None else wavelength,
+            rotation,
+        )
+        yield tilted(upper, grid.spacing, tilt), lower
+
+
 def misalignment_design(configured: Configured) -> Design:
     """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
     configuration = configured.typed
@@ -42,7 +65,7 @@ def misalignment_design(configured: Configured) -> Design:
             settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
             walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
             jobs[f"{rock}.{label}"] = [
-                Point(walls | angle, settings, "misaligned", angle) for angle in angles
+                Point(walls | angle, settings, f"{__name__}:misaligned", angle) for angle in angles
             ]
     return Design(jobs, ("misalignment",), ("misalignment",), {})
 

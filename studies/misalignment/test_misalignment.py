@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jointclosure.engine.ensembles import gridded
-from jointclosure.engine.walls import seeds_of
+from jointclosure.engine.settings import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair

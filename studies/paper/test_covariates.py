@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import cases_of, surface_settings

@@ -16,10 +16,11 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.ensembles import Point, gridded
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
-from jointclosure.engine.settings import Grid
+from jointclosure.engine.settings import ClosureSettings, Grid, Walls, walls_of
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
+from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
@@ -40,6 +41,28 @@ SHOWN = (
 TABLES = ("size", "size_exponents", "size_collapse", "size_barton_bandis")
 
 
+def nested(
+    settings: ClosureSettings, whole: tuple[int, float], base: float, position: int
+) -> Iterator[Walls]:
+    """Generate patches of larger walls: the patch at a position on the diagonal, less its plane.
+
+    The walls of a realisation are the same for all patches and spacings. ``whole`` is the number of
+    cells along a side of the walls, and their spacing [m]. They have the Z2 of their JRC at the
+    spacing ``base`` [m]. A coarser grid has every second (or fourth) cell.
+    """
+    cells, finest = whole
+    surfaces, grid = settings.surfaces, settings.surfaces.grid
+    large = surfaces._replace(grid=Grid(cells, cells, finest))
+    z2 = z2_of_jrc(surfaces.jrc, base, surfaces.surface.hurst, surfaces.surface.jrc_relation)
+    coarse, step = round(base / finest), round(grid.spacing / finest)
+    side = grid.cells_x * step
+    part = slice(position * side, (position + 1) * side, step)
+    for pair in walls_of(large):
+        scaled = (wall * (z2 / rms_slope(wall[::coarse, ::coarse], base)) for wall in pair)
+        upper, lower = (np.ascontiguousarray(detrended(wall[part, part])) for wall in scaled)
+        yield upper, lower
+
+
 def size_design(configured: Configured) -> Design:
     """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
     configuration = configured.typed
@@ -57,7 +80,7 @@ def size_design(configured: Configured) -> Design:
             settings = settings_of(sized, base_case(rock, of_rock), **dict(spectrum))
             at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
             points += [
-                Point(at | place, settings, "nested", walls | place)
+                Point(at | place, settings, f"{__name__}:nested", walls | place)
                 for place in ({"position": i} for i in range(round(longest / patch)))
             ]
     titles = {}

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.engine.walls import nested
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.joint.simulation import close_walls
@@ -38,7 +37,7 @@ def points_of(spectrum, patch, spacing, **study):
 
 def walls_of(point):
     """Walls of the first realisation of a point."""
-    return next(nested(point.settings.surfaces, **point.options))
+    return next(point.walls())
 
 
 @pytest.fixture(scope="module")

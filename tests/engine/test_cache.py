@@ -12,7 +12,7 @@ from jointclosure.engine.cache import Entry, is_kept, make_missing
 @pytest.fixture(autouse=True)
 def code(monkeypatch):
     """Makers of tests are in no package whose code is digested."""
-    monkeypatch.setattr(cache, "_code", lambda make: make.__name__)
+    monkeypatch.setattr(cache, "_code", lambda *functions: functions)
 
 
 def doubled(number: float, report, why: str = "") -> xr.Dataset:
@@ -59,6 +59,7 @@ def test_options_change_no_key(tmp_path):
     (entry,) = entries(1)
     assert entry.key == entry._replace(options={"why": "in haste"}, joints=7).key
     assert entry.key != entry._replace(settings=(1.5,)).key
+    assert entry.key != entry._replace(uses=("studies.size.study:nested",)).key
 
 
 def test_a_failure_is_named_and_all_others_are_made(tmp_path):

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import close_case
-from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import walls_of
+from jointclosure.engine.settings import ClosureSettings, walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.commands.compare import differences
 from studies.frame.cases import block_settings, blocks_of, cases_of

@@ -13,7 +13,6 @@ import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.engine.scanned_joint import registered_walls
 from jointclosure.engine.selection import choose_effects
-from jointclosure.engine.settings import Walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
@@ -21,6 +20,7 @@ from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
+from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS
 
@@ -265,7 +265,7 @@ def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_conta
 
 def walls_of_files(upper, lower, spacing, **_):
     """A study's walls that lie as they are given."""
-    about = Walls("top", "bottom", "mm", None, None, "refuse", 0.05, ())
+    about = ScannedWalls(upper="top", lower="bottom", units="mm")
     scans = {"upper": grid(upper, step=spacing), "lower": grid(lower, step=spacing)}
     return prepared_walls(scans, about, spacing, "yu_vayssade_linear_0.25mm")
 

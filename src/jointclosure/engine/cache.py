@@ -24,6 +24,7 @@ class Entry(NamedTuple):
 
     ``make`` gets the ``settings``, on which the key depends, and as keywords the ``options``, which
     do not change the result, and ``report``. Entries take a time proportional to their ``joints``.
+    The key depends on the code of functions, ``module:function``, that ``make`` ``uses`` by name.
     """
 
     name: str
@@ -31,11 +32,13 @@ class Entry(NamedTuple):
     settings: tuple
     options: Mapping[str, Any] = {}
     joints: int = 1
+    uses: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
         """Digest of the settings, and of the code of the maker."""
-        return digest(_code(self.make), self.settings)
+        made_by = f"{self.make.__module__}:{self.make.__name__}"
+        return digest(_code(made_by, *self.uses), self.settings)
 
     def file(self, folder: Path) -> Path:
         """Path in the folder of a cache."""
@@ -48,8 +51,8 @@ def digest(*parts: object) -> str:
 
 
 @lru_cache(maxsize=None)
-def _code(make: Callable) -> str:
-    return code_digest(f"{make.__module__}:{make.__name__}", titles=False)
+def _code(*functions: str) -> str:
+    return code_digest(*functions, titles=False)
 
 
 def is_kept(entry: Entry, folder: Path) -> bool:

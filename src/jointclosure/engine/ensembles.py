@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from functools import cache
+from importlib import import_module
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -19,8 +20,7 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint, stacked
 from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import QUANTITIES, names_of_case
-from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import Walls, maker_of
+from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
@@ -183,14 +183,22 @@ def _doubts(pairs: list[Any], labels: np.ndarray, spacing: float) -> str:
 class Point(NamedTuple):
     """Joints of an experiment that are closed under the same conditions, one a realisation.
 
-    ``coordinates`` are columns of the table [SI]; ``walls`` names their maker (`maker_of`), which
-    gets the settings and ``options``.
+    ``coordinates`` are columns of the table [SI]. ``maker`` names a function of a study, as
+    ``module:function``, that generates the walls from the settings and ``options``; without it they
+    are `walls_of` the settings.
     """
 
     coordinates: dict[str, Any]
     settings: ClosureSettings
-    walls: str = "synthetic"
+    maker: str = ""
     options: Mapping[str, Any] = {}
+
+    def walls(self) -> Iterator[Walls]:
+        """Generate the walls of each realisation."""
+        module, _, function = self.maker.partition(":")
+        if not function:
+            return walls_of(self.settings.surfaces)
+        return getattr(import_module(module), function)(self.settings, **self.options)
 
 
 Jobs = Mapping[str, Sequence[Point]]
@@ -242,8 +250,8 @@ def close_points(
     for point in points:
         settings, rows = point.settings, []
         reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
-        pairs = maker_of(point.walls)(settings, **point.options)
-        for realization, walls in enumerate(pairs, settings.surfaces.first_realization):
+        first = settings.surfaces.first_realization
+        for realization, walls in enumerate(point.walls(), first):
             row = close_joint(walls, reading)
             at = point.coordinates | {
                 "realization": realization,
@@ -336,6 +344,7 @@ def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
             closed_table,
             (list(points), tuple(quantities)),
             joints=joints_of(points),
+            uses=tuple(sorted({point.maker for point in points if point.maker})),
         )
         for job, points in jobs.items()
     ]

@@ -8,8 +8,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
-from jointclosure.engine.settings import ClosureSettings
-from jointclosure.engine.walls import Walls, seeds_of, walls_of
+from jointclosure.engine.settings import ClosureSettings, Walls, seeds_of, walls_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls

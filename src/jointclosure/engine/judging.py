@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine import oracle
-from jointclosure.engine.walls import Walls
+from jointclosure.engine.settings import Walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import LOADING
 from jointclosure.joint.simulation import height_datum

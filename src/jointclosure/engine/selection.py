@@ -26,7 +26,7 @@ import xarray as xr
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
 from jointclosure.engine.joints import Reading, read_joint
 from jointclosure.engine.quantities import broken_share
-from jointclosure.engine.walls import Walls
+from jointclosure.engine.settings import Walls
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
     Changes,

@@ -1,35 +1,22 @@
-"""Settings that the joints of a case depend on, which no configuration is needed to make."""
+"""Settings that the joints of a case depend on, and walls that are made of them."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
+
+from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-)
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.statistics.randomness import seed_of
+from jointclosure.walls.synthesis import wall_pair
+
+Walls = tuple[np.ndarray, np.ndarray]
+"""Upper and lower wall (y, x), heights towards the other [m]."""
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
-
-
-class Walls(NamedTuple):
-    """Scanned walls of a rock: files or words for partners, and how they are read."""
-
-    upper: str
-    lower: str
-    units: str | None
-    spacing: float | None
-    variable: str | None
-    missing: str
-    largest_filled_share: float
-    inverted: tuple[str, ...]
-    bring_together: bool = False
-    orientation: str | None = None
-    shift: str | None = None
-    spikes: str = "cut"
 
 
 class Grid(NamedTuple):
@@ -93,11 +80,11 @@ class SurfaceSettings(NamedTuple):
     """Settings that the surface pairs of a case and a block of realisations depend on.
 
     ``seeds_named_by`` and ``root_seed`` determine the seeds. ``sha256`` contains digests of the
-    files of measured ``walls``, by wall.
+    files of scanned ``walls``, by wall.
     """
 
     jrc: float
-    walls: Walls | None
+    walls: object | None
     sha256: dict[str, str]
     root_seed: int
     seeds_named_by: tuple[str, ...]
@@ -142,3 +129,26 @@ class ClosureSettings(NamedTuple):
     def with_effects(self, effects: Effects) -> "ClosureSettings":
         """Return the settings with other effects."""
         return self._replace(case=self.case._replace(effects=effects))
+
+
+def seeds_of(settings: SurfaceSettings) -> list[int]:
+    """Return the seeds of the walls of a block."""
+    first = settings.first_realization
+    return [
+        seed_of(settings.root_seed, *settings.seeds_named_by, realization)
+        for realization in range(first, first + settings.realizations)
+    ]
+
+
+def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:
+    """Make the walls of one realisation; unusual values were checked."""
+    settings = surface._asdict()
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **settings, unusual_values=True)
+
+
+def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:
+    """Generate the walls of a block, from a JRC."""
+    if settings.walls:
+        raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
+    for seed in seeds_of(settings):
+        yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
