@@ -26,7 +26,7 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     left.set(title=f"price of accuracy, beside {finest}", xlabel="processor time of a joint (s)")
     left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
     draw_effects(right, table[without], within)
-    right.set(title="effects", xlabel="change of closure (%)")
+    right.set(title="effects", xlabel="change of closure (%)\n(logarithmic beyond the request)")
     for axes in (left, right):
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
     words = f"{title}, hardness: {assessment.hardness.verdict[0]}"
@@ -75,7 +75,7 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xscale("symlog", linthresh=within)
-    ticks = [-100, 0, 100, *([1000] if without.high_percent.max() > 300.0 else [])]
-    axes.set_xticks(ticks, [str(tick) for tick in ticks])
+    ticks = [-100, -within, 0, within, 100, *([1000] if without.high_percent.max() > 300.0 else [])]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
     axes.margins(x=0.08)
