@@ -3,6 +3,7 @@
 import functools
 import json
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -66,6 +67,9 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, joint, tmp_pa
     assert record["provenance"]["source_digest"]
     rock = {"youngs_modulus_GPa": 73.0, "poisson_ratio": 0.25, "compressive_strength_MPa": 173.0}
     assert record["rock"]["upper"] == record["rock"]["lower"] == rock
+    bandis = pd.read_csv(folder / "answer.csv").groupby("cycle").barton_bandis_mm.max()
+    for cycle, law in enumerate(record["barton_bandis"]["results"].values(), start=1):
+        assert bandis[cycle] == pytest.approx(law["max_closure_seated_net_mm"], rel=1e-6)
     assert record["table"]["cycle 2"]["net residual closure at seating (mm)"] == "not modelled"
     cycles = pd.read_csv(folder / "cycles.csv")
     for name in cycles.columns.drop("cycle"):
@@ -103,9 +107,8 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     assert 0.0 < kni["low"] < kni["high"]
     assert {"porepy_low.json", "porepy_high.json"} <= set(contents(tmp_path))
     assert command("report", tmp_path)[0] == 0
-    assert f"closes {closure['text']} mm in its first cycle" in (
-        (tmp_path / "report.html").read_text()
-    )
+    page = (tmp_path / "report.html").read_text()
+    assert f"closes {closure['text']} mm in its first cycle" in page
 
 
 STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.01, "--breakage fixed_step": None}
@@ -115,16 +118,12 @@ STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.01, "--breakage 
 def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakage(
     words, tmp_path, monkeypatch, command
 ):
-    closed, expected = {}, STATED[words]
-
-    @functools.wraps(jc.close)
-    def stopped(**given):
-        closed.update(given)
-        raise jc.InputError("enough")
-
+    expected = STATED[words]
+    stopped = functools.wraps(jc.close)(Mock(side_effect=jc.InputError("enough")))
     monkeypatch.setattr("jointclosure.cli.close.close", stopped)
     stated = ["--rock", "Granite", "--largest-radius", "20", *words.split()]
     command("close", "a.txt", "b.txt", "--output", tmp_path / "j", *stated)
+    closed = stopped.call_args.kwargs
     assert closed["choices"] == jc.Choices(largest_radius=0.02)
     usual = scanned_joint.RESOLVED if expected else jc.Numerics()
     for name in ("breakage", "displacement_step", "later_breakage_step"):

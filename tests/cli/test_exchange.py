@@ -58,7 +58,7 @@ def itasca_table(text, name):
 
 def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
     text = (folder / "t/joint_stiffness.dat").read_text()
-    table = pd.read_csv(folder / "t/answer.csv").dropna()
+    table = pd.read_csv(folder / "t/answer.csv").drop(columns="barton_bandis_mm").dropna()
     for (cycle, branch), own in table.groupby(["cycle", "branch"]):
         stress, values = itasca_table(text, f"kn-cycle-{cycle}-{branch}")
         np.testing.assert_allclose(stress, 1e6 * own.normal_stress_MPa, rtol=1e-6)

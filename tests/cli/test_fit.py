@@ -2,6 +2,7 @@
 
 import functools
 import json
+from unittest.mock import Mock
 
 import pytest
 
@@ -34,14 +35,9 @@ def test_the_command_finds_what_the_library_does(inputs, tmp_path, command):
 def test_stated_assumptions_replace_the_usual_ones(
     inputs, monkeypatch, command, words, roll_off, breakage
 ):
-    settings = {}
-
-    @functools.wraps(jc.fit)
-    def stopped(**given):
-        settings.update(given)
-        raise jc.InputError("enough")
-
+    stopped = functools.wraps(jc.fit)(Mock(side_effect=jc.InputError("enough")))
     monkeypatch.setattr("jointclosure.cli.fit.fit", stopped)
     command("fit", inputs / "lab.csv", *SMALL, *words)
+    settings = stopped.call_args.kwargs
     assert settings.get("roll_off") == roll_off
     assert settings["numerics"].breakage == breakage

@@ -57,7 +57,11 @@ def export_files(
         return {}
     from jointclosure.plotting.joint import engineering_figure
 
-    curves = stress_table(history) if curves is None else curves
+    curves, bandis = stress_table(history) if curves is None else curves.copy(), "barton_bandis_mm"
+    for cycle, law in laws.items():
+        above = 1e6 * curves.normal_stress_MPa - float(history.attrs["seating_stress_Pa"])
+        here = (curves.cycle == cycle) & (curves.branch == LOADING)
+        curves.loc[here, bandis] = 1e3 * law.closure(above[here])
     tables = {"curves": curve_table(history), "cycles": cycle_table(history), "answer": curves}
     tables["laws"] = fitted_laws(history)
     files: dict[str, Any] = {f"{name}.csv": csv_text(tables[name], FIGURES) for name in tables}
