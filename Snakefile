@@ -8,8 +8,7 @@ from snakemake.utils import min_version
 from studies.commands.report import CAPTIONS
 from studies.frame.configuration import configured
 from studies.frame.files import DEFAULT, read_plain
-from studies.frame.folder import enter_folder
-from studies.frame.jobs import ENGINE, study_of, withdraw_unmet
+from studies.frame.jobs import ENGINE, enter_folder, study_of, withdraw_unmet
 from studies.pipeline import Pipeline
 
 min_version("9.27")

@@ -20,7 +20,6 @@ from studies.frame.products import EARLY, Step
 from studies.frame.rocks import (
     ScannedWalls,
     check_files,
-    curve_settings,
     measured_curves,
     wall_files,
 )
@@ -42,7 +41,7 @@ class Pipeline:
         self.folder = f"results/{self.typed.study.name}"
         self._apart = apart
         check_files(self.typed.rocks)
-        measured_curves(curve_settings(self.typed), read_text)
+        measured_curves(self.typed.curves, read_text)
         experiments = experiments_in(self.keys)
         for experiment in experiments.values() if check else ():
             experiment.check(configured)

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from studies.frame.configuration import Configuration
-from studies.frame.keys import Jrc, Positive, Several, Share, StudySection, entry
+from studies.frame.configuration import Configuration, StudySection
+from studies.frame.keys import Jrc, Positive, Several, Share, entry
 
 
 class Assessment(StudySection):

@@ -18,7 +18,7 @@ from jointclosure.storage.netcdf import reading_netcdf
 from studies.frame.configuration import model
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.jobs import check_folder
-from studies.frame.schema import json_schema
+from studies.frame.keys import json_schema
 
 if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.content import Material

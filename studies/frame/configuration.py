@@ -2,16 +2,18 @@
 
 import copy
 import functools
+import math
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, NamedTuple, Self, TypeVar
+from typing import Annotated, ClassVar, NamedTuple, Self, TypeVar
 
 from pydantic import ValidationError, create_model, model_validator
 
 from jointclosure.engine.assess import FINEST
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import LARGEST_SEATING
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
     Choices,
@@ -23,6 +25,7 @@ from jointclosure.parameters import (
 )
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
+from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame.files import DEFAULT, ConfigurationError, read_plain
 from studies.frame.keys import (
@@ -36,14 +39,27 @@ from studies.frame.keys import (
     Statistics,
     Study,
     StudyEffects,
-    StudySection,
     SurfaceKeys,
+    did_you_mean,
     entry,
+    explained,
 )
-from studies.frame.rocks import StudyRock
-from studies.frame.schema import did_you_mean, explained
+from studies.frame.rocks import CurveSettings, StudyRock
 
-_Section = TypeVar("_Section", bound=StudySection)
+_Section = TypeVar("_Section", bound="StudySection")
+
+
+class StudySection(Section):
+    """Section of one experiment, in the module ``section`` of its folder as ``SECTION``."""
+
+    name: ClassVar[str]
+    """Key of the section."""
+    separate: ClassVar[bool] = False
+    """Whether it holds keys of other configurations, which are checked with these."""
+
+    def problems(self, configuration: "Configuration") -> Iterator[str]:
+        """Generate contradictions within the section, and with the study; one line each."""
+        yield from ()
 
 
 class Configuration(Section):
@@ -101,6 +117,16 @@ class Configuration(Section):
                 f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
                 "shift_in_cells must be null, 0 and 0"
             )
+
+    @property
+    def curves(self) -> dict[str, CurveSettings]:
+        """Settings of the measured curves by rock, for rocks of the study that have one."""
+        cycles, seating = self.study.cycles, self.seating_stress
+        return {
+            name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
+            for name, rock in self.rocks.items()
+            if rock.measured
+        }
 
     @property
     def study_sections(self) -> dict[str, StudySection]:
@@ -246,7 +272,8 @@ def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
     for section in configuration.study_sections.values():
         yield from section.problems(configuration)
     for name, rock in configuration.rocks.items():
-        yield from rock.problems(name, configuration)
+        yield from rock.problems(name)
+        yield from _rock_problems(f"rocks.{name}", rock, configuration)
 
 
 def _study_problems(configuration: Configuration) -> Iterator[str]:
@@ -273,6 +300,28 @@ def _study_problems(configuration: Configuration) -> Iterator[str]:
             f"study.name = {study.name!r}: results/{study.name} belongs to another target; "
             "must be another name"
         )
+
+
+def _rock_problems(where: str, rock: StudyRock, configuration: Configuration) -> Iterator[str]:
+    """Generate contradictions of a rock with the study, one line each."""
+    seating, end = configuration.seating_stress, configuration.output.largest_stress
+    stress = f"{where}.max_normal_stress_MPa = {in_unit(rock.max_normal_stress, 'MPa'):g}"
+    if seating > LARGEST_SEATING * rock.max_normal_stress:
+        yield (
+            f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: must be at most "
+            f"{LARGEST_SEATING:g} of {stress}"
+        )
+    if end < rock.max_normal_stress:
+        yield f"output.largest_stress_MPa = {in_unit(end, 'MPa'):g}: must be at least {stress}"
+    relation = relation_of(configuration.surface.jrc_relation)
+    for jrc in (rock.jrc, *(rock.other_levels.jrc or ())):
+        if not relation.smallest_jrc <= jrc <= relation.largest_jrc and not math.isnan(jrc):
+            yield (
+                f"{where}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds from "
+                f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+            )
+    for section in sorted(set(configuration.study_sections) - {"assessment"}) if rock.walls else ():
+        yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 
 
 def _unusual(keys: dict, where: str) -> Iterator[str]:

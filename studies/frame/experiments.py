@@ -5,7 +5,6 @@ constant ``EXPERIMENT`` (``study.py``). Its points are closed by
 `jointclosure.engine.ensembles`.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -36,7 +35,7 @@ from studies.frame.closing import Ensemble
 from studies.frame.configuration import Configuration, Configured, resolved, sections
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
-from studies.frame.products import Step
+from studies.frame.products import Step, figure_files
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -188,8 +187,7 @@ def steps_of(
     """Return the steps of an experiment, whose joints have a ``key`` and files ``closed`` apart."""
     named = [table if "." in table else f"{table}.csv" for table in design.tables]
     tables = [f"{folder}/tables/{table}" for table in named]
-    drawn = itertools.product(design.figures, ("png", "pdf"))
-    figures = [f"{folder}/figures/{figure}.{suffix}" for figure, suffix in drawn]
+    figures = figure_files(design.figures, f"{folder}/figures")
     estimate, files = f"{folder}/tables/{name}_estimate.csv", list(design.files.values())
     given: dict[str, Any] = {"settings": {"name": name}, "uses": f"studies.{name}"}
     return {

@@ -13,7 +13,6 @@ from studies.frame.cases import dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, Configured
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.products import Product, Step
-from studies.frame.rocks import CurveSettings, curve_settings
 
 
 class Plan(NamedTuple):
@@ -41,11 +40,6 @@ class Plan(NamedTuple):
         """Whether means are adjusted by covariates; those of scanned walls are not known."""
         synthetic = any(rock.walls is None for rock in self.typed.rocks.values())
         return self.typed.statistics.control_variates is not None and synthetic
-
-    @property
-    def curves(self) -> dict[str, CurveSettings]:
-        """Settings of the measured curves by rock."""
-        return curve_settings(self.typed)
 
     def file(self, name: str, made: bool = True) -> str | None:
         """Path of a file of the study, None if it is not made."""
@@ -115,8 +109,8 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
     "elasticities": lambda plan: plan.file(
         "tables/elasticities.csv", plan.typed.study.draws == "common"
     ),
-    "curve_files": lambda plan: [curve.measured.file for curve in plan.curves.values()],
-    "fits": lambda plan: plan.file("tables/measured_fit.csv", bool(plan.curves)),
+    "curve_files": lambda plan: [curve.measured.file for curve in plan.typed.curves.values()],
+    "fits": lambda plan: plan.file("tables/measured_fit.csv", bool(plan.typed.curves)),
     "flow": lambda plan: plan.file("tables/hydraulic_aperture.csv", plan.typed.flow),
     "first_walls": _file("first_walls.nc"),
 }
@@ -130,7 +124,7 @@ SETTINGS: dict[str, Callable[[Plan], Any]] = {
     "rocks": lambda plan: plan.typed.rocks,
     "seating_stress": lambda plan: plan.typed.seating_stress,
     "wall_strength_ratio": lambda plan: plan.typed.output.wall_strength_ratio,
-    "curves": lambda plan: plan.curves,
+    "curves": lambda plan: plan.typed.curves,
     "root_seed": lambda plan: plan.typed.study.root_seed,
     "realizations": lambda plan: plan.typed.study.realizations,
     "closed_by": lambda plan: {

@@ -23,10 +23,18 @@ GIVEN = ("config", "folder", "workers", "log")
 the number of processes, and the log."""
 EARLY = 1
 """Priority of what is made before the pool of a study is closed."""
+FORMATS = ("png", "pdf")
+"""Formats of every figure."""
 _WRITERS: dict[str, Callable[..., None]] = {
-    **{".nc": write_netcdf, ".csv": write_csv, ".png": save_figure, ".pdf": save_figure},
+    **{".nc": write_netcdf, ".csv": write_csv},
+    **{f".{format}": save_figure for format in FORMATS},
     **dict.fromkeys((".json", ".tex", ".md", ".txt", ".html"), write_text),
 }
+
+
+def figure_files(names: Iterable[str], folder: str = "figures") -> list[str]:
+    """Return the files of figures."""
+    return [f"{folder}/{name}.{format}" for format in FORMATS for name in names]
 
 
 class Step(NamedTuple):

@@ -4,24 +4,19 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
 from jointclosure.engine.settings import SIDES
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import LARGEST_SEATING
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
-from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.scans import files_of
 from studies.frame.keys import Jrc, Made, OrNull, Section, Several, Text, entry
-
-if TYPE_CHECKING:
-    from studies.frame.configuration import Configuration
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
@@ -187,31 +182,18 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
         pairs = zip(usual, self.effects, strict=True)
         return self._replace(effects=Effects._make(a if b is None else b for a, b in pairs))
 
-    def problems(self, name: str, configuration: "Configuration") -> Iterator[str]:
-        """Generate contradictions of a rock with itself and with the study, one line each."""
-        stress, seating = self.max_normal_stress, configuration.seating_stress
-        end = configuration.output.largest_stress
-        where = f"rocks.{name}.max_normal_stress_MPa = {in_unit(stress, 'MPa'):g}"
-        if seating > LARGEST_SEATING * stress:
-            yield (
-                f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: must be at most "
-                f"{LARGEST_SEATING:g} of {where}"
-            )
-        if end < stress:
-            yield f"output.largest_stress_MPa = {in_unit(end, 'MPa'):g}: must be at least {where}"
+    def problems(self, name: str) -> Iterator[str]:
+        """Generate contradictions of a rock with itself, one line each."""
+        stress, where = self.max_normal_stress, f"rocks.{name}"
         stiffness = min(self.levels.get("youngs_modulus", (self.intact.youngs_modulus,)))
         if stress >= stiffness:
-            yield f"{where}: must be below Young's modulus, {in_unit(stiffness, 'MPa'):g} MPa"
-        yield from self._wall_problems(f"rocks.{name}", configuration)
+            yield (
+                f"{where}.max_normal_stress_MPa = {in_unit(stress, 'MPa'):g}: must be below "
+                f"Young's modulus, {in_unit(stiffness, 'MPa'):g} MPa"
+            )
+        yield from self._wall_problems(where)
         for parameter in self.levels:
-            yield from self._level_problems(f"rocks.{name}.levels.{key_of(parameter)}", parameter)
-        relation = relation_of(configuration.surface.jrc_relation)
-        for jrc in (self.jrc, *(self.other_levels.jrc or ())):
-            if not relation.smallest_jrc <= jrc <= relation.largest_jrc and not math.isnan(jrc):
-                yield (
-                    f"rocks.{name}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds "
-                    f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
-                )
+            yield from self._level_problems(f"{where}.levels.{key_of(parameter)}", parameter)
 
     def _level_problems(self, where: str, parameter: str) -> Iterator[str]:
         levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
@@ -223,7 +205,7 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
         if base in levels:
             yield f"{where}: must not contain the value of the rock, {shown[-1]}, always a level"
 
-    def _wall_problems(self, where: str, configuration: "Configuration") -> Iterator[str]:
+    def _wall_problems(self, where: str) -> Iterator[str]:
         """Generate problems of the roughness, one line each."""
         walls, levels = self.walls, self.other_levels.jrc
         if not walls:
@@ -241,8 +223,6 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
                 "out for scanned walls, which have no JRC, or null if another file sets it"
             )
         yield from _registration_problems(walls, f"{where}.walls")
-        for section in sorted(set(configuration.study_sections) - {"assessment"}):
-            yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 
 
 def _registration_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
@@ -294,16 +274,6 @@ class CurveSettings(NamedTuple):
     max_normal_stress: float
     cycles: int
     seating_stress: float
-
-
-def curve_settings(configuration: "Configuration") -> dict[str, CurveSettings]:
-    """Return settings of the measured curves by rock, for rocks of the study that have one."""
-    cycles, seating = configuration.study.cycles, configuration.seating_stress
-    return {
-        name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
-        for name, rock in configuration.rocks.items()
-        if rock.measured
-    }
 
 
 def measured_curves(

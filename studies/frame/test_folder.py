@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from jointclosure.inputs import InputError
-from studies.frame import folder
-from studies.frame.folder import LOCK, enter_folder
+from studies.frame import jobs
+from studies.frame.jobs import LOCK, enter_folder
 
 HOLDS = """
 import os, sys, time
-from studies.frame.folder import enter_folder
+from studies.frame.jobs import enter_folder
 enter_folder()
 if not os.fork():  # as Snakemake under make
     enter_folder()
@@ -37,8 +37,8 @@ def entered(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def leave():
-        while folder._held:
-            folder._held.pop().close()
+        while jobs._held:
+            jobs._held.pop().close()
 
     yield leave
     leave()
@@ -76,7 +76,7 @@ def test_a_run_that_ends_leaves_no_name(entered):
 @pytest.mark.parametrize("host", ["", "other"])
 @pytest.mark.parametrize("boot", ["", "other"])
 def test_what_a_run_left_behind_locks_only_if_it_may_be_at_work_elsewhere(entered, host, boot):
-    here = folder._this_process()
+    here = jobs._this_process()
     left = here | {"host": here["host"] + host, "boot": here["boot"] + boot}
     LOCK.parent.mkdir()
     LOCK.write_text(json.dumps(left))
@@ -91,7 +91,7 @@ def test_without_locks_of_the_file_system_the_text_decides(entered, monkeypatch)
     def flock(*_):
         raise OSError(38, "Function not implemented")
 
-    monkeypatch.setattr(folder.fcntl, "flock", flock)
+    monkeypatch.setattr(jobs.fcntl, "flock", flock)
     enter_folder()
     entered()
     with pytest.raises(InputError, match="another run may be at work"):

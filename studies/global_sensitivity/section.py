@@ -6,8 +6,8 @@ from typing import Annotated, Any
 from pydantic import Field, StringConstraints
 
 from jointclosure.parameters import PROPERTIES, key_of
-from studies.frame.configuration import Configuration
-from studies.frame.keys import Name, Section, Several, StudySection, Text, entry
+from studies.frame.configuration import Configuration, StudySection
+from studies.frame.keys import Name, Section, Several, Text, entry
 
 ROCK = "ROCK"
 """Placeholder in the key of an input for the rock that is closed."""

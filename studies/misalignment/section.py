@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from studies.frame.configuration import Configuration
-from studies.frame.keys import Ascending, Positive, StudySection, entry
+from studies.frame.configuration import Configuration, StudySection
+from studies.frame.keys import Ascending, Positive, entry
 
 
 class Misalignment(StudySection):

@@ -1,6 +1,6 @@
 """Products of a study, and what each is made of; functions import what draws, which is slow."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Any
 
@@ -17,7 +17,7 @@ from studies.frame.covariates import Covariates, as_dataset, from_dataset, known
 from studies.frame.covariates import measure_covariates as measure
 from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Statistics
-from studies.frame.products import PRODUCTS, product
+from studies.frame.products import PRODUCTS, figure_files, product
 from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
 from studies.frame.tables import CURVES, flow_table
 from studies.frame.tables import check_results as check
@@ -87,7 +87,7 @@ def find_indifference_intervals(
     )
 
 
-@product("tables/measured_fit.csv", when=lambda plan: plan.curves, early=True)
+@product("tables/measured_fit.csv", when=lambda plan: plan.typed.curves, early=True)
 def fit_measured(
     study: Curves,
     curve_files: list[str],
@@ -206,15 +206,12 @@ def conclude(
     return conclusion_table(claims, **tables)
 
 
-def _files(names: Iterable[str]) -> list[str]:
-    """Files of figures, in the order in which the report shows them."""
-    return [f"figures/{name}.{format}" for format in ("png", "pdf") for name in names]
-
-
 def _of_study(plan: Any) -> list[str]:
     names = ["fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"]
     names += ["hydraulic_aperture"] if plan.typed.flow else []
-    return _files(names + (["table_3_intervals", "trends_max_closure"] if plan.varied else []))
+    return figure_files(
+        names + (["table_3_intervals", "trends_max_closure"] if plan.varied else [])
+    )
 
 
 @product(listed=_of_study, early=True)
@@ -261,7 +258,7 @@ def draw_figures(
     return figures
 
 
-@product(listed=lambda plan: _files(["table_3_predictive"]), when=lambda plan: plan.varied)
+@product(listed=lambda plan: figure_files(["table_3_predictive"]), when=lambda plan: plan.varied)
 def draw_pool_figures(
     lengths: Annotated[xr.Dataset, read_netcdf],
     paper: pd.DataFrame,

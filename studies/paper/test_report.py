@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from studies.frame.configuration import model
-from studies.frame.schema import json_schema
+from studies.frame.keys import json_schema
 from studies.paper.report.content import (
     STAYS,
     content,

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 from jointclosure.inputs import InputError
 from jointclosure.walls.synthesis import spectrum_of
-from studies.frame.configuration import Configuration
-from studies.frame.keys import Ascending, Name, Positive, Section, StudySection, entry
+from studies.frame.configuration import Configuration, StudySection
+from studies.frame.keys import Ascending, Name, Positive, Section, entry
 
 
 class SizeSpectrum(Section):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.size.scaling import centred, collapse_of, spreads
+from studies.size.study import centred, collapse_of, spreads
 
 
 def made_up(surfaces, noise, power=0.7, extra=0.0, seed=1):

@@ -8,11 +8,12 @@ from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
-from studies.size.scaling import GEOMETRY, collapse_table
 from studies.size.study import (
     EXPERIMENT,
+    GEOMETRY,
     READ,
     barton_bandis_table,
+    collapse_table,
     exponent_table,
     runs_of,
     size_table,

@@ -101,7 +101,7 @@ def _kind_of(value: Any) -> Any:
 
 
 class MustKeys(Keys):
-    """Requirements of a single case, see `studies.verification.requirements`."""
+    """Requirements of a single case, see `studies.verification.hard_cases`."""
 
     same_as: keys_like({"case": "", "within": 0.0}) | None = None
     no_drift: keys_like({"from_cycle": 1, "within": 0.0}) | None = None

@@ -4,7 +4,6 @@ Their steps (docs/model.md) depend on no configuration, and no other step depend
 """
 
 import faulthandler
-import itertools
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -18,11 +17,12 @@ from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import commit, processor, versions_of
 from studies.frame.files import read_plain
 from studies.frame.jobs import compile_all
-from studies.frame.products import Step
+from studies.frame.products import Step, figure_files
 from studies.verification import printed, sweeps
 from studies.verification.analytic import analytic_table
 from studies.verification.hard_cases import (
     curve_of,
+    error_table,
     failed_requirements,
     features_of_case,
     kernels_of_cases,
@@ -30,7 +30,6 @@ from studies.verification.hard_cases import (
     row_of,
     run_case,
 )
-from studies.verification.requirements import error_table
 
 FOLDER = "results/hard_cases"
 PATIENCE = 10.0
@@ -104,7 +103,6 @@ def steps() -> dict[str, Step]:
     groups = sorted({case["group"] for case in cases.values()})
     kernels, tables = f"{FOLDER}/logs/kernels.txt", f"{FOLDER}/tables"
     numerics = [f"{tables}/{name}.csv" for name in ("numerics", "sweep_loads", "analytic")]
-    drawn = itertools.product(("hard_cases", "numerics"), ("png", "pdf"))
     closed = [f"{FOLDER}/cases/{group}.csv" for group in groups]
     curves = [f"{FOLDER}/cases/{group}.curves.csv" for group in groups]
     compiled = {"kernels": kernels_of_cases(cases.values())}
@@ -117,7 +115,7 @@ def steps() -> dict[str, Step]:
                 f"{tables}/hard_cases.csv",
                 f"{tables}/hard_case_errors.csv",
                 f"{tables}/hard_case_features.csv",
-                *(f"{FOLDER}/figures/{name}.{suffix}" for name, suffix in drawn),
+                *figure_files(("hard_cases", "numerics"), f"{FOLDER}/figures"),
             ],
             {"tables": closed, "curves": curves, "formulas": numerics[0], "loads": numerics[1]},
             {"order": list(cases)},

@@ -9,13 +9,15 @@ from jointclosure.engine.assess import HARD_CASES
 from jointclosure.storage.files import read_csv
 from studies.frame.files import read_plain
 from studies.verification.hard_cases import (
+    ERRORS,
+    FLOOR,
     curve_of,
     failed_requirements,
     features_of_case,
+    grown_errors,
     merged_cases,
     run_case,
 )
-from studies.verification.requirements import ERRORS, FLOOR, grown_errors
 
 ROOT = Path(__file__).parents[2]
 STUDY = read_plain(ROOT / "studies/verification/hard_cases.yaml")

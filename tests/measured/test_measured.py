@@ -5,7 +5,7 @@ import pytest
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import parsed_curve
-from studies.frame.rocks import CurveSettings, MeasuredFile, curve_settings, measured_curves
+from studies.frame.rocks import CurveSettings, MeasuredFile, measured_curves
 from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"
@@ -86,7 +86,7 @@ def read(path):
 def test_only_rocks_with_a_file_have_a_curve(tmp_path):
     assert list(measured_curves(settings(tmp_path, GOOD), read)) == ["one"]
     rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
-    (stated,) = curve_settings(study_of({"rocks": rocks})).values()
+    (stated,) = study_of({"rocks": rocks}).curves.values()
     assert stated == CurveSettings(MeasuredFile(file="lab.csv", stress_unit="MPa"), 30e6, 2, 0.5e6)
 
 

@@ -22,9 +22,9 @@ from jointclosure.storage.files import read_csv, read_text, write_text
 from studies.frame.configuration import Configured, configured, merged_study, resolved, sections
 from studies.frame.experiments import checked_design
 from studies.frame.files import read_plain
-from studies.frame.folder import enter_folder
+from studies.frame.jobs import enter_folder
 from studies.frame.keys import Accuracy
-from studies.frame.rocks import curve_settings, measured_curves
+from studies.frame.rocks import measured_curves
 from studies.paper.accuracy import START, Counts, describe_reached, next_counts, start_counts
 from studies.paper.layout import closure_lines
 
@@ -135,7 +135,7 @@ def checked_name(name: str, override: str) -> str:
             f"({target.configuration} has one)"
         )
     target.check(study)
-    measured_curves(curve_settings(study.typed), read_text)
+    measured_curves(study.typed.curves, read_text)
     return study.typed.study.name
 
 
