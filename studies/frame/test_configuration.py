@@ -4,16 +4,22 @@ import shutil
 import subprocess
 import sys
 
+import pandas as pd
 import pytest
+import yaml
 
+import jointclosure as jc
 from jointclosure.compilation.sources import PACKAGE
+from jointclosure.engine.ensembles import close_points
+from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.settings import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.configuration import resolved, written_out
+from studies.frame.configuration import resolved, sections, written_out
+from studies.frame.experiments import checked_design, experiment_named, experiments_in
 from studies.frame.files import ConfigurationError, read_plain
-from tests.studied import DEFAULT, ROOT, checked_study, study_of
+from tests.studied import DEFAULT, ROOT, checked_study, study_of, tiny
 
 HARD_CASES = "studies/verification/hard_cases.yaml"
 STUDIES = sorted(
@@ -204,3 +210,211 @@ def test_auto_is_short_for_all_effects_to_two_percent():
     assert all(study.rocks["slate"].effects)
     assert study_of().effects_chosen_to is None
     assert written_out(DEFAULT) is DEFAULT
+
+
+# Files of a configuration that are damaged or meant to do harm: one line with file and reason
+
+
+BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{later}: &{later} [{', '.join(9 * ['*' + earlier])}]\n"
+    for earlier, later in zip("abcdefgh", "bcdefghi", strict=True)
+)
+FILES = {
+    "empty": (b"", "is empty"),
+    "a list": (b"- study\n- grid\n", "must contain keys and values, not ['study', 'grid']"),
+    "latin-1": ("study: {name: caf\xe9}\n".encode("latin-1"), "is not UTF-8 text (byte 0xe9"),
+    "a tag": (b"study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
+    "a template": (b"__use_yte__: true\nstudy:\n  name: ?open('ran', 'w').name\n", "left out"),
+    "a key twice": (b"grid: {cells_x: 5}\ngrid: {cells_y: 6}\n", "line 2: the key grid must be"),
+    "an alias bomb": (BOMB.encode(), "its aliases expand to more than 100000"),
+    "a recursive anchor": (b"study: &a\n  rocks: *a\n", "an alias refers to itself"),
+    "deep": (b"study: " + 5000 * b"[" + 5000 * b"]", "nested"),
+    "an unknown anchor": (b"study: *a\n", "line 1: found undefined alias"),
+    "minutes": (b"rocks:\n  slate:\n    youngs_modulus_GPa: 1:30\n", "line 3: 1:30 must be"),
+    "octal": (b"grid: {cells_x: 010}\n", "line 1: 010 must be a decimal"),
+    "a number as a key": (b"grid: {5: 5}\n", "the key 5 must be a text"),
+    "two documents": (b"grid: {}\n---\nstudy: {}\n", "not plain YAML: "),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
+    content, printed = FILES[kind]
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigurationError) as error:
+        read_plain(path)
+    assert str(error.value).startswith(f"{path}: ")
+    assert printed in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("a: &some {x: 1, y: 2.5e-3}\nb: *some\nc: {<<: *some, y: -3}\n")
+    assert read_plain(path) == {
+        "a": {"x": 1, "y": 2.5e-3},
+        "b": {"x": 1, "y": 2.5e-3},
+        "c": {"x": 1, "y": -3},
+    }
+
+
+# What holds of every experiment: bad designs are refused by key, and jobs change no bit
+
+
+TINY = {name: tiny(name) for name in sections()}
+
+
+def of_inputs(**inputs):
+    return {"global_sensitivity": {"inputs": inputs}}
+
+
+REFUSED = [
+    ("assessment", {"assessment": {"joints": 1}}, "assessment.joints = 1: must be at least 2"),
+    ("assessment", {"assessment": {"stress_MPa": [0.5]}}, "stress_MPa = 0.5: must be more than"),
+    ("global_sensitivity", {"global_sensitivity": {"rows": 48}}, "rows = 48: must be a power of 2"),
+    ("global_sensitivity", of_inputs(jrc={"values": [6]}), "inputs.jrc: must have either"),
+    ("global_sensitivity", of_inputs(jrc={"between": [9, 6]}), "[9.0, 6.0]: must ascend"),
+    ("global_sensitivity", of_inputs(jrc={"between": [6, 60]}), "rocks.dolerite.jrc = 60"),
+    (
+        "global_sensitivity",
+        of_inputs(jrc={"key": "grid.cells_x", "between": [9, 64]}),
+        "must begin",
+    ),
+    ("misalignment", {"misalignment": {"tilt_degrees": [0.1]}}, "tilt_degrees: must have 0 among"),
+    ("misalignment", {"misalignment": {"rotation_degrees": [360]}}, "rotation_degrees = 360"),
+    ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20)"),
+    ("mismatch", {"mismatch": {"shift_in_cells": [1]}}, "shift_in_cells = [1]: must contain 0"),
+    ("mismatch", {"mismatch": {"wavelength_mm": [-1]}}, "wavelength_mm = -1: must be at least"),
+    ("mismatch", {"surface": {"correlation": 0.5}}, "the study sets surface.mismatch_wavelength"),
+    ("size", {"size": {"spacing_mm": [0.15, 0.25]}}, "spacing_mm = 0.25: must be a multiple of"),
+    ("size", {"size": {"patch_mm": [3, 4]}}, "patch_mm = 3: must be a whole part of 4"),
+    ("size", {"size": {"spectra": {"flat": {"roll_off_mm": 0.2}}}}, "spectra.flat: roll_off"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "reason"), REFUSED)
+def test_a_design_that_cannot_be_closed_is_refused_by_its_key(name, change, reason):
+    with pytest.raises(ConfigurationError) as error:
+        checked_design(name, checked_study(TINY[name], change))
+    assert reason in str(error.value)
+
+
+@pytest.mark.parametrize("name", sections())
+def test_a_study_without_the_section_does_not_run_the_experiment_nor_bear_its_name(name):
+    assert name not in experiments_in(DEFAULT)
+    with pytest.raises(ConfigurationError, match=f"study.name = '{name}'"):
+        checked_study({"study": {"name": name}})
+
+
+@pytest.mark.parametrize("name", sections())
+def test_a_point_closed_alone_has_the_bits_that_it_has_in_its_job(name):
+    experiment = experiment_named(name)
+    assert set(experiment.quantities) <= set(QUANTITIES)
+    points = list(next(iter(experiment.design(checked_study(TINY[name])).jobs.values())))[:2]
+    together = close_points(points, experiment.quantities).drop(columns="seconds")
+    alone = close_points(points[-1:], experiment.quantities).drop(columns="seconds")
+    own = together.tail(len(alone)).reset_index(drop=True)
+    pd.testing.assert_frame_equal(own[alone.columns], alone, check_exact=True)
+
+
+# Numbers that are none, or that look like a slip of units, are refused before anything runs
+
+
+USUAL = {"spacing": 0.25e-3, "rock": jc.Rock(78e9, 0.2, 165e6), "max_normal_stress": 1e6}
+
+
+NO_NUMBERS = (".nan", ".inf", "-.inf", "1.0e+400", "1e400")
+FINITE = (
+    "rocks.slate.youngs_modulus_GPa", "rocks.slate.jrc", "grid.spacing_mm", "seating_stress_MPa",
+    "choices.largest_radius_mm", "numerics.displacement_step_um", "statistics.significance",
+    "output.largest_stress_MPa", "effects.auto", "rocks.slate.levels.youngs_modulus_GPa",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "written"),
+    [*((key, ".nan") for key in FINITE), *((FINITE[0], written) for written in NO_NUMBERS[1:])],
+)
+def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
+    value = [60, yaml.safe_load(written)] if "levels" in key else yaml.safe_load(written)
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    with pytest.raises(ConfigurationError) as error:
+        study_of(value)
+    assert f"  {key} = " in str(error.value)
+    assert "must be" in str(error.value)
+
+
+SLIPS = {
+    "MPa for GPa": ({"rocks": {"slate": {"youngs_modulus_GPa": 66000, "levels": {"youngs_modulus_GPa": None}}}}, "rocks.slate.youngs_modulus_GPa = 66000"),
+    "a level in MPa": ({"rocks": {"slate": {"levels": {"youngs_modulus_GPa": [60, 72000]}}}}, "rocks.slate.levels.youngs_modulus_GPa = 72000"),
+    "a stress in Pa": ({"rocks": {"slate": {"max_normal_stress_MPa": 30e6}}}, "rocks.slate.max_normal_stress_MPa = 30000000"),
+    "um for mm": ({"grid": {"spacing_mm": 250}}, "grid.spacing_mm = 250"),
+    "a step in m": ({"numerics": {"displacement_step_um": 12.5e-6, "breakage_step_um": 1e-6}}, "numerics.displacement_step_um = 1.25e-05"),
+    "a radius in um": ({"choices": {"largest_radius_mm": 20000}}, "choices.largest_radius_mm = 20000"),
+}  # fmt: skip
+
+
+def found_in(change, **study):
+    """What is said against a study."""
+    try:
+        study_of(change, {"study": study})
+    except ConfigurationError as error:
+        return str(error).splitlines()
+    return []
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_of_units_is_refused_and_a_key_takes_it_as_it_is(slip):
+    change, printed = SLIPS[slip]
+    lines = [line for line in found_in(change) if printed in line]
+    assert len(lines) == 1
+    assert "not usual of rock" in lines[0]
+    assert "study.unusual_values: allow takes it as it is" in lines[0]
+    # it may contradict another key all the same
+    assert not any("not usual" in line for line in found_in(change, unusual_values="allow"))
+
+
+def test_rocks_that_are_not_studied_may_be_what_they_are():
+    tuff = {"title": "T", "youngs_modulus_GPa": 1e-9, "poisson_ratio": 0.2, "jrc": 8,
+            "compressive_strength_MPa": 1, "max_normal_stress_MPa": 1, "levels": {}}  # fmt: skip
+    study_of({"rocks": {"tuff": tuff}})
+    with pytest.raises(ConfigurationError, match="not usual"):
+        study_of({"rocks": {"tuff": tuff}, "study": {"rocks": ["tuff"]}})
+
+
+@pytest.mark.parametrize(
+    ("change", "printed"),
+    [
+        ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
+        ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
+        ({"max_normal_stress": 5}, "is 5 MPa meant, 5e+06 Pa?"),
+        ({"max_normal_stress": 5e12}, "is 5e+06 Pa meant?"),
+        ({"max_normal_stress": [5e6, 0.0, 8]}, "max_normal_stress = 8 Pa: not usual"),
+        ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
+        ({"numerics": jc.Numerics(displacement_step=12.5)}, "displacement_step = 12.5 m: not"),
+        ({"choices": jc.Choices(largest_radius=20.0)}, "largest_radius = 20.0 m: not usual"),
+    ],
+)
+def test_the_library_refuses_a_slip_of_units_too(change, printed):
+    walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
+    for close in (
+        lambda **stated: jc.simulate(*walls[0], **{"seating_stress": 0.0} | stated),
+        lambda **stated: jc.choose_effects(walls, **stated),
+    ):
+        with pytest.raises(jc.InputError, match="unusual_values=True") as error:
+            close(**USUAL | change)
+        assert printed in str(error.value)
+
+
+@pytest.mark.parametrize("given", [{"roll_off": 3.0}, {"mismatch_wavelength": 1.0}])
+def test_wavelengths_in_another_unit_are_refused(given):
+    settings = {"shape": (6, 6), "spacing": 0.25e-3, "seed": 1} | given
+    with pytest.raises(jc.InputError, match=r"= \d.0 m: not usual .*unusual_values=True"):
+        jc.wall_pair(8.0, **settings)
+    assert jc.wall_pair(8.0, **settings, unusual_values=True)[0].shape == (6, 6)
+    name, value = next(iter(given.items()))
+    slip = {"surface": {f"{name}_mm": 1e3 * value}}
+    assert any("not usual" in line for line in found_in(slip))
+    assert not found_in(slip, unusual_values="allow")

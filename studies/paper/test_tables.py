@@ -1,10 +1,38 @@
 """Tables 1 to 3 in the paper's layout."""
 
+import re
+from functools import partial
+from pathlib import Path
+
+import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from jointclosure.engine.settings import walls_of
+from jointclosure.joint.barton_bandis import barton_bandis
+from jointclosure.measured.curves import parsed_curve
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import significant
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.walls.roughness import z2_of_jrc
+from studies.frame.cases import cases_of, surface_settings
+from studies.frame.configuration import model
+from studies.frame.covariates import (
+    Covariates,
+    as_dataset,
+    covariates_of_pair,
+    from_dataset,
+    known_covariates,
+    measure_covariates,
+)
+from studies.frame.keys import json_schema
+from studies.frame.plan import Plan
+from studies.frame.products import make_files
+from studies.paper import figures as plotting
+from studies.paper.closures import fit_table
+from studies.paper.figures import Measurements, interval_figure
 from studies.paper.layout import (
     case_table,
     rock_table,
@@ -12,7 +40,18 @@ from studies.paper.layout import (
     table_3_markdown,
     with_paper,
 )
-from tests.studied import study_of
+from studies.paper.products import PRODUCTS
+from studies.paper.report.content import (
+    STAYS,
+    content,
+    departures,
+    headline,
+    most_sensitive,
+    setting_rows,
+)
+from studies.paper.report.page import render
+from tests.studied import ROOT, checked_study, study_of
+from tests.world import world
 
 
 @pytest.mark.parametrize(
@@ -66,3 +105,334 @@ def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
     assert with_paper(own, paper).paper_length.item() == 0.726
     other = own.assign(rock="granite")
     pd.testing.assert_frame_equal(with_paper(other, paper), other)
+
+
+# The page of a study
+
+
+@pytest.fixture(scope="module")
+def page(material):
+    return content(material)
+
+
+def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
+    row = page["frames"]["in_short"].iloc[0, 1:].map(lambda cell: cell.key)
+    closures = material.tables["max_closure"]
+    base = closures[closures.parameter == "base"]
+    own = base[base.rock == base.rock.iloc[0]].set_index("cycle")
+    assert row["Net closure since seating, cycle 2 (mm)"] == own.max_closure_seated_net_mean_mm[2]
+    stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]
+    assert row[STAYS] == pytest.approx(100.0 * stays)
+    study = material.study
+    case = study.sel(case=study.case[study.parameter == "base"][0], cycle=1)
+    compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
+    assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
+
+
+def test_settings_that_differ_from_the_papers_are_found(configuration, default):
+    schema = json_schema(model())
+    assert departures(setting_rows(default, default, schema)) == []
+    rows = setting_rows(configuration, default, schema)
+    found = departures(rows)
+    assert {"study.realizations", "rocks.granite.jrc"} <= set(found)
+    assert not any(key.startswith("rocks.slate") for key in found)
+    assert not any(key.startswith("rocks.dolerite") for key in rows.key)  # not in the study
+    assert rows.meaning.str.len().min() > 5  # every key is explained
+
+
+@pytest.mark.parametrize(
+    ("of_slate", "of_dolerite", "error", "samples", "verdict"),
+    [
+        (-1.0, -1.1, 0.02, 60, "stands"),
+        (-1.0, -1.1, 0.2, 4, "undecided"),
+        (-1.0, -0.65, 0.005, 60, "no difference"),
+        (-1.0, -0.2, 0.02, 60, "falls"),
+    ],
+)
+def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error, samples, verdict):
+    rows = [
+        {"rock": rock, "parameter": name, "cycle": 2, "samples": samples, "elasticity": value}
+        for rock, modulus in (("slate", of_slate), ("dolerite", of_dolerite))
+        for name, value in (("youngs_modulus", modulus), ("compressive_strength", 0.6))
+    ]
+    table = pd.DataFrame(rows).assign(elasticity_standard_error=error)
+    assert most_sensitive(table, "youngs_modulus") == verdict
+    about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
+    assert headline(table) == about
+
+
+def test_closures_of_a_joint_are_given_since_seating_and_as_in_the_paper_and_else_not(page):
+    headings = re.findall(r"<th[^>]*>([^<]*)", render(page))
+    shown = {head.strip() for head in headings if "closure" in head.lower() and "(mm)" in head}
+    own = {head for head in shown if "measured" not in head.lower()}
+    assert own == {
+        "Net closure since seating, cycle 1 (mm)",
+        "Net closure since seating, cycle 2 (mm)",
+        "Maximum closure, mean (mm)",
+    }
+
+
+# Covariates belong to the joints that were closed, and are alike in all cases of a study
+
+
+SMALL = {
+    "study": {"rocks": ["slate", "dolerite"], "realizations": 4, "pool": None},
+    "grid": {"cells_x": 24, "cells_y": 20},
+}
+
+
+def test_covariates_are_those_of_the_walls_that_were_closed():
+    configuration = study_of(SMALL)
+    values = measure_covariates(world(configuration), configuration.grid, configuration.surface)
+    for i, case in enumerate(cases_of(configuration)):
+        walls = list(walls_of(surface_settings(configuration, case, range(4))))
+        z2 = z2_of_jrc(case.jrc, configuration.grid.spacing, configuration.surface.hurst)
+        for j, (upper, lower) in enumerate(walls):
+            expected = covariates_of_pair(upper, lower, z2)
+            np.testing.assert_array_equal(values[i, j], expected)
+            # of 480 cells 1 % end between the fourth and fifth highest, 5 % at the 24th
+            highest = np.sort((upper + lower).ravel())[::-1]
+            depth, at_five = highest[0] - highest[[3, 4]], highest[0] - highest[23]
+            assert depth[0] <= z2 * expected[0] <= depth[1]
+            assert z2 * expected[1] == pytest.approx(at_five, rel=1e-12)
+
+
+@pytest.mark.parametrize("normalise", ["wall", "expectation"])
+def test_covariates_of_one_noise_are_the_same_at_every_jrc(normalise):
+    changes = {"study": {"draws": "common"}, "surface": {"normalise": normalise}}
+    configuration = study_of(SMALL, changes)
+    study = world(configuration)
+    values = measure_covariates(study, configuration.grid, configuration.surface)
+    for rock in ("slate", "dolerite"):
+        own = values[(study.rock == rock).values]
+        assert len(set(study.jrc.values[(study.rock == rock).values])) == 3
+        np.testing.assert_allclose(own, np.broadcast_to(own[0], own.shape), rtol=1e-10)
+
+
+def test_means_are_known_within_the_error_that_they_tell():
+    configuration = study_of(SMALL)
+    grid, surface = configuration.grid, configuration.surface
+    one, other = (known_covariates(400, seed, grid, surface) for seed in (1, 2))
+    off = one.means - other.means
+    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in (one, other)))
+    assert np.all((off != 0.0) & (np.abs(off) < 4.0 * error))
+    assert np.all(error < 0.05 * one.means)
+
+
+def test_covariates_come_back_from_their_file(tmp_path):
+    configuration = study_of(SMALL)
+    study = world(configuration)
+    known = known_covariates(20, 1, configuration.grid, configuration.surface)
+    values = measure_covariates(study, configuration.grid, configuration.surface)
+    write_netcdf(as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
+    again = from_dataset(read_netcdf(tmp_path / "covariates.nc"))
+    np.testing.assert_array_equal(again.values, values)
+    for one, other in zip(again.known, known, strict=True):
+        np.testing.assert_array_equal(one, other)
+    first, later = again.of_cycle(1), again.of_cycle(2)
+    assert (first.values.shape[-1], later.values.shape[-1]) == (2, 1)
+    assert first.known.means.tolist() == known.means[:2].tolist()
+    assert later.known.covariance.tolist() == [[known.covariance[2, 2]]]
+
+
+# Products of a study: made of what they read, and again only when that changes
+
+
+COLUMNS = ["ensemble", "check", "required", "found", "passed"]
+PASSED = ("cases", "least force", "not negative", "0", True)
+FAILED = ("pool", "volume", "at most 1e-12", "2e-9 of it", False)
+CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}}}}
+
+
+def plan(*changes: dict) -> Plan:
+    return Plan(checked_study(*changes))
+
+
+def settings(*changes: dict) -> dict[str, dict]:
+    study = plan(*changes)
+    return {name: study.settings(product) for name, product in PRODUCTS.items()}
+
+
+@pytest.fixture(scope="module")
+def unchanged():
+    return settings()
+
+
+RANDOM = {"find_indifference_intervals", "predict_table_3", "judge_claims", "measure_covariates"}
+TITLED = {"write_tables", "draw_figures", "draw_pool_figures"}
+
+
+@pytest.mark.parametrize(
+    ("change", "made_again"),
+    [
+        ({"statistics": {"bootstrap_resamples": 77}}, {"find_indifference_intervals"}),
+        ({"statistics": {"repetitions": 777}}, {"predict_table_3", "judge_claims"}),
+        ({"statistics": {"control_variates": 777}}, {"measure_covariates"}),
+        ({"output": {"wall_strength_ratio": 7.0}}, {"draw_figures"}),
+        ({"numerics": {"force_tolerance": 1e-8}}, {"check_results"}),
+        ({"study": {"root_seed": 77}}, RANDOM),
+        ({"study": {"pool": 77}}, {"check_results"}),
+        ({"rocks": {"slate": {"title": "Another slate"}}}, TITLED),
+        (CURVE, TITLED | {"fit_measured"}),
+        ({"choices": {"peak_modulus_ratio": 0.1}}, set()),
+        ({"study": {"cycles": 3, "realizations_per_job": 7}}, set()),
+    ],
+    ids=lambda value: str(value) if isinstance(value, dict) else "",  # sets have no order
+)
+def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
+    unchanged, change, made_again
+):
+    after = settings(change)
+    changed = {name for name in PRODUCTS if after[name] != unchanged[name]}
+    assert changed == made_again | {"state_configuration"}
+
+
+@pytest.mark.parametrize("changes", [{}, {"flow": True} | CURVE, {"study": {"pool": None}}])
+def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(changes, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    study = plan(changes)
+    planned = [product for product in PRODUCTS.values() if product.when(study)]
+    made = [study.file(name) for product in planned for name in product.files(study)]
+    assert len(set(made)) == len(made)
+    known = [*made, *map(study.file, ("study.nc", "pool.nc", "first_walls.nc"))]
+    for product in planned:
+        for paths in study.inputs(product).values():
+            for path in [paths] if isinstance(paths, str) else paths:
+                stored = not path.startswith("results/") and Path(path).is_file()
+                assert path in known or stored
+
+
+@pytest.mark.parametrize("rows", [[PASSED, FAILED], [PASSED, PASSED]])
+def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows):
+    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
+    pd.DataFrame(rows, columns=COLUMNS).to_csv(table, index=False)
+    lines: list[str] = []
+    make = partial(make_files, PRODUCTS["require_checks"].make, {"checks": str(table)}, {})
+    if FAILED not in rows:
+        make([str(note)], log=lines.append)
+        assert note.read_text() == "2 checks passed\n"
+        assert lines == [f"wrote {note}"]
+        return
+    with pytest.raises(SystemExit) as ended:
+        make([str(note)], log=lines.append)
+    assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
+    assert "least force" not in str(ended.value)
+    assert not note.exists()
+
+
+def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    for name, expected in (("paper", 4), ("mine", 0)):
+        inputs = plan({"study": {"name": name}}).inputs(PRODUCTS["conclude"])
+        beside = (inputs[key] for key in ("jrc_range", "readings", "choices", "margins"))
+        assert sum(map(bool, beside)) == expected
+
+
+# Figures are drawn from made-up studies; what they show is looked at by people
+
+
+ROCKS = study_of().rocks
+ROCK = ROCKS["slate"]._replace(max_normal_stress=2e6)
+
+
+@pytest.fixture
+def study():
+    """Four surfaces; the third is the mean of the others on the first cycle, the last failed."""
+    stress = np.array([0.0, 1e6, 2e6])
+    curve = np.array([0.0, 1.0, 1.5])
+    scale = np.array([0.8, 1.2, 1.0, 9.0])
+    loading = 1e-4 * scale[:, None] * curve
+    unloading = loading + 1e-5
+    net = np.stack([loading, unloading], axis=1)[None, :, None].repeat(2, axis=2)
+    bulk = np.broadcast_to(2e-5 * stress / 2e6, net.shape)
+    over = ("case", "realization", "cycle")
+    per_cycle = np.full((1, 4, 2), 1.5e-4)
+    return xr.Dataset(
+        {
+            "closure": ((*over, "branch", "stress"), net + bulk),
+            "bulk_indentation": ((*over, "branch", "stress"), bulk),
+            "status": (over[:2], np.array([[0, 0, 2, 16]], dtype=np.int16)),
+            "max_closure_net": (over, per_cycle),
+            "max_closure_seated_net": (over, per_cycle - 5e-5),
+            "residual_closure": (over, 0 * per_cycle),
+            "residual_closure_seated_net": (over, np.full((1, 4, 2), 7e-6)),
+        },
+        coords={
+            "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
+            "realization": range(4), "cycle": [1, 2], "branch": ["loading", "unloading"],
+            "stress": stress,
+        },
+    )  # fmt: skip
+
+
+def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
+    assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
+
+
+@pytest.mark.parametrize(
+    ("seating", "first", "last", "left"),
+    # the paper's figure is gross: 0.02 mm of bulk indentation at the maximum
+    [(5e5, (0.0, 0.5), 0.15 - 0.05, 7e-3), (None, (0.0, 0.0), 0.15 + 0.02, 0.0)],
+)
+def test_closures_are_drawn_since_seating_or_since_first_touch(study, seating, first, last, left):
+    figure = plotting.closure_figure(study, {"one": ROCK}, seating, 1.5)
+    for axes in figure.axes:  # the second cycle has a panel of its own
+        loading, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
+        assert (loading.get_xdata()[0], loading.get_ydata()[0]) == first
+        np.testing.assert_allclose(loading.get_xdata()[-1], last)
+        # unloading ends at seating, with the residual closure
+        np.testing.assert_allclose(unloading.get_xdata()[0], left)
+        assert unloading.get_ydata()[0] == first[1]
+
+
+MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
+
+
+def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study):
+    curves = {"one": parsed_curve(MEASURED, "lab.csv")}
+    fits = fit_table(study, curves, 5e5)
+    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
+    axes = figure.axes[0]
+    (measured,) = [line for line in axes.lines if line.get_color() == "k"]
+    np.testing.assert_allclose(measured.get_xdata(), [0.0, 0.05, 0.09, 0.08], atol=1e-12)
+    np.testing.assert_allclose(measured.get_ydata(), [0.5, 1.0, 2.0, 1.0])
+    best = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(best) == 2  # loading and unloading of the one cycle that was measured
+    (row,) = fits.itertuples()
+    assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
+
+
+@pytest.mark.parametrize("seating", [None, 5e5])
+@pytest.mark.parametrize("jrc", [8, 4, 16, 0])
+def test_the_barton_bandis_law_is_drawn_where_it_holds_from_where_closures_start(
+    study, seating, jrc
+):
+    """It counts from zero stress; since seating its closure there is subtracted."""
+    figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, seating, 1.5)
+    first = seating or 0.0
+    for cycle, axes in enumerate(figure.axes, start=1):
+        drawn = [line for line in axes.lines if line.get_color() == "0.2"]
+        assert len(drawn) == (jrc == 8)
+        for line in drawn:
+            assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 1e-6 * first)
+            law = barton_bandis(jrc, ROCK.intact.compressive_strength, 1.5, cycle)
+            reached = 1e3 * (law.closure(2e6) - law.closure(first))
+            np.testing.assert_allclose(line.get_xdata()[-1], reached)
+            assert line.get_xdata().size > 100  # it is a curve between the stresses of the study
+
+
+@pytest.mark.parametrize("varied", [1, 2, 3, 4])
+def test_the_legend_of_intervals_lies_within_the_figure(varied):
+    names = ("jrc", "poisson_ratio", "youngs_modulus", "compressive_strength")[:varied]
+    rows = [(rock, name, cycle) for rock in ROCKS for name in names for cycle in (1, 2)]
+    table = pd.DataFrame(rows, columns=["rock", "parameter", "cycle"]).assign(
+        unit="", test="paired", extrapolated=False, length=1.0, length_low=0.5, length_high=9.0,
+        length_net=1.1, paper_length=1.2, in_paper=True,
+    )  # fmt: skip
+    figure = interval_figure(table, ROCKS)
+    FigureCanvasAgg(figure).draw()
+    (legend,), panel = figure.legends, figure.axes[0].get_window_extent()
+    place = legend.get_window_extent()
+    assert 0.0 <= place.x0 < place.x1 <= figure.bbox.x1
+    assert 0.0 <= place.y0 < place.y1 <= panel.y0
+    assert panel.height > 0.3 * panel.width

@@ -8,13 +8,22 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
-from jointclosure.walls.measured import wall_on_grid
+from jointclosure.walls.mating import (
+    Mismatch,
+    mating,
+    measured_mismatch,
+    slope_correlations,
+)
+from jointclosure.walls.measured import Cloud, wall_on_grid
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
 from tests.joints import SPACING, bump
+from tests.walls.test_formats import STEP_MM
+from tests.walls.writers import Ground, triangles
 
 ROOT = Path(__file__).parents[2]
 
@@ -127,3 +136,241 @@ def test_rigid_walls_overlap_in_that_share_at_that_closure():
     gap = (upper + lower).max() - (upper + lower)
     closure = bearing_depths(upper + lower, 0.05)
     assert np.mean(gap <= closure * (1 + 1e-12)) == pytest.approx(0.05, abs=0.5 / gap.size)
+
+
+# Points on a regular grid are that grid, whatever their order, gaps and repeats
+
+
+SHAPE = (20, 26)
+
+
+@pytest.fixture(scope="module")
+def wall():
+    """Heights (y, x) [mm]."""
+    return 1e3 * jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0]
+
+
+@pytest.fixture
+def points(wall):
+    return Ground(wall).points()
+
+
+def read_points(path, points, digits=6):
+    np.savetxt(path, points, fmt=f"%.{digits}f")
+    return read_scan(path, units="mm")
+
+
+@pytest.mark.parametrize("lost", [[0], [137], [3, 77, 78, 79, 300], range(130, 156)])
+def test_a_grid_with_missing_points_is_that_grid_and_a_lost_profile_is_warned_of(
+    lost, wall, points, tmp_path
+):
+    scan = read_points(tmp_path / "a.xyz", np.delete(points, lost, axis=0))
+    expected = 1e-3 * wall
+    expected.flat[list(lost)] = np.nan
+    assert scan.spacing == (SPACING, SPACING)
+    np.testing.assert_allclose(scan.heights, expected, atol=1e-9)
+    assert f"{len(lost)} of 520 nodes of the points' grid have no point" in scan.remarks[0]
+    warned = " ".join(cautions(scan.remarks))
+    assert ("26 of them inside the wall (5 %): is the file inc" in warned) == (len(lost) == 26)
+
+
+def test_scattered_and_staggered_points_are_no_grid(points, tmp_path):
+    random = np.random.default_rng(1)
+    scattered, staggered = points.copy(), points.copy()
+    scattered[:, :2] += STEP_MM * random.random((len(points), 2))
+    staggered[:, 0] += 0.5 * STEP_MM * (np.round(points[:, 1] / STEP_MM) % 2)
+    rounded = np.column_stack([np.round(6.0 * random.random((500, 2)), 2), random.random(500)])
+    for cloud in (scattered, staggered, rounded):
+        scan = read_points(tmp_path / "a.xyz", cloud)
+        assert isinstance(scan, Cloud)
+        assert "no regular grid" in " ".join(cautions(scan.remarks))
+
+
+def off_its_node(points, step):
+    points[137, 0] += 0.075 * step
+
+
+def a_lost_field(points, step):
+    points[137] = [*points[137, 1:], np.nan]  # y and height, as read in the places of x and y
+
+
+def a_point_between(points, step):
+    points[137, :2] += 0.5 * step
+
+
+def a_shifted_profile(points, step):
+    points[3 * 26 : 4 * 26, 0] += 0.25 * step + 1e-6
+
+
+def rounded_places(points, step):
+    points[:, :2] = np.round(points[:, :2] / (0.4 * step)) * 0.4 * step
+
+
+def jitter(points, step):
+    points[:, :2] += 0.02 * step * np.random.default_rng(4).standard_normal((len(points), 2))
+
+
+DAMAGES = {
+    off_its_node: (1, "1 of 520 points lie off the nodes"),
+    a_lost_field: (1, "1 of 520 nodes of the points' grid have no point"),
+    a_point_between: (1, "1 of 520 points lie off the nodes"),
+    a_shifted_profile: (26, "26 of 520 points lie off the nodes"),
+    rounded_places: (0, "points were moved to the nodes of their grid, by an rms "),
+    jitter: (0, "points were moved to the nodes of their grid, by an rms 2.9 % of its step"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
+def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
+    damage, wall, points, tmp_path
+):
+    step = 0.4
+    points = points * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
+    damage(points, step)
+    scan = read_points(tmp_path / "a.xyz", points)
+    lost, remark = DAMAGES[damage]
+    assert scan.spacing == pytest.approx((1e-3 * step,) * 2, rel=5e-3)
+    assert scan.origin == pytest.approx((-30e-3, 7.5e-3), abs=0.15e-3 * step)
+    assert remark in " ".join(scan.remarks)
+    known = np.isfinite(scan.heights)
+    assert scan.heights.shape == SHAPE
+    assert known.sum() == known.size - lost
+    np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
+
+
+@pytest.mark.parametrize("gridded", [True, False])
+def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, points, tmp_path):
+    if not gridded:
+        points[:, :2] += 0.25 * np.random.default_rng(2).random((len(points), 2))
+    other = points + np.array([0.0, 0.0, 0.4])
+    few = read_points(tmp_path / "few.xyz", np.vstack([points, other[100:103]]))
+    assert few.remarks[0] == "3 places with several heights were treated as missing"
+    known = np.isfinite(few.heights).sum() if gridded else len(few.points)
+    assert known == len(points) - 3
+    with pytest.raises(jc.InputError, match=r"many\.xyz: 520 of 520 places have several heights"):
+        read_points(tmp_path / "many.xyz", np.vstack([points, other]))
+
+
+def test_a_closed_block_below_a_wall_is_no_wall(points, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    far = points[:, :2].max(axis=0)
+    block = trimesh.creation.box(bounds=[[0.0, 0.0, -2.0], [*far, -1.0]])
+    sheet = trimesh.Trimesh(points, triangles(SHAPE), process=False)
+    solid = trimesh.util.concatenate([sheet, block])
+    (tmp_path / "a.stl").write_bytes(solid.export(file_type="stl"))
+    with pytest.raises(jc.InputError, match=r"a\.stl: the surface overlaps itself: .* covers? 3 "):
+        read_scan(tmp_path / "a.stl", units="mm")
+
+
+def test_places_that_are_written_rounded_are_those_of_a_grid(points, tmp_path):
+    points = points * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
+    scan = read_points(tmp_path / "a.xyz", points, digits=2)
+    assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
+    assert scan.heights.shape == SHAPE
+
+
+# Fit of two walls: by shift, by wavelength, and the wavelength beyond which they are mated
+
+
+PAIRS = 20
+
+
+def found_in(cells, shape=(80, 96), **how):
+    """Estimates (pairs, wavelength and ends) [m] of pairs with a mismatch of so many cells."""
+    wavelength = None if cells is None else cells * SPACING
+    return np.array(
+        [
+            measured_mismatch(
+                *jc.wall_pair(8.0, shape, SPACING, seed, mismatch_wavelength=wavelength, **how),
+                SPACING,
+            )
+            for seed in range(PAIRS)
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("cells", "how"), [(5, {}), (9, {"hurst": 0.5}), (9, {"roll_off": 3e-3}), (16, {})]
+)
+def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
+    wavelength, low, high = found_in(cells, **how).T / (cells * SPACING)
+    assert np.median(wavelength) == pytest.approx(1.0, abs=0.08)
+    assert np.mean((low <= 1.0) & (high >= 1.0)) >= 0.9
+    # it says something: within a third of it, where walls are so many wavelengths long
+    assert np.median(high / low) < 1.6
+
+
+def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
+    assert np.all(found_in(0) == 0.0)
+    wavelength, low, high = found_in(None).T
+    # the few longest waves correlate by chance
+    assert np.median(wavelength) == np.inf
+    assert np.all(high == np.inf)
+    assert np.all(low > 4 * SPACING)
+
+
+def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
+    mates = mating(upper, lower, SPACING)
+    np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
+    assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
+    scores = []
+    for seed in range(20):
+        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed, roll_off=None), SPACING)
+        scores.append(found.correlation * np.sqrt(found.modes))
+    # standard errors are as stated: the scores have a spread of one
+    assert 0.8 < np.std(scores) < 1.25
+    assert abs(np.mean(scores)) < 0.3
+
+
+def test_a_band_of_half_an_octave_is_named_by_its_middle():
+    n, wavelength = 128, 8 * SPACING
+    x = np.arange(n) * SPACING
+    rng = np.random.default_rng(1)
+    noise = 1e-6 * rng.normal(size=(2, n, n))
+    wave = 1e-4 * np.cos(2.0 * np.pi * x / wavelength)
+    found = mating(noise[0] + wave, noise[1] - wave, SPACING)
+    band = int(np.argmin(np.abs(np.log(found.wavelengths / wavelength))))
+    assert found.correlation[band] > 0.99
+    assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
+
+
+def test_correlations_over_shifts_are_those_of_the_definition():
+    rng = np.random.default_rng(3)
+    fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
+    fixed[2, 3] = moved[4, 1] = np.nan
+    found = slope_correlations(fixed, moved.shape, 0.5)(moved)
+    slopes = [
+        np.diff(field, axis=1)[:-1] + 1j * np.diff(field, axis=0)[:, :-1]
+        for field in (fixed, moved)
+    ]
+    least = 0.5 * min(np.isfinite(field).sum() for field in slopes)
+    one, other = slopes
+    for down in range(-3, 4):
+        for right in range(-3, 4):
+            pairs = np.array([
+                (one[y, x], other[y - down, x - right])
+                for y in range(one.shape[0]) for x in range(one.shape[1])
+                if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
+            ])  # fmt: skip
+            a, b = pairs[np.isfinite(pairs).all(axis=1)].T
+            if len(a) >= least:
+                expected = (a @ b.conj()).real / np.sqrt((a @ a.conj() * (b @ b.conj())).real)
+                assert found[down, right] == pytest.approx(expected, abs=1e-12)
+            else:
+                assert np.isnan(found[down, right])
+
+
+def test_it_is_where_the_correlation_is_a_half_though_long_waves_do_not_mate_fully():
+    """Correlations of 0.65 beyond 14 cells, 0.39 from 6 to 14 cells, and 0 below."""
+    wavelength, found = 14 * SPACING, []
+    for seed in range(PAIRS):
+        about = {"jrc": 8.0, "shape": (80, 96), "spacing": SPACING, "normalise": "expectation"}
+        upper, far = jc.wall_pair(**about, seed=seed, mismatch_wavelength=wavelength)
+        _, near = jc.wall_pair(**about, seed=seed, mismatch_wavelength=6 * SPACING)
+        other, _ = jc.wall_pair(**about, seed=1000 + seed)
+        lower = 0.7 * (0.6 * far + 0.4 * near + other)
+        found.append(measured_mismatch(upper, lower, SPACING))
+    value, low, high = np.array(found).T / wavelength
+    assert np.median(value) == pytest.approx(1.0, abs=0.15)
+    assert np.mean((low <= 1.0) & (high >= 1.0)) >= 0.8

@@ -1,0 +1,279 @@
+"""Bands over the joints of a case."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.engine.joints import close_case
+from jointclosure.engine.settings import walls_of
+from jointclosure.joint.history import crossing
+from jointclosure.storage.netcdf import write_netcdf
+from studies import __main__ as cli
+from studies.commands.compare import (
+    TARGETS,
+    by_rock,
+    closure_changes,
+    differences,
+    surfaces_sentence,
+)
+from studies.frame.cases import block_settings, cases_of
+from studies.frame.panels import Column, Row, panels
+from studies.frame.tables import band_table, check_results, flow_table, join_cases
+from tests.joints import DOLERITE, SPACING
+from tests.studied import study_of
+
+
+@pytest.fixture(scope="module")
+def ensemble():
+    pairs = [jc.wall_pair(8.0, (12, 12), SPACING, seed, roll_off=None) for seed in range(5)]
+    pairs[3] = (pairs[3][0], np.full((12, 12), np.nan))  # fails
+    with pytest.warns(UserWarning, match=r"1 of 5 joints .* seeds \[3\]"):
+        return jc.simulate_ensemble(
+            pairs, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6,
+            stress_points=11, flow=True, workers=1,
+        )  # fmt: skip
+
+
+def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
+    table = band_table(ensemble)
+    good = ensemble.isel(realization=[0, 1, 2, 4])
+    row = table[(table.cycle == 1) & (table.branch == "loading") & (table.stress_MPa == 1.0)]
+    closure = 1e3 * good.closure.sel(cycle=1, branch="loading", stress=1e6).values
+    assert row.samples.item() == 4
+    bulk = 1e3 * good.bulk_indentation.sel(cycle=1, branch="loading", stress=1e6).values
+    next_one = good.sel(cycle=1, branch="loading", stress=1.2e6)
+    landing = good.landing_stress.sel(cycle=1).values
+    next_closure, next_bulk = (1e3 * next_one[name] for name in ("closure", "bulk_indentation"))
+    for kind, values, after in (
+        ("gross", closure, next_closure), ("net", closure - bulk, next_closure - next_bulk)
+    ):  # fmt: skip
+        assert row[f"closure_{kind}_mm_mean"].item() == pytest.approx(values.mean())
+        assert row[f"closure_{kind}_mm_q50"].item() == pytest.approx(np.median(values))
+        low = row[f"normal_stiffness_{kind}_MPa_per_mm_q05"].item()
+        chords = np.where(landing >= 1.2e6, 0.2 / (after - values), np.nan)
+        assert low == pytest.approx(np.nanquantile(chords, 0.05), rel=1e-6)
+    aperture = 1e3 * good.mean_aperture.sel(cycle=1, branch="loading", stress=1e6).values
+    assert row.mean_aperture_mm_mean.item() == pytest.approx(aperture.mean())
+    assert "hydraulic_aperture_x_mm_q95" in table
+
+
+def test_stiffness_of_the_landing_is_left_out(ensemble):
+    """Of the joints that land below a chord's end; that is on first loadings only."""
+    name = "normal_stiffness_net_MPa_per_mm_mean"
+    whole = band_table(ensemble.assign(landing_stress=ensemble.landing_stress * np.inf))
+    without = band_table(ensemble)
+    landing = ensemble.isel(realization=[0, 1, 2, 4]).sel(cycle=1).landing_stress.values
+    first = (whole.cycle == 1) & (whole.branch == "loading")
+    ends = 1e6 * whole[first].stress_MPa.shift(-1).values
+    kept = (ends[:, None] <= landing).any(axis=1)
+    assert 0 < kept.sum() < whole[first][name].notna().sum()
+    np.testing.assert_array_equal(without[first][name].notna(), kept)
+    pd.testing.assert_frame_equal(whole[~first], without[~first])
+
+
+def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, capsys):
+    names = ["a-base", "a-jrc-low"]
+    study = ensemble.drop_vars("error").expand_dims(case=names)
+    study = study.assign_coords(parameter=("case", ["base", "jrc"]))
+    write_netcdf(study, tmp_path / "study.nc")
+    assert cli.main(["engineering", str(tmp_path)]) == 0
+    written = pd.read_csv(tmp_path / "engineering/a-base.csv")
+    expected = band_table(ensemble)
+    assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
+    np.testing.assert_allclose(written.closure_net_mm_q95, expected.closure_net_mm_q95, rtol=1e-6)
+    name = "normal_stiffness_net_MPa_per_mm_mean"
+    np.testing.assert_allclose(written[name], expected[name], rtol=1e-6)
+    capsys.readouterr()
+    assert cli.main(["engineering", str(tmp_path), "--case", "b-base"]) != 0
+    assert "--case b-base: must be one of a-base, a-jrc-low" in capsys.readouterr().err
+
+
+# Flow in the results of a study: its curves, its table and its checks
+
+
+TINY = {
+    "study": {"rocks": ["slate"], "realizations": 3},
+    "rocks": {"slate": {"max_normal_stress_MPa": 2, "levels": {"jrc": None}}},
+    "grid": {"cells_x": 14, "cells_y": 12},
+    "output": {"stress_points": 5},
+}
+
+
+def settings_of(label, flow=False):
+    configuration = study_of(TINY, {"flow": flow})
+    cases = {case.label: case for case in cases_of(configuration)}
+    return block_settings(configuration, cases, label, range(3))
+
+
+def tiny_study(flow: bool) -> xr.Dataset:
+    """A study of the first two cases, put together."""
+    first = cases_of(study_of(TINY, {"flow": flow}))[:2]
+    study = join_cases(first, [close_case(settings_of(case.label, flow)) for case in first])
+    return study.assign_coords(scene=("case", ["all"] * 2))
+
+
+@pytest.fixture(scope="module")
+def studies():
+    return {flow: tiny_study(flow) for flow in (False, True)}
+
+
+@pytest.mark.parametrize("direction", ["x", "y"])
+def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
+    settings = settings_of("slate-base")
+    walls = next(iter(walls_of(settings.surfaces)))
+    closed = jc.simulate(*walls, **settings.conditions()._asdict() | {"flow": True})
+    here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
+    along = closed.hydraulic_aperture.sel(direction=direction).values[here]
+    at = {"case": "slate-base", "realization": 0, "direction": direction, "cycle": 1}
+    stored = studies[True].hydraulic_aperture.sel(at | {"branch": "loading"})
+    level = int(np.flatnonzero(np.isclose(stored.stress, 1e6))[0])
+    assert float(stored[level]) == crossing(closed.normal_stress.values[here], along, 1e6)
+
+
+def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(studies):
+    study = studies[True].copy(deep=True)
+    study["status"][0, 1] = 16
+    study["hydraulic_aperture"][0, 2, 0, 0, 0, 3] = np.nan
+    keys = ["case", "cycle", "branch", "direction", "stress_MPa"]
+    rows = flow_table(study).set_index(keys).loc["slate-base", 1, "loading", "x"]
+    assert list(rows.samples)[:4] == [2, 2, 2, 1]
+    both = study.sel(case="slate-base", cycle=1, branch="loading", direction="x")
+    at = both.isel(stress=2, realization=[0, 2])
+    mean = 1e3 * float(at.hydraulic_aperture.mean())
+    assert rows.hydraulic_aperture_mean_mm.iloc[2] == pytest.approx(mean)
+    ratio = (at.hydraulic_aperture / at.mean_aperture).values
+    assert rows.ratio_mean.iloc[2] == pytest.approx(ratio.mean())
+    assert rows.ratio_standard_deviation.iloc[2] == pytest.approx(ratio.std(ddof=1))
+    assert np.isnan(rows.ratio_standard_deviation.iloc[3])
+
+
+@pytest.mark.parametrize(("worst", "balanced"), [(1e-12, True), (1e-3, False)])
+def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
+    numerics = study_of(TINY).numerics
+    study = studies[True].copy(deep=True)
+    study["largest_flow_imbalance"][0, 0] = worst
+    checks = check_results(study, numerics, 3).set_index("check")
+    row = checks.loc["largest sum of the cells' mass balances in a flow, relative"]
+    assert row.passed == balanced
+    assert not any("flow" in check for check in check_results(studies[False], numerics, 3).check)
+
+
+# Panels of tables: lines, bars, ends of axes, names and levels
+
+
+FREE = {"wavelength_mm": np.inf}
+NAMES = {"wavelength_mm": {0.0: "mated", 1.0: "waves beyond 1 mm mate", np.inf: "independent"}}
+
+
+def table():
+    """Values that say where they belong: a hundred wavelengths and ten shifts and the cycle."""
+    rows = [
+        (wavelength, shift, cycle, 100.0 * min(wavelength, 9.0) + 10.0 * shift + cycle, 0.5)
+        for wavelength, shift, cycle in itertools.product([np.inf, 0.0, 1.0, 2.0], [0, 1], [1, 2])
+        if np.isfinite(wavelength) or shift == 0
+    ]
+    return pd.DataFrame(rows, columns=["wavelength_mm", "shift_mm", "cycle", "value", "error"])
+
+
+@pytest.fixture
+def figure():
+    columns = [
+        Column("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
+        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=FREE),
+    ]
+    return panels([Row("closure (mm)", table(), "value", "error")], columns, NAMES, bars=2.0)
+
+
+def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate(figure):
+    over_wavelength, over_shift = figure.axes
+    lines = [container[0] for container in over_wavelength.containers]
+    assert [line.get_ydata().tolist() for line in lines] == [[1, 101, 201, 901], [2, 102, 202, 902]]
+    shifted = [container[0].get_ydata().tolist() for container in over_shift.containers]
+    assert shifted == [[1, 11], [101, 111], [201, 211]]
+    (bars,) = over_shift.containers[1][2]
+    assert np.ptp(bars.get_segments()[0][:, 1]) == 2.0
+
+
+CASES = ["slate-base", "slate-jrc-low"]
+
+
+def study(factor=1.0, seeds=range(6), noise=1):
+    """A study of one rock whose closures are a factor times random numbers by seed."""
+    rng = np.random.default_rng(noise)
+    closures = factor * (1e-3 + 1e-4 * rng.standard_normal((2, len(seeds), 2)))
+    names = np.array([[f"{seed:032x}" for seed in seeds]] * 2, dtype=object)
+    dimensions = ("case", "realization", "cycle")
+    return xr.Dataset(
+        dict.fromkeys(TARGETS, (dimensions, closures))
+        | {
+            "status": (dimensions[:2], np.zeros((2, len(seeds)), np.int16)),
+            "timing_simulation": (dimensions[:2], rng.random((2, len(seeds)))),
+        },
+        coords={
+            "case": np.array(CASES, dtype=object),
+            "rock": ("case", np.array(["slate"] * 2, dtype=object)),
+            "parameter": ("case", np.array(["base", "jrc"], dtype=object)),
+            "level": ("case", np.array(["base", "low"], dtype=object)),
+            "cycle": [1, 2],
+            "seed": (dimensions[:2], names),
+        },
+        attrs={"source_digest": "abc", "provenance_commit": str(noise)},
+    )
+
+
+def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
+    changes = closure_changes(study(), study(1.1))
+    assert changes.same_surfaces.all()
+    np.testing.assert_allclose(changes.change_percent, 10.0)
+    # a constant factor: the differences scatter a tenth of what the closures do
+    assert changes.standard_error_percent.max() < 0.6
+    assert "the same surfaces" in surfaces_sentence(changes)
+    for seeds in (range(10, 16), range(5)):
+        others = closure_changes(study(), study(1.1, seeds=seeds, noise=2))
+        assert not others.same_surfaces.any()
+        assert others.standard_error_percent.min() > 1.0
+        assert "The surfaces differ in 2 of 2 cases" in surfaces_sentence(others)
+    assert len(by_rock(changes)) == 2 * len(TARGETS)
+
+
+def test_all_that_differs_is_named():
+    assert differences(study(), study()) == []
+    timed = study()
+    timed["timing_simulation"] = 2.0 * timed.timing_simulation
+    timed.attrs["provenance_commit"] = "other"
+    assert differences(study(), timed) == []
+    moved = study()
+    moved["max_closure"] = moved.max_closure.copy()
+    moved.max_closure[0, 1, 0] += 1e-15
+    moved.attrs["source_digest"] = "xyz"
+    found = differences(study(), moved.drop_vars("residual_closure"))
+    assert found[0] == "attribute source_digest differs"
+    assert found[1].startswith("variable max_closure differs in 1 of 24 values, by at most")
+    assert found[2] == "variable residual_closure: only in the first"
+
+
+@pytest.fixture
+def folders(tmp_path):
+    for name, factor in (("one", 1.0), ("two", 1.1)):
+        (tmp_path / name).mkdir()
+        write_netcdf(study(factor), tmp_path / name / "study.nc")
+    return tmp_path / "one", tmp_path / "two"
+
+
+def test_compare_exact_fails_where_anything_differs(folders, capsys):
+    assert cli.main(["compare", "--exact", *map(str, folders)]) == 1
+    assert "variable max_closure differs in 24 of 24" in capsys.readouterr().out
+    assert cli.main(["compare", "--exact", str(folders[0]), str(folders[0])]) == 0
+    assert capsys.readouterr().out == "identical except for provenance and timing\n"
+
+
+def test_failures_are_left_out_on_both_sides():
+    broken = study(1.1)
+    broken["status"][0, 2] = 16
+    changes = closure_changes(study(), broken)
+    assert changes[changes.case == "slate-base"].samples.unique() == 5
+    np.testing.assert_allclose(changes.change_percent, 10.0)
