@@ -1,19 +1,19 @@
 """Experiment on global sensitivity: variance indices of properties and of open choices."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import JobsOnDemand, Point, Sample
+from jointclosure.engine.ensembles import Point, Sample
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
-from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import (
     SURFACES,
     check_sampling,
@@ -21,11 +21,36 @@ from studies.global_sensitivity.design import (
     settings_of_choices,
     settings_of_rock,
 )
-from studies.global_sensitivity.table import QUANTITIES, by_rock, elasticity_table, index_table
+from studies.global_sensitivity.table import (
+    QUANTITIES,
+    by_rock,
+    conclusion_tables,
+    elasticity_table,
+    index_table,
+)
 
 PREFIX = "global_sensitivity_"
 TRIED = 8
 """Number of rows whose first point is closed to estimate the time of a rock."""
+
+
+class JobsOnDemand(Mapping[str, Sequence[Point]]):
+    """Jobs whose points are made when first used, by ``points_of`` from the arguments of a job."""
+
+    def __init__(
+        self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
+    ) -> None:
+        self._arguments = arguments
+        self._made = cache(lambda name: points_of(*arguments[name]))
+
+    def __getitem__(self, name: str) -> Sequence[Point]:
+        return self._made(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arguments)
+
+    def __len__(self) -> int:
+        return len(self._arguments)
 
 
 def global_sensitivity_design(configured: Configured) -> Design:

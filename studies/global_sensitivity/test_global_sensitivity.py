@@ -11,11 +11,11 @@ from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged, resolved
 from studies.frame.experiments import experiment_named
 from studies.frame.files import read_plain
-from studies.global_sensitivity.conclusions import conclusion_tables
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.table import (
     QUANTITIES,
     by_rock,
+    conclusion_tables,
     elasticity_table,
     index_table,
 )

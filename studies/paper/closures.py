@@ -13,11 +13,10 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import control_variates, correlations, indifference
 from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.randomness import generator, seed_of
-from studies.frame.covariates import Covariates
 from studies.frame.keys import Statistics
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
-from studies.paper.responses import Response, adjustment, responses
+from studies.paper.responses import Covariates, Response, adjustment, responses
 
 CLOSURES = (
     TARGET,

@@ -13,8 +13,6 @@ from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, read_text
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from studies.frame.covariates import Covariates, as_dataset, from_dataset, known_covariates
-from studies.frame.covariates import measure_covariates as measure
 from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Statistics
 from studies.frame.products import PRODUCTS, figure_files, product
@@ -27,6 +25,8 @@ from studies.paper import layout
 from studies.paper.accuracy import describe_reached, reached_table
 from studies.paper.conclusions import conclusion_table
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
+from studies.paper.responses import Covariates, as_dataset, from_dataset, known_covariates
+from studies.paper.responses import measure_covariates as measure
 
 __all__ = ["PRODUCTS"]
 

@@ -19,14 +19,6 @@ from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.configuration import model
-from studies.frame.covariates import (
-    Covariates,
-    as_dataset,
-    covariates_of_pair,
-    from_dataset,
-    known_covariates,
-    measure_covariates,
-)
 from studies.frame.keys import json_schema
 from studies.frame.plan import Plan
 from studies.frame.products import make_files
@@ -50,6 +42,14 @@ from studies.paper.report.content import (
     setting_rows,
 )
 from studies.paper.report.page import render
+from studies.paper.responses import (
+    Covariates,
+    as_dataset,
+    covariates_of_pair,
+    from_dataset,
+    known_covariates,
+    measure_covariates,
+)
 from tests.studied import ROOT, checked_study, study_of
 from tests.world import world
 

@@ -8,7 +8,6 @@ status and without readings.
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple, Unpack
 
@@ -203,25 +202,6 @@ class Point(NamedTuple):
 
 Jobs = Mapping[str, Sequence[Point]]
 """Points by the name of the job that closes them; names are never parsed."""
-
-
-class JobsOnDemand(Mapping[str, Sequence[Point]]):
-    """Jobs whose points are made when first used, by ``points_of`` from the arguments of a job."""
-
-    def __init__(
-        self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
-    ) -> None:
-        self._arguments = arguments
-        self._made = cache(lambda name: points_of(*arguments[name]))
-
-    def __getitem__(self, name: str) -> Sequence[Point]:
-        return self._made(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._arguments)
-
-    def __len__(self) -> int:
-        return len(self._arguments)
 
 
 class Sample(NamedTuple):
