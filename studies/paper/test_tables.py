@@ -336,7 +336,7 @@ ROCK = ROCKS["slate"]._replace(max_normal_stress=2e6)
 
 
 @pytest.fixture
-def study():
+def four():
     """Four surfaces; the third is the mean of the others on the first cycle, the last failed."""
     stress = np.array([0.0, 1e6, 2e6])
     curve = np.array([0.0, 1.0, 1.5])
@@ -365,8 +365,8 @@ def study():
     )  # fmt: skip
 
 
-def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
-    assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
+def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(four):
+    assert plotting.closest_to_mean(four, "one-base", 5e5) == 2
 
 
 @pytest.mark.parametrize(
@@ -374,8 +374,8 @@ def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
     # the paper's figure is gross: 0.02 mm of bulk indentation at the maximum
     [(5e5, (0.0, 0.5), 0.15 - 0.05, 7e-3), (None, (0.0, 0.0), 0.15 + 0.02, 0.0)],
 )
-def test_closures_are_drawn_since_seating_or_since_first_touch(study, seating, first, last, left):
-    figure = plotting.closure_figure(study, {"one": ROCK}, seating, 1.5)
+def test_closures_are_drawn_since_seating_or_since_first_touch(four, seating, first, last, left):
+    figure = plotting.closure_figure(four, {"one": ROCK}, seating, 1.5)
     for axes in figure.axes:  # the second cycle has a panel of its own
         loading, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
         assert (loading.get_xdata()[0], loading.get_ydata()[0]) == first
@@ -388,10 +388,10 @@ def test_closures_are_drawn_since_seating_or_since_first_touch(study, seating, f
 MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
 
 
-def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study):
+def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(four):
     curves = {"one": parsed_curve(MEASURED, "lab.csv")}
-    fits = fit_table(study, curves, 5e5)
-    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
+    fits = fit_table(four, curves, 5e5)
+    figure = plotting.closure_figure(four, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
     axes = figure.axes[0]
     (measured,) = [line for line in axes.lines if line.get_color() == "k"]
     np.testing.assert_allclose(measured.get_xdata(), [0.0, 0.05, 0.09, 0.08], atol=1e-12)
@@ -405,10 +405,10 @@ def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study
 @pytest.mark.parametrize("seating", [None, 5e5])
 @pytest.mark.parametrize("jrc", [8, 4, 16, 0])
 def test_the_barton_bandis_law_is_drawn_where_it_holds_from_where_closures_start(
-    study, seating, jrc
+    four, seating, jrc
 ):
     """It counts from zero stress; since seating its closure there is subtracted."""
-    figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, seating, 1.5)
+    figure = plotting.closure_figure(four, {"one": ROCK._replace(jrc=float(jrc))}, seating, 1.5)
     first = seating or 0.0
     for cycle, axes in enumerate(figure.axes, start=1):
         drawn = [line for line in axes.lines if line.get_color() == "0.2"]
