@@ -12,8 +12,10 @@ from jointclosure.walls.measured import (
     Scan,
     filled,
     heights_between,
+    holes,
     point_distance,
     wall_on_grid,
+    without_dropouts,
 )
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
@@ -142,3 +144,11 @@ def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpola
         slopes = re.search(r"is ([\d.]+), between points ([\d.]+)", line).groups()
         kept, measured = map(float, slopes)
         assert kept < 0.985 * measured
+
+
+def test_a_strip_beside_the_rim_of_a_scan_is_not_filled_between_its_far_ends():
+    wall = np.random.default_rng(0).standard_normal((12, 9)).cumsum(axis=0)
+    wall[2:10, 0] = np.nan  # known at both ends of the column, with nothing beyond it
+    wall[5, 4] = wall[8, 3:5] = np.nan
+    whole = without_dropouts(wall, holes(np.isfinite(wall)))
+    np.testing.assert_array_equal(np.isnan(whole), np.isnan(wall) & (np.arange(9) == 0))

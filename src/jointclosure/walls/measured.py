@@ -84,14 +84,24 @@ def gaps(known: np.ndarray) -> np.ndarray:
 
 
 def holes(known: np.ndarray) -> np.ndarray:
-    """Return the `gaps` (y, x) that are at least three cells wide; narrower ones are dropouts."""
-    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3)))
+    """Return the `gaps` (y, x) at least three cells wide, and those inside that are no dropouts."""
+    inside = between(known, 0) & between(known, 1) & ~(known | _narrow(known))
+    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
+
+
+def _narrow(known: np.ndarray) -> np.ndarray:
+    """Return which cells (y, x) lie between known ones at most three cells apart on an axis.
+
+    A longer strip beside the rim of a scan is not narrow, though it may be one cell wide.
+    """
+    closed = scipy.ndimage.binary_closing
+    return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
 
 
 def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
-    """Fill the missing cells between known ones of a wall (y, x), except in holes, linearly."""
+    """Fill narrow gaps between known cells of a wall (y, x), except in holes, linearly."""
     known = np.isfinite(wall)
-    dropouts = gaps(known) & ~hole
+    dropouts = _narrow(known) & ~(known | hole)
     return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
 
 
