@@ -1,15 +1,23 @@
 """Loads and conditions: the same words for every function that closes joints."""
 
+import itertools
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.conditions import SEATING_STRESS, LoadCycle, load_cycles
+from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
+from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.rocks import ROCKS
+from jointclosure.joint.states import fields_of
+from jointclosure.solvers.joint import Effort, Joint
+from jointclosure.solvers.registry import solver_named
 from jointclosure.walls.measured import Scan
 from tests import joints
-from tests.joints import ELASTIC, SPACING, pair
+from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 from tests.studied import study_of
 
 SCENES = {"all": jc.Effects(), "elastic": ELASTIC}
@@ -162,3 +170,160 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     checked = jc.Conditions(SPACING, "granite", load).checked()
     assert checked.seating_stress == pytest.approx(seating, rel=1e-15)
     assert checked == checked.checked()
+
+
+# Flow and snapshots at the steps of a history: what they add, and what they leave alone
+
+
+FLOW = ["hydraulic_aperture", "flow_status", "flow_imbalance", "largest_hydraulic", "direction"]
+SHAPE, STRESS, ASKED = (20, 24), 5e6, [5e6, 0.0, 2e6]
+AREA = 20 * 24 * SPACING**2
+CHOICES = jc.Choices(strength_bound="none")  # by which the second unloading breaks nothing
+OFFSET = 0.3
+"""Of the upper wall of snapshots [m]: walls are told as they were given."""
+
+
+def lifted():
+    upper, lower = pair(SHAPE)
+    return upper + OFFSET, lower
+
+
+def passage(overlap):
+    """Hydraulic apertures in both directions of a field of overlaps; contacts pass nothing."""
+    aperture = np.maximum(-overlap, 0.0)
+    return [flow_along(aperture, direction).hydraulic_aperture for direction in DIRECTIONS]
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def flows(request):
+    """A joint without flow and with it."""
+    about = {"effects": SCENES[request.param], "choices": CHOICES}
+    return [joints.closed(pair(SHAPE), STRESS, flow=on, **about) for on in (False, True)]
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def snapshots(request):
+    """A joint without snapshots and with them."""
+    about = {"effects": SCENES[request.param]}
+    return [joints.closed(lifted(), STRESS, snapshots=asked, **about) for asked in ((), ASKED)]
+
+
+def test_observers_change_no_bit_of_anything_else(flows, snapshots):
+    without, closed = flows
+    assert set(FLOW[:-1]) == set(closed.data_vars) - set(without.data_vars)
+    xr.testing.assert_identical(without, closed.drop_vars(FLOW))
+    without, closed = snapshots
+    added = [name for name in closed.variables if name not in without.variables]
+    assert all(name.startswith("snapshot_") or name.endswith("_first") for name in added)
+    xr.testing.assert_identical(without, closed.drop_vars(added))
+
+
+def test_every_step_has_a_flow_that_falls_as_the_joint_closes(flows):
+    closed = flows[1]
+    assert closed.hydraulic_aperture.dims == ("step", "direction")
+    assert tuple(closed.direction.values) == DIRECTIONS
+    assert closed.hydraulic_aperture.attrs["units"] == "m"
+    assert (closed.flow_status == FLOWS).all()
+    assert float(closed.flow_imbalance.max()) < 1e-11
+    for branch in ("loading", "unloading"):
+        here = (closed.branch == branch).values & (closed.load_cycle == 2).values
+        order = np.argsort(closed.closure.values[here])
+        assert (np.diff(closed.hydraulic_aperture.values[here][order], axis=0) < 0.0).all()
+    summed = sum(pair(SHAPE))  # at first touch the field is the walls' distance
+    at_touch = passage(summed - summed.max())
+    np.testing.assert_allclose(closed.hydraulic_aperture[0], at_touch, rtol=1e-12)
+
+
+def observed(effects, observe, cycles, seating=0.0):
+    """The history of a joint whose steps are observed, and the joint."""
+    rocks = DOLERITE, DOLERITE
+    joint = Joint(*pair(SHAPE), SPACING, rocks, effects, CHOICES, jc.Numerics())
+    load = [LoadCycle(STRESS * AREA)] * cycles
+    fast = solver_named("fast")
+    history = run_cycles(joint, fast, jc.Numerics(), load, seating * AREA, observers=[observe])
+    return history, joint
+
+
+def test_what_an_observer_is_shown_is_the_joint_at_that_step(flows):
+    closed, shown = flows[1], []
+
+    def observe(joint, step):
+        overlap = fields_of(joint, step.settled.closure).overlap
+        means = step.settled.closure, -overlap.mean(), (overlap > 0.0).mean()
+        shown.append((*means, *passage(overlap)))
+
+    effects = jc.Effects(**json.loads(closed.attrs["effects"]))
+    observed(effects, observe, 2, closed.attrs["seating_stress_Pa"])
+    closure, mean, contact, *along = np.array(shown).T
+    assert np.array_equal(closure, closed.closure)
+    assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)
+    assert np.allclose(contact, closed.contact_fraction, rtol=1e-12, atol=0.0)
+    assert np.allclose(np.transpose(along), closed.hydraulic_aperture, rtol=1e-9, atol=0.0)
+
+
+def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps():
+    seen = []
+    effects = jc.Effects()
+    history, joint = observed(effects, lambda at, step: seen.append((at.force.sum(), step)), 3)
+    assert all(step.settled.effort == Effort() for step in history.steps if step.cycle == 3)
+    assert len(seen) == len(history.steps)
+    assert all(total == step.settled.total_force for total, step in seen)
+    assert joint.force.sum() == 0.0
+
+
+def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_step(snapshots):
+    closed = snapshots[1]
+    at = (closed[f"snapshot_{name}"].values.tolist() for name in ("cycle", "branch", "stress"))
+    up, down = [2e6, 5e6], [2e6, 0.0]
+    assert list(zip(*at, strict=True)) == [
+        (cycle, branch, stress)
+        for cycle, branch, stresses in (
+            *((1, "loading", [0.0, *up]), (1, "unloading", down)),
+            *((2, "loading", up), (2, "unloading", down)),
+        )
+        for stress in stresses
+    ]
+    stress = closed.normal_stress.values
+    for snapshot in range(1, closed.sizes["snapshot"]):
+        here = closed.isel(snapshot=snapshot)
+        branch, asked = here.snapshot_branch.item(), here.snapshot_stress.item()
+        own = (closed.load_cycle == here.snapshot_cycle.item()) & (closed.branch == branch)
+        beyond = stress >= 0.999 * asked if branch == "loading" else stress <= 1.001 * asked
+        after = int(np.flatnonzero(own.values & beyond)[0])
+        nearer = min((after - 1, after), key=lambda step: abs(stress[step] - asked))
+        assert here.snapshot_step.item() == nearer
+
+
+def test_forces_gap_and_contacts_are_those_of_the_step(snapshots):
+    closed = snapshots[1]
+    steps = closed.isel(step=closed.snapshot_step.values)
+    force = closed.snapshot_force.sum(("y", "x")).values
+    np.testing.assert_allclose(force / AREA, steps.normal_stress, rtol=1e-9, atol=1e-6)
+    gap = closed.snapshot_gap.mean(("y", "x")).values
+    np.testing.assert_allclose(gap, steps.mean_aperture, rtol=1e-9, atol=0.0)
+    contact = (closed.snapshot_gap < 0.0).mean(("y", "x")).values
+    np.testing.assert_allclose(contact, steps.contact_fraction, rtol=1e-12, atol=0.0)
+    assert ((closed.snapshot_force > 0.0) == (closed.snapshot_gap < 0.0)).all()
+
+
+def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(snapshots):
+    closed = snapshots[1]
+    lost = np.zeros(closed.sizes["snapshot"])
+    for name, given in zip(("upper", "lower"), lifted(), strict=True):
+        taken = closed[f"snapshot_{name}"].values
+        np.testing.assert_array_equal(taken[0], given)
+        np.testing.assert_array_equal(closed[f"{name}_first"], given)
+        np.testing.assert_array_equal(taken[-1], closed[f"{name}_final"])
+        lost += SPACING**2 * np.maximum(given - taken, 0.0).sum(axis=(1, 2))
+    np.testing.assert_allclose(closed.snapshot_broken_volume, lost, rtol=1e-6, atol=1e-20)
+    if json.loads(closed.attrs["effects"])["breakage"]:
+        assert closed.snapshot_broken_volume.values[0] == 0.0
+        assert all(a < b for a, b in itertools.pairwise(lost[:3]))
+    else:
+        assert (closed.snapshot_broken_volume == 0.0).all()
+
+
+@pytest.mark.parametrize("wrong", [-1.0, 5.1e6, np.nan, np.inf])
+def test_a_stress_that_cannot_be_reached_is_refused(wrong, small_joint):
+    with pytest.raises(jc.InputError, match=r"snapshots: .* must be from 0 to the maximum"):
+        joints.closed(small_joint, STRESS, snapshots=[1e6, wrong])
