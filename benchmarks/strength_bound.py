@@ -5,7 +5,7 @@ others with a roll-off of 3 mm, at roughness and stress of `LOADS`; and pairs of
 ``*_upper.*`` and ``*_lower.*`` of folders (granite, 10 MPa). The paper's steps over 64, and of few
 joints over 256, are compared with resolved breakage at a tolerance of 0.002, by the net closure
 since seating of both cycles on the same walls. Resolved closures are means of copies of the walls
-that must close alike (`jointclosure.engine.walls.COPIES`). Closures that the output has are not
+that must close alike (`jointclosure.engine.assess.COPIES`). Closures that the output has are not
 computed again. 40 joints take 20 minutes of a core.
 """
 
