@@ -55,8 +55,16 @@ class Plan(NamedTuple):
         return {name: NEEDS[name](self) or [] for name in product.reads if name in NEEDS}
 
     def settings(self, product: Product) -> dict[str, Any]:
-        """Settings that a product reads, by name."""
-        return {name: SETTINGS[name](self) for name in product.reads if name not in NEEDS}
+        """Settings that a product reads, by name; those not of `SETTINGS` are configured ones."""
+        typed = self.typed
+        sections = (typed, typed.study, typed.statistics, typed.output)
+
+        def stated(name: str) -> Any:
+            if name in SETTINGS:
+                return SETTINGS[name](self)
+            return next(getattr(part, name) for part in sections if hasattr(part, name))
+
+        return {name: stated(name) for name in product.reads if name not in NEEDS}
 
     def step(self, product: Product) -> Step:
         """The step that makes a product of this study."""
@@ -119,26 +127,14 @@ NEEDS: dict[str, Callable[[Plan], Any]] = BESIDE | {
 
 SETTINGS: dict[str, Callable[[Plan], Any]] = {
     "keys": lambda plan: plan.configured.keys,
-    "grid": lambda plan: plan.typed.grid,
-    "surface": lambda plan: plan.typed.surface,
-    "rocks": lambda plan: plan.typed.rocks,
-    "seating_stress": lambda plan: plan.typed.seating_stress,
-    "wall_strength_ratio": lambda plan: plan.typed.output.wall_strength_ratio,
-    "curves": lambda plan: plan.typed.curves,
-    "root_seed": lambda plan: plan.typed.study.root_seed,
-    "realizations": lambda plan: plan.typed.study.realizations,
     "closed_by": lambda plan: {
         name: (part.study.realizations, part.numerics)
         for name, part in ensembles_of(plan.typed).items()
     },
     # intervals do not depend on its other parts
     "statistics": lambda plan: plan.typed.statistics._replace(repetitions=0, control_variates=None),
-    "control_variates": lambda plan: plan.typed.statistics.control_variates,
-    "accuracy": lambda plan: plan.typed.study.accuracy,
-    "significance": lambda plan: plan.typed.statistics.significance,
-    "repetitions": lambda plan: plan.typed.statistics.repetitions,
     "design": lambda plan: Design(
         plan.typed.study.realizations, plan.typed.statistics.significance
     ),
 }
-"""Parts of the configuration, in SI."""
+"""Settings that are more than a key of the configuration or of its general sections, in SI."""
