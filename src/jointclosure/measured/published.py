@@ -97,9 +97,10 @@ def scans(folder: Path, joint: str) -> tuple[Path, Path] | None:
         wall = f"vd{joint}{side}"
         here = [path for path, name in names.items() if wall in name and "post" not in name]
         if len(here) != 1:
+            there = [names[path] for path in here or names][:5]
             raise InputError(
                 f"{folder}: {len(here)} scans of wall {wall} before testing, must be one "
-                f"(STL files without 'post' in their path); there are {', '.join(names.values())}"
+                f"(STL files without 'post' in their path), such as {', '.join(there) or 'none'}"
             )
         walls += here
     return walls[0], walls[1]
