@@ -67,16 +67,21 @@ def range_figure(budget: Budget, title: str) -> Figure:
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
-            axes.plot(values, [place] * values.size, "o", color="C0")
+            label = None if place else "one source changed"
+            axes.plot(values, [place] * values.size, "o", color="C0", label=label)
         drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
-        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
-        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5)
+        label = "9 in 10 of random sets, with their median as a gap"
+        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
+        label = "random sets that were closed"
+        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5, label=label)
         axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
-        axes.plot(row.best, len(shares), "o", color="C1")
+        axes.plot(row.best, len(shares), "o", color="C1", label="best value")
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
         labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
         axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
         axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
+    named = panels[0, 0].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower center", ncols=2, frameon=False)
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
