@@ -94,6 +94,19 @@ def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
     np.testing.assert_allclose(table.normal_stiffness_net_MPa_per_mm, exact, rtol=0.02)
 
 
+def test_steps_before_the_maximum_in_which_nothing_breaks_are_not_its_stiffness():
+    """The closure over the last percent of the stress is flat; no later step corrects it."""
+    kni, vm = TRUE["hyperbolic"]
+    history = following("hyperbolic", kni, vm)
+    flat = history.closure.copy()
+    flat[-404:-399] = flat[-404]
+    last = [
+        on(stress_table(each), 1, "loading").normal_stiffness_net_MPa_per_mm.iloc[-1]
+        for each in (history, history.assign(closure=flat))
+    ]
+    assert last[1] == pytest.approx(last[0], rel=0.3)
+
+
 def test_stiffness_rises_with_stress_however_the_closure_was_reached(closed):
     """Breakage makes its chords a saw; they keep their mean, and end where a landing begins."""
     for history in (closed, joint(cycles=1, breakage="resolved")):

@@ -26,6 +26,8 @@ LEVELS = 20
 """Number of stresses of a table, evenly spaced from seating to the maximum."""
 POINTS = 60
 """Number of intervals of stress by which the slope of a curve is computed."""
+LAST_CHORD = 0.15
+"""Part of the range of stress over which its last stiffness is read at least."""
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
 """Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
 KINDS = {"net": NET, "gross": GROSS}
@@ -243,8 +245,11 @@ def _rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) 
     """Return the slopes of stress over the concave curve nearest to closures, at levels."""
     run = np.diff(stress)
     fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
-    middle = 0.5 * (stress[fit.blocks[:-1]] + stress[fit.blocks[1:]])
-    compliance = fit.x[fit.blocks[:-1]]
+    # no later slope corrects the last ones, which are one chord therefore
+    blocks = fit.blocks[stress[fit.blocks] <= stress[-1] - LAST_CHORD * np.ptp(stress)]
+    blocks = np.append(blocks, stress.size - 1)
+    middle = 0.5 * (stress[blocks[:-1]] + stress[blocks[1:]])
+    compliance = np.diff(closure[blocks]) / np.diff(stress[blocks])
     middle, slopes = middle[compliance > 0.0], 1.0 / compliance[compliance > 0.0]
     if slopes.size < 2:
         return np.full(levels.size, slopes[0] if slopes.size else np.nan)
