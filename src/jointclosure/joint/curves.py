@@ -7,7 +7,16 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.joint.history import GROSS, NET, branch_of, cycle_closures, read_along, seat_of
+from jointclosure.joint.history import (
+    GROSS,
+    NET,
+    branch_of,
+    by_fixed_steps,
+    cubic_over,
+    cycle_closures,
+    read_along,
+    seat_of,
+)
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 
@@ -165,37 +174,23 @@ def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.nd
             continue
         here = here[::-1] if side else here
         stress, closure = history.normal_stress.values[here], read_along(history, of)[here]
-        rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
         # a maximum within a percent below a level counts as reaching it
         largest = float(stress.max())
         reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
         end = np.inf if side else landing_stress(history, index + 1)
-        closures[index, side] = _between(stress[rises], closure[rises], reached, end)
+        for known, asked in ((stress <= end, reached <= end), (stress >= end, reached > end)):
+            if known.any():  # one cubic up to the landing, and one beyond
+                read = cubic_over(stress[known], closure[known])(reached[asked])
+                closures[index, side, asked] = read
     return closures
-
-
-def _between(
-    stress: np.ndarray, closure: np.ndarray, levels: np.ndarray, landing: float
-) -> np.ndarray:
-    """Return the closure at levels by monotone cubics, one up to the landing and one beyond."""
-    result = np.full(levels.size, np.nan)
-    below = stress <= landing, levels <= landing
-    for part, asked in (below, (stress >= landing, levels > landing)):
-        known, values, at = stress[part], closure[part], levels[asked]
-        if known.size > 1 and at.size:
-            curve = scipy.interpolate.PchipInterpolator(known, values, extrapolate=False)
-            result[asked] = curve(at)
-        elif known.size and at.size:  # a single step
-            result[asked] = np.where(at == known[0], values[0], np.nan)
-    return result
 
 
 def landing_stress(history: xr.Dataset, cycle: int) -> float:
     """Return the stress [Pa] from which a loading lands on its maximum; infinite if none."""
-    given = (json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics"))
-    effects, numerics = given
-    by_fixed_steps = numerics.get("breakage") == "fixed_step" and effects["breakage"]
-    if not by_fixed_steps or numerics["target"] == "interpolate":
+    if not by_fixed_steps(history) or not json.loads(history.attrs["effects"])["breakage"]:
+        return np.inf
+    numerics = json.loads(history.attrs["numerics"])
+    if numerics["target"] == "interpolate":
         return np.inf
     here = branch_of(history, cycle, LOADING)
     stress = history.normal_stress.values

@@ -3,7 +3,8 @@
 The seating stress never changes the history, only how it is read.
 """
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -73,14 +74,44 @@ def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str =
     return float(values[before] + part * (values[before + 1] - values[before]))
 
 
+def by_fixed_steps(history: xr.Dataset) -> bool:
+    """Return whether the history has the paper's fixed steps."""
+    return json.loads(history.attrs.get("numerics", "{}")).get("breakage") == "fixed_step"
+
+
+def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
+    """Return values (n,) as a monotone cubic of a stress (n,) [Pa] where that exceeds all before.
+
+    NaN beyond its ends.
+    """
+    rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
+    stress, values = stress[rises], values[rises]
+    if stress.size > 1:
+        return scipy.interpolate.PchipInterpolator(stress, values, extrapolate=False)
+    return lambda level: np.where(level == stress[0], values[0], np.nan)
+
+
+def value_at(
+    history: xr.Dataset, here: np.ndarray, values: np.ndarray, level: float, branch: str
+) -> float:
+    """Read a value where the stress first reaches a level [Pa]; NaN if never.
+
+    ``here`` are the steps of the branch. Fixed steps are read linearly, as in the paper.
+    """
+    stress, known = history.normal_stress.values[here], values[here]
+    if by_fixed_steps(history):
+        return crossing(stress, known, level, branch)
+    order = slice(None, None, 1 if branch == LOADING else -1)
+    return float(cubic_over(stress[order], known[order])(level))
+
+
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
     """Read the net closure [m], or the variable ``of``, at the seating stress of a branch."""
     here = branch_of(history, cycle, branch)
-    stress = history.normal_stress.values[here]
     seating = float(history.attrs["seating_stress_Pa"])
-    if stress.size and stress.min() > seating:
+    if here.size and history.normal_stress.values[here].min() > seating:
         return float("nan")
-    return crossing(stress, read_along(history, of)[here], seating, branch)
+    return value_at(history, here, read_along(history, of), seating, branch)
 
 
 def cycle_closures(
@@ -142,7 +173,7 @@ def values_at_stresses(
             if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
                 level = maximum
             if level >= minimum:
-                answer[index, side, k] = crossing(stress, values[here], level, branch)
+                answer[index, side, k] = value_at(history, here, values, level, branch)
     return answer
 
 

@@ -373,12 +373,21 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
 def _unload(run: _Run, cycle: int, minimum: float) -> None:
     """Open by steps; shorten the last one to end at the minimum or at last contact."""
     step = run.numerics.later_displacement_step
+    control = None
+    if run.numerics.breakage == "resolved":
+        control = StepControl(run.numerics, step, run.target_force, False)
     while True:
-        before = run.joint.snapshot() if minimum else ()
+        before = run.joint.snapshot() if minimum or control else ()
         end = run.joint.last_touch
         settled = run.settle(max(run.closure - step, end), run.numerics.later_breakage_step)
         if run.failed:
             return
+        if control:
+            left = settled.total_force
+            taken, step = step, control.after(step, left, run.total_force - left)
+            if control.must_repeat(taken, step):
+                run.joint.restore(before, rates=False)
+                continue
         if settled.total_force < minimum:
             break
         run.accept(cycle, UNLOADING, settled)

@@ -16,9 +16,14 @@ from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
 
-_CORRECTION, _RISE = 40.0, 10.0
-"""Allowed relative error of the predicted force of a step, and allowed relative rise of the force
-in a step, both over `Numerics.tolerance`."""
+_CORRECTION = 40.0
+"""Allowed relative error of the predicted force of a step, over `Numerics.tolerance`."""
+_VIRGIN, _LATER = (1.0, 7.5), (10.0, 50.0)
+"""Allowed change of the force in a step of the first loading, and of every later branch: over the
+maximum, and over the force (see `_FAINT`), both over `Numerics.tolerance`. A step crushes too many
+asperities, which the next steps press elastically (`benchmarks/strength_bound.py`)."""
+_MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
+"""Largest allowed changes at any tolerance; share of the maximum that is added to the force."""
 LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
 """Largest and smallest step over the configured step."""
 _AIM, _RETRY = 0.8, 0.4
@@ -37,13 +42,15 @@ _MOST_SHORTENED = 4
 
 
 class StepControl:
-    """Selection of the displacement steps of one loading [m]."""
+    """Selection of the displacement steps of one branch [m], whose maximum is a force [N]."""
 
-    def __init__(self, numerics: Numerics, given: float, target_force: float, may_lengthen: bool):
-        self._largest = given * (LARGEST_STEP if may_lengthen else 1.0)
+    def __init__(self, numerics: Numerics, given: float, target_force: float, virgin: bool):
+        self._largest = given * (LARGEST_STEP if virgin else 1.0)
         self._smallest = given * _SMALLEST_STEP
         self._target = target_force
-        self._most_rise = _RISE * numerics.tolerance * target_force
+        rise, steepest = (numerics.tolerance * most for most in (_VIRGIN if virgin else _LATER))
+        self._most_rise = min(rise, _MOST_RISE) * target_force
+        self._steepest = min(steepest, _STEEPEST)
         self._most_missed = _CORRECTION * numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
 
@@ -54,7 +61,8 @@ class StepControl:
             step = missing / self._slope
         # the share of the predicted rise that is lost increases as the step gets shorter
         landing = missing * (1.0 + self._lost) / (1.0 - self._lost)
-        allowed, aim = _AIM / _RETRY * self._most_rise, _AIM * self._most_rise
+        most_rise = self._most_change(force)
+        allowed, aim = _AIM / _RETRY * most_rise, _AIM * most_rise
         if landing < allowed:
             allowed, aim = landing, _NEAR * landing
             smallest *= _SMALLEST_STEP
@@ -79,10 +87,21 @@ class StepControl:
             lost = 1.0 - rise / (self._predicted - force)
             self._lost = min(max(lost, 0.0), _MOST_LOST)
         scale = settled.total_force + 0.05 * self._target
-        missed = settled.correction / (self._most_missed * scale)
-        factor = _AIM / max(missed, rise / self._most_rise, 0.01)
+        return self.after(step, force, rise, settled.correction / (self._most_missed * scale))
+
+    def after(self, step: float, force: float, change: float, missed: float = 0.0) -> float:
+        """Return the next step [m] after one that changed the force by ``change`` [N].
+
+        ``force`` is the smaller one of the step, ``missed`` the error of its prediction over the
+        allowed one.
+        """
+        factor = _AIM / max(missed, change / self._most_change(force), 0.01)
         longer = step * min(max(factor, 0.25), 2.0)
         return min(max(longer, self._smallest), self._largest)
+
+    def _most_change(self, force: float) -> float:
+        """Return the change of the force [N] that a step from a force [N] may have."""
+        return min(self._most_rise, self._steepest * (force + _FAINT * self._target))
 
     @staticmethod
     def must_repeat(step: float, following: float) -> bool:

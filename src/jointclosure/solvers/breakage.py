@@ -1,18 +1,16 @@
 """Breakage until rest at fixed closure and fixed interaction.
 
-An overstressed pair is lowered until it holds, has lost contact or is locked, and its
-gouge is distributed on its neighbours. Pairs are coloured so that the neighbourhoods of
-one colour do not overlap. The colours are processed in turn:
+An overstressed pair is lowered until it holds, has lost contact or is locked, and its gouge is
+distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the overstressed ones are
+selected, break up to `_MOST_PASSES` steps in a row (`jointclosure.solvers.pair_batch`), and are
+written back; they and overlapping neighbours then wait. When no pair waits, all overlapping pairs
+are checked again, until nothing breaks.
 
-1. from the waiting pairs of a colour, `BATCH` at a time, the overstressed ones are selected;
-2. these break together, up to `_MOST_PASSES` steps in a row
-   (`jointclosure.solvers.pair_batch`);
-3. they are written back. Pairs that still break wait for the next turn of this colour, and
-   overlapping neighbours for the turn of their colour.
-
-When no pair waits, all overlapping pairs are checked again, until nothing breaks. The
-model does not prescribe the order of breakage: docs/decisions.md#0006-order-of-breakage
-measures its effect.
+The model does not prescribe the order of breakage (docs/decisions.md#0006-order-of-breakage).
+Resolved breakage lowers all waiting pairs from the same walls, and then adds up what each has lost
+and shed: neither the place of a pair nor the last digit decides which of two breaks first. With
+fixed steps pairs are coloured so that the neighbourhoods of one colour do not overlap, and the
+colours are processed in turn.
 """
 
 import math
@@ -31,6 +29,7 @@ from jointclosure.solvers.pair_batch import (
     CENTRE,
     LOWER,
     UPPER,
+    Rules,
     assess,
     fixed_losses,
     gather,
@@ -45,7 +44,7 @@ from jointclosure.solvers.products import assign
 _MARGIN = 2
 """Width in cells of the margin around the grid, infinitely high and never in contact."""
 _COLOURS = 9
-"""Number of colours: every third cell in both directions, so that neighbours are not shared."""
+"""Colours of fixed steps: cells three apart in both directions, which share no neighbours."""
 _MOST_PASSES = 4
 """Largest number of consecutive steps of one pair before it waits for its next turn."""
 
@@ -134,12 +133,12 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
 
 
 @kernel
-def colour_map(ny, nx):
-    """Return colours (y, x): cells of one colour are three apart in both directions."""
+def colour_map(ny, nx, count):
+    """Return colours (y, x): cells of one of `_COLOURS` are three apart in both directions."""
     colours = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
-            colours[y, x] = 3 * (y % 3) + x % 3
+            colours[y, x] = (3 * (y % 3) + x % 3) % count
     return colours
 
 
@@ -158,13 +157,13 @@ def padded_cells(upper, lower, approach, peaks):
 
 
 @kernel
-def new_turns(ny, nx):
-    """Return `Turns` of a grid without waiting cells."""
+def new_turns(ny, nx, colours):
+    """Return `Turns` of a grid with a number of colours, without waiting cells."""
     return Turns(
-        padded(colour_map(ny, nx), 0),
+        padded(colour_map(ny, nx, colours), 0),
         padded(np.zeros((ny, nx), np.int64), 1),
-        np.empty((_COLOURS, ny * nx + 1), np.int64),
-        np.zeros(_COLOURS, np.int64),
+        np.empty((colours, ny * nx + 1), np.int64),
+        np.zeros(colours, np.int64),
     )
 
 
@@ -181,9 +180,9 @@ def let_overlapping_wait(cells, turns):
 
 @kernel
 def let_neighbours_wait(cells, turns, cell, beside):
-    """Make the neighbours of a cell wait if they overlap and do not wait yet."""
-    for k in range(8):
-        near = cell + beside[k]
+    """Make the cells ``beside`` a cell wait if they overlap and do not wait yet."""
+    for offset in beside:
+        near = cell + offset
         colour = turns.colour[near]
         overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
         # without a branch, because it would be unpredictable
@@ -260,6 +259,33 @@ def write_back(batch, n, some, still_breaking, cells, turns, beside):
         let_neighbours_wait(cells, turns, cell, beside)
 
 
+@kernel
+def add_changes(batch, n, some, cells, walls, broken, count):
+    """Add what broken pairs change to the new walls, list their cells, and return their number."""
+    for i in range(n):
+        if batch.steps[i] == 0.0:
+            continue
+        broken[count] = some[i]
+        count += 1
+        for k in range(9):
+            near = some[i] + (k // 3 - 1) * cells.stride + k % 3 - 1
+            if cells.upper[near] < math.inf:
+                walls[UPPER, near] += batch.heights[UPPER, k, i] - cells.upper[near]
+                walls[LOWER, near] += batch.heights[LOWER, k, i] - cells.lower[near]
+    return count
+
+
+@kernel
+def write_together(walls, broken, cells, turns, around):
+    """Take over the new walls around broken cells (n,), which wait with their neighbours."""
+    for cell in broken:
+        for offset in around:
+            cells.upper[cell + offset] = walls[UPPER, cell + offset]
+            cells.lower[cell + offset] = walls[LOWER, cell + offset]
+    for cell in broken:
+        let_neighbours_wait(cells, turns, cell, around)
+
+
 @lru_cache(maxsize=None)
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: bool):
     """Return the kernel that breaks all pairs until rest at a fixed interaction."""
@@ -281,10 +307,14 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         ny, nx = upper.shape
         batch = memory[0]
         cells = padded_cells(upper, lower, offset - interaction, peaks)
-        stride, kind = cells.stride, cells.kind
-        turns = new_turns(ny, nx)
+        stride, kind, walls = cells.stride, cells.kind, cells[:3]
+        colours = 1 if resolved else _COLOURS
+        turns = new_turns(ny, nx, colours)
         beside = neighbour_offsets(stride)
-        spacing, flattest, concave = law.spacing, law.least_curvature, law.concave
+        around = np.append(beside, 0)
+        following = np.stack((cells.upper, cells.lower))
+        shape = law.least_curvature, law.concave, law.spacing
+        rules = Rules(tie_tolerance, *shape, gouge, bounded)
         allowed = 1.0 + 0.5 * band if resolved else 1.0
         taken = np.empty(ny * nx, np.int64)
         some = np.empty(BATCH + 1, np.int64)
@@ -298,39 +328,30 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     break
                 seen = steps
                 let_overlapping_wait(cells, turns)
-            colour = (colour + 1) % _COLOURS
-            number = turns.counts[colour]
+            colour = (colour + 1) % colours
+            number, broken = turns.counts[colour], 0
             turns.counts[colour] = 0
             assign(taken, turns.lists[colour, :number])
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
                 n = looked_at.size
                 # most checked cells still hold
-                gather(
-                    batch,
-                    n,
-                    looked_at,
-                    cells.upper,
-                    cells.lower,
-                    cells.approach,
-                    stride,
-                    current_peaks,
-                )
+                gather(batch, n, looked_at, *walls, stride, current_peaks)
                 if current_peaks:
                     find_peaks(batch, n, looked_at, kind)
                 set_laws(batch, n, looked_at, kind, law)
-                assess(batch, n, flattest, concave, spacing, allowed, bounded)
+                assess(batch, n, allowed, rules)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
                 if n == 0:
                     continue
-                gather(batch, n, some, cells.upper, cells.lower, cells.approach, stride, True)
+                gather(batch, n, some, *walls, stride, True)
                 set_laws(batch, n, some, kind, law)
                 batch.steps[:n] = 0.0
                 for turn in range(_MOST_PASSES):
                     if current_peaks and turn > 0:
                         find_peaks(batch, n, some, kind)
                         set_laws(batch, n, some, kind, law)
-                    assess(batch, n, flattest, concave, spacing, allowed, bounded)
+                    assess(batch, n, allowed, rules)
                     if gouge:
                         measure_drops(batch, n, UPPER, tie_tolerance)
                         measure_drops(batch, n, LOWER, tie_tolerance)
@@ -342,22 +363,17 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                         break
                     steps += breaking
                     if resolved:
-                        returning_losses(
-                            batch,
-                            n,
-                            band,
-                            tie_tolerance,
-                            flattest,
-                            concave,
-                            spacing,
-                            gouge,
-                            bounded,
-                        )
+                        returning_losses(batch, n, band, rules)
                     else:
                         fixed_losses(batch, n, breakage_step)
                     shed_losses(batch, n, UPPER, tie_tolerance, gouge)
                     shed_losses(batch, n, LOWER, tie_tolerance, gouge)
-                write_back(batch, n, some, breaking > 0, cells, turns, beside)
+                if resolved:
+                    broken = add_changes(batch, n, some, cells, following, taken, broken)
+                else:
+                    write_back(batch, n, some, breaking > 0, cells, turns, beside)
+            if resolved:
+                write_together(following, taken[:broken], cells, turns, around)
         unpad(cells.upper, upper)
         unpad(cells.lower, lower)
         unpad(kind, peaks)

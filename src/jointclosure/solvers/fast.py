@@ -49,7 +49,7 @@ from jointclosure.solvers.pair_batch import batch_memory
 
 PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 """Residuals that are sufficient to determine what breaks next, stage by stage."""
-BAND = 10.0
+BAND = 2.0
 """Width of the band about its strength in which a contact is at rest, over `Numerics.tolerance`."""
 MOST_ROUNDS = 1000
 _CLEAR_OF_STRENGTH = 0.98

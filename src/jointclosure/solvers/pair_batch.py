@@ -19,6 +19,7 @@ The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell it
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -70,31 +71,29 @@ def batch_memory() -> np.ndarray:
     return np.zeros(1, Batch)
 
 
+class Rules(NamedTuple):
+    """Tie tolerance [m], floor of curvature [1/m], `concave`, spacing [m], and what is acting."""
+
+    tie_tolerance: float
+    least_curvature: float
+    concave: float
+    spacing: float
+    gouge: bool
+    bounded: bool
+
+
 @kernel
 def gather(batch, n, cells, upper, lower, approach, stride, with_corners):
     """Copy heights around cells (n,) into a batch, optionally with corners."""
     for i in range(n):
         cell = cells[i]
-        for row in range(3):
-            start = cell + (row - 1) * stride
-            batch.heights[UPPER, 3 * row + 1, i] = upper[start]
-            batch.heights[LOWER, 3 * row + 1, i] = lower[start]
-        batch.heights[UPPER, WEST, i] = upper[cell - 1]
-        batch.heights[UPPER, EAST, i] = upper[cell + 1]
-        batch.heights[LOWER, WEST, i] = lower[cell - 1]
-        batch.heights[LOWER, EAST, i] = lower[cell + 1]
         batch.approach[i] = approach[cell]
-    if with_corners:
-        for i in range(n):
-            below, above = cells[i] - stride, cells[i] + stride
-            batch.heights[UPPER, 0, i] = upper[below - 1]
-            batch.heights[UPPER, 2, i] = upper[below + 1]
-            batch.heights[UPPER, 6, i] = upper[above - 1]
-            batch.heights[UPPER, 8, i] = upper[above + 1]
-            batch.heights[LOWER, 0, i] = lower[below - 1]
-            batch.heights[LOWER, 2, i] = lower[below + 1]
-            batch.heights[LOWER, 6, i] = lower[above - 1]
-            batch.heights[LOWER, 8, i] = lower[above + 1]
+        for row in range(3):
+            for column in range(3):
+                if with_corners or row == 1 or column == 1:
+                    near = cell + (row - 1) * stride + column - 1
+                    batch.heights[UPPER, 3 * row + column, i] = upper[near]
+                    batch.heights[LOWER, 3 * row + column, i] = lower[near]
 
 
 @kernel
@@ -108,7 +107,7 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 
 @kernel
-def assess(batch, n, least_curvature, concave, spacing, allowed, bounded):
+def assess(batch, n, allowed, rules):
     """Compute curvatures, overlap, stress ratio, and whether it exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
@@ -118,16 +117,16 @@ def assess(batch, n, least_curvature, concave, spacing, allowed, bounded):
                 batch.heights[wall, EAST, i],
                 batch.heights[wall, SOUTH, i],
                 batch.heights[wall, NORTH, i],
-                least_curvature,
-                concave,
-                spacing,
+                rules.least_curvature,
+                rules.concave,
+                rules.spacing,
             )
         kappa = batch.curvature[UPPER, i] + batch.curvature[LOWER, i]
         overlap = (
             batch.heights[UPPER, CENTRE, i] + batch.heights[LOWER, CENTRE, i] + batch.approach[i]
         )
         indentation = batch.critical_indentation[i]
-        if bounded:
+        if rules.bounded:
             kappa, indentation = bounded_strength(kappa, indentation, batch.filling[i])
         load = overlap * kappa * kappa
         strength = indentation * kappa + batch.substrate_strength[i]
@@ -232,7 +231,7 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
 
 
 @kernel
-def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
+def curvature_after(batch, i, wall, loss, rules):
     """Compute the curvature of a wall's cell after pair i has lost a height [m], with gouge."""
     here = batch.heights[wall, CENTRE, i]
     share = batch.loss[wall, i]
@@ -240,28 +239,24 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concav
     east = batch.heights[wall, EAST, i]
     south = batch.heights[wall, SOUTH, i]
     north = batch.heights[wall, NORTH, i]
-    if gouge:
+    if rules.gouge:
         rise = share * loss / batch.total_drop[wall, i]
         rise = rise if share > 0.0 else 0.0
-        west += rise * fall(here, west, tie_tolerance)
-        east += rise * fall(here, east, tie_tolerance)
-        south += rise * fall(here, south, tie_tolerance)
-        north += rise * fall(here, north, tie_tolerance)
-    return wall_curvature(
-        here - share * loss, west, east, south, north, least_curvature, concave, spacing
-    )
+        west += rise * fall(here, west, rules.tie_tolerance)
+        east += rise * fall(here, east, rules.tie_tolerance)
+        south += rise * fall(here, south, rules.tie_tolerance)
+        north += rise * fall(here, north, rules.tie_tolerance)
+    shape = rules.least_curvature, rules.concave, rules.spacing
+    return wall_curvature(here - share * loss, west, east, south, north, *shape)
 
 
 @kernel
-def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge, bounded):
+def ratio_after(batch, i, loss, rules):
     """Compute the stress ratio of pair i after it has lost a height [m], with gouge."""
-    kappa = curvature_after(
-        batch, i, UPPER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
-    ) + curvature_after(
-        batch, i, LOWER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
-    )
+    kappa = curvature_after(batch, i, UPPER, loss, rules)
+    kappa += curvature_after(batch, i, LOWER, loss, rules)
     indentation = batch.critical_indentation[i]
-    if bounded:
+    if rules.bounded:
         kappa, indentation = bounded_strength(kappa, indentation, batch.filling[i])
     strength = indentation * kappa + batch.substrate_strength[i]
     return (batch.overlap[i] - loss) * kappa * kappa / strength
@@ -301,18 +296,11 @@ def bracket_losses(batch, n, goal, gouge):
 
 
 @kernel
-def narrow_losses(
-    batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
-):
+def narrow_losses(batch, n, goal, near, rules):
     """Do one step of false position (Illinois) for every pair; return the number of unsolved."""
     for i in range(n):
         trial = batch.trial[i]
-        answer = (
-            ratio_after(
-                batch, i, trial, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
-            )
-            - goal
-        )
+        answer = ratio_after(batch, i, trial, rules) - goal
         most = batch.most[i]
         left, right = batch.left[i], batch.right[i]
         excess, shortage = batch.excess[i], batch.shortage[i]
@@ -343,17 +331,12 @@ def narrow_losses(
 
 
 @kernel
-def returning_losses(
-    batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
-):
+def returning_losses(batch, n, band, rules):
     """Compute by return mapping the losses of both walls that restore the strength of a pair."""
     goal, near = 1.0 - 0.5 * band, 0.25 * band
-    bracket_losses(batch, n, goal, gouge)
+    bracket_losses(batch, n, goal, rules.gouge)
     for _ in range(60):
-        left_over = narrow_losses(
-            batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge, bounded
-        )
-        if left_over == 0:
+        if narrow_losses(batch, n, goal, near, rules) == 0:
             break
     for i in range(n):
         batch.loss[UPPER, i] *= batch.trial[i]
