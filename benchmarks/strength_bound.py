@@ -5,7 +5,7 @@ others with a roll-off of 3 mm, at roughness and stress of `LOADS`; and pairs of
 ``*_upper.*`` and ``*_lower.*`` of folders (granite, 10 MPa). The paper's steps over 64, and of few
 joints over 256, are compared with resolved breakage at a tolerance of 0.01, by the net closure
 since seating of both cycles on the same walls. Resolved closures are means of copies of the walls
-that must close alike (`jointclosure.engine.assess.COPIES`). With a bound of strength this, the
+that must close alike (`jointclosure.engine.uncertainty.COPIES`). With a bound of strength this, the
 default of scanned joints, is compared with an eighth of the tolerance. Closures that the output has
 are not computed again. 40 joints take an hour of a core.
 """
@@ -19,10 +19,9 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import COPIES
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.engine.uncertainty import coarser
+from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
