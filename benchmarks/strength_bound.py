@@ -5,8 +5,8 @@ others with a roll-off of 3 mm, at roughness and stress of `LOADS`; and pairs of
 ``*_upper.*`` and ``*_lower.*`` of folders (granite, 10 MPa). The paper's steps over 64, and of few
 joints over 256, are compared with resolved breakage at a tolerance of 0.002, by the net closure
 since seating of both cycles on the same walls. Resolved closures are means of copies of the walls
-that must close alike (`jointclosure.engine.assess.COPIES`). Closures that the output has are not
-computed again. 40 joints take 20 minutes of a core.
+that must close alike (`jointclosure.engine.uncertainty.COPIES`). Closures that the output
+has are not computed again. 40 joints take 20 minutes of a core.
 """
 
 import argparse
@@ -18,9 +18,10 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import COPIES, resolved
+from jointclosure.engine.assess import resolved
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import registered_walls
+from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded

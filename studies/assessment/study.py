@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.assess import (
-    COPIES,
     HARD_CASES,
     JUDGED,
     READ,
@@ -23,6 +22,7 @@ from jointclosure.engine.assess import (
 )
 from jointclosure.engine.ensembles import Point
 from jointclosure.engine.settings import Case, ClosureSettings, Walls, walls_of
+from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots

@@ -19,8 +19,9 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine import judging, oracle
-from jointclosure.engine.assess import COPIES, FEATURES, closures_of, features_of
+from jointclosure.engine.assess import FEATURES, closures_of, features_of
 from jointclosure.engine.judging import Judge, JudgedSolver
+from jointclosure.engine.uncertainty import COPIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, leading, results_of, table_of
+from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, results_of, table_of
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
@@ -78,11 +78,10 @@ def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = No
 
 
 def _with_range(row: pd.Series, name: str) -> str:
-    """Return a quantity of a row of bands as text, the number given first as for `leading`."""
-    ends = {end: row.get(f"{name}_{end}") for end in ("median", "low", "high")}
-    if None in ends.values():
+    """Return a quantity of a row of bands as text, the median first."""
+    numbers = [row.get(f"{name}_{end}") for end in ("median", "low", "high")]
+    if None in numbers:
         return number_text(row[name])
-    numbers = leading(pd.Series({"best": row[name], **ends})), ends["low"], ends["high"]
     return "{} ({} to {})".format(*(number_text(value, 2) for value in numbers))
 
 

@@ -22,7 +22,7 @@ from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
 from jointclosure.engine.settings import Walls
-from jointclosure.engine.uncertainty import coarser
+from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
@@ -38,13 +38,6 @@ from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
 
-COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
-    "as it is": lambda wall: wall,
-    "last digits": lambda wall: wall * (1.0 + 1e-12),
-    "mirrored": lambda wall: np.ascontiguousarray(wall[:, ::-1]),
-    "transposed": lambda wall: np.ascontiguousarray(wall.T),
-}
-"""Copies of a wall that close alike but for rounding and the order of breakage."""
 CLOSURE = "max_closure_seated_net"
 """Closure by which copies of a joint are compared."""
 JUDGED = (CLOSURE, "max_closure")

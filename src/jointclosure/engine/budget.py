@@ -1,16 +1,19 @@
 """Uncertainty budget of a joint: ranges of its results, and the share of each source in them.
 
 The change of a result is expected to be the sum of its changes with each source varied alone.
-Joints depart from it, because sources act together and breakage takes another order. The departures
-are those of joints that were closed with random values of all sources. The range is between the 5
-and 95 % quantiles of the expected changes for further random values, which need no closures, with
-each of these departures: the sum is a control variate, with which few closures suffice. Values are
-propagated as in JCGM 101:2008. Changes of positive results are changes of logarithms, because the
-model's open choices act as factors. The share of the departures is that in the variance; the rest
-is divided among the sources by their squared changes, up and down.
+Joints depart from it, because sources act together, breakage takes another order, and errors of the
+scans are random. The departures are those of joints that were closed with random values of all
+sources. The range is between the 5 and 95 % quantiles of the expected changes for further random
+values, which need no closures, with each of these departures: the sum is a control variate, with
+which few closures suffice. Values are propagated as in JCGM 101:2008. Changes of positive results
+are changes of logarithms, because the model's open choices act as factors.
+
+The share of a source is its total index: the part of the variance that it takes part in, alone or
+together with others (Homma & Saltelli 1996). Variances of random sources are those among their
+draws, less that of the order of breakage, which is another one in any joint. What is then left of
+the departures is due to pairs of sources, in proportion to the products of their variances.
 """
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -43,16 +46,17 @@ QUANTITIES = {
     )
 }
 """Headings of results with a range, by column of `results_of`."""
-TOGETHER = "together"
-"""Share of a range that no source has alone."""
+ORDER = "order"
+"""Source of another order of breakage: copies that differ in rounding, or are mirrored."""
 TITLES = {
     "spacing": "grid spacing",
     "breakage": "numerical error",
-    "alignment": "alignment",
+    "registration": "registration",
+    "noise": "noise of the scans",
+    ORDER: "order of breakage",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
     "peaks": "peaks while walls break",
-    TOGETHER: "sources acting together",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
 
@@ -72,8 +76,6 @@ ALL = "all together"
 """Source of the variants in which all sources have random values."""
 OUTLYING = 0.15
 """Share of joints with random values below or above a best value that lies at their edge."""
-MUCH_TOGETHER = 0.3
-"""Share of sources acting together above which the joint with the largest result is described."""
 OUTSIDE = 0.05
 """Probability of a result below the range, and of one above it."""
 NUMBERS = ["best", "median", "low", "high"]
@@ -83,25 +85,33 @@ NOT_MODELLED = "not modelled"
 
 
 class Source(NamedTuple):
-    """A source of uncertainty: its ends, or its alternatives (the value of the joint first)."""
+    """A source of uncertainty, by its kind.
+
+    Of a "range" the ends, of a "choice" the alternatives, that of the joint first; of what is
+    "random" the draws, that of the joint (none) first.
+    """
 
     values: tuple
-    continuous: bool = False
+    kind: str = "choice"
 
     def at(self, share: float) -> Any:
         """Return the value at a share, in [0, 1), of its range or of its alternatives."""
-        if not self.continuous:
+        if self.kind == "random":
+            return len(self.values) + int(share * 2**32)  # another draw
+        if self.kind == "choice":
             return self.values[int(share * len(self.values))]
         low, high = self.values
         return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
 
     def changes_at(self, changes: np.ndarray, shares: np.ndarray) -> np.ndarray:
-        """Return the change of a result at shares (n,), from that at each varied value (k,).
+        """Return the expected change of a result at shares (n,), from that at each value (k,).
 
         Linear between the ends of a range. A change that is not known counts as 0.
         """
+        if self.kind == "random":
+            return np.zeros(shares.shape)
         changes = np.nan_to_num(changes)
-        if self.continuous:
+        if self.kind == "range":
             return changes[0] + shares * (changes[1] - changes[0])
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
 
@@ -113,7 +123,7 @@ class Budget(NamedTuple):
     random values of all), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if not closed.
     ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``median``,
     ``low`` and ``high`` of joints with random values, of which 9 in 10 lie between the latter; and
-    the share of each source, which sum to 1. Sources without a stated range are ``omitted``.
+    the share of each source, interactions included. Sources taken as exact are ``omitted``.
     ``curves`` is the `stress_table` of the joint, with median, low and high of each of `CURVES`.
     """
 
@@ -130,8 +140,8 @@ class Budget(NamedTuple):
         closure = next(iter(QUANTITIES))
         cycles = self.ranges.index.unique("cycle")
         lines = [
-            f"{QUANTITIES[closure]}, cycle {cycle}: the range is due to "
-            f"{self.shares_text(cycle, closure)}"
+            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources in the range, interactions "
+            f"included: {self.shares_text(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
         for quantity in (closure, STIFFNESS):
@@ -148,10 +158,12 @@ class Budget(NamedTuple):
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
             lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
-        if self.omitted:
-            names = ", ".join(TITLES[name] for name in self.omitted)
+        if "registration" in self.omitted:
+            lines.append("taken as exact: the position of the walls, as no fit moved them")
+        if exact := [name for name in self.omitted if name in OF_ROCK]:
+            names = ", ".join(TITLES[name] for name in exact)
             lines.append(
-                f"taken as exact: {names} (--range {key_of(self.omitted[-1])} LOW HIGH, or "
+                f"taken as exact: {names} (--range {key_of(exact[-1])} LOW HIGH, or "
                 "ranges= in Python, adds what is known of them)"
             )
         return [*lines, MEASURED]
@@ -168,30 +180,19 @@ class Budget(NamedTuple):
         return [f"{QUANTITIES[quantity]}: numerical error about {of_cycles} (by {by})"]
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
-        """Describe joints with random values: an outlying best value, and what acts together."""
+        """Describe a joint whose best value is at the edge of those of random inputs."""
         of_all = self.results[(self.results.source == ALL) & (self.results.cycle == cycle)]
-        drawn = of_all.dropna(subset=quantity)
-        row, name = self.ranges.loc[cycle, quantity], f"{QUANTITIES[quantity]}, cycle {cycle}"
-        lines = []
-        below = (drawn[quantity] < row.best).mean() if len(drawn) else 0.5
-        if not OUTLYING <= below <= 1.0 - OUTLYING:
-            lines.append(
-                f"{name}: the best value is {'smaller' if below < 0.5 else 'larger'} than "
-                f"{100.0 * max(below, 1.0 - below):.0f} % of the results of random inputs, whose "
-                f"median is {_two_digits(drawn[quantity].median())}"
-            )
-        if leading(row) != row.best:
-            lines.append(
-                f"{name}: the best value, {_two_digits(row.best)}, lies outside the range, whose "
-                "median is given instead"
-            )
-        if row[TOGETHER] > MUCH_TOGETHER:
-            most = drawn.loc[drawn[quantity].idxmax()]
-            lines.append(
-                f"{name}: the largest of these results, {_two_digits(most[quantity])}, has "
-                f"{most.value.replace('; ', ', ')}"
-            )
-        return lines
+        drawn = of_all[quantity].dropna()
+        best = self.ranges.loc[(cycle, quantity), "best"]
+        below = (drawn < best).mean() if len(drawn) else 0.5
+        if OUTLYING <= below <= 1.0 - OUTLYING:
+            return []
+        return [
+            f"{QUANTITIES[quantity]}, cycle {cycle}: that of the walls as registered, with the "
+            f"usual values of all inputs, is {_two_digits(best)}, "
+            f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * max(below, 1.0 - below):.0f} "
+            "% of the results of random inputs"
+        ]
 
     def record(self) -> list[dict]:
         """Return `ranges` for JSON, one entry per cycle and quantity."""
@@ -210,14 +211,14 @@ class Budget(NamedTuple):
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
 
-        The first number is that of `leading`. Numbers are 0 if they are next to nothing of the
-        width of the range.
+        The first number is the median. Numbers are 0 if they are next to nothing of the width of
+        the range.
         """
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
         least = 0.005 * (row.high - row.low)
-        values = (leading(row), row.low, row.high)
+        values = (row["median"], row.low, row.high)
         first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
         return f"{first} ({low} to {high})"
 
@@ -227,19 +228,10 @@ class Budget(NamedTuple):
         return values.empty or bool((values.abs() > ROUNDING).any())
 
     def shares_text(self, cycle: int, quantity: str) -> str:
-        """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
+        """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
         return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
-
-
-def leading(row: Any) -> float:
-    """Return the number of a row of `Budget.ranges` to be given first.
-
-    It is the best value, or the median where the best value lies outside the range.
-    """
-    outside = row.best < row.low or row.best > row.high
-    return float(row["median"] if outside else row.best)
 
 
 ROUNDING = 1e-12
@@ -315,14 +307,22 @@ def _range_of(
         for name, of_source in values.items()
     }
     drawn = changes.pop(ALL)
-    sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
-    middle, apart = _quantiles(drawn, *sums)
+    expected, of_further = (
+        {
+            name: source.changes_at(changes[name], at)
+            for (name, source), at in zip(sources.items(), of_joints.T, strict=True)
+        }
+        for of_joints in (shares, further)
+    )
+    slope, departures = _departures(drawn, np.sum(list(expected.values()), axis=0))
+    all_joints = slope * np.sum(list(of_further.values()), axis=0)[:, None] + departures
+    middle = np.quantile(all_joints, [0.5, OUTSIDE, 1.0 - OUTSIDE])
     numbers = best * np.exp(middle) if factors else best + middle
     numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
-    alone = shares_of(changes)
+    variances = {name: slope**2 * float(values.var()) for name, values in of_further.items()}
+    scatter = {name: changes[name] for name in sources if sources[name].kind == "random"}
     row = dict(zip(NUMBERS, (best, *numbers), strict=True))
-    row |= {name: (1.0 - apart) * share for name, share in alone.items()}
-    return row | {TOGETHER: apart}
+    return row | total_indices(variances, scatter, float(departures.var()))
 
 
 def bands_of(
@@ -353,44 +353,51 @@ def bands_of(
     return with_transmissivity(bands)
 
 
-def _sums(
-    sources: Mapping[str, Source], changes: Mapping[str, np.ndarray], shares: np.ndarray
-) -> np.ndarray:
-    """Return the sums (n,) of the changes with each source alone at shares (n, sources)."""
-    columns = zip(sources.items(), shares.T, strict=True)
-    return np.sum([source.changes_at(changes[name], at) for (name, source), at in columns], axis=0)
+def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the slope of changes (draws,) against those expected, and departures from the line.
 
-
-def _quantiles(
-    drawn: np.ndarray, sums: np.ndarray, further: np.ndarray
-) -> tuple[np.ndarray, float]:
-    """Return median and ends of the range (3,), and the share of departures in its variance.
-
-    ``drawn`` (draws,) are the changes of closed joints, ``sums`` those expected of them, and
-    ``further`` (any,) those expected of further joints. Expected changes are reduced if joints
-    change less (a slope below 1, as sources with the same effect do not add up). Departures from
-    them are scaled from a sample to a further joint.
+    Expected changes are reduced if joints change less (a slope below 1, as sources with the same
+    effect do not add up). Departures are scaled from a sample to a further joint.
     """
     known = np.isfinite(drawn)
-    drawn, sums, slope, departures = drawn[known], sums[known], 1.0, np.zeros(1)
-    if drawn.size > 1:
-        centred = sums - sums.mean()
-        square = float(centred @ centred)
-        slope = float(np.clip(centred @ drawn / square, 0.0, 1.0)) if square > 0.0 else 1.0
-        departures = drawn - slope * sums
-        centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
-        departures = centre + scale * (departures - centre)
-    all_joints = slope * further[:, None] + departures
-    variances = departures.var(), slope**2 * further.var()
-    apart = variances[0] / sum(variances) if any(variances) else math.nan
-    return np.quantile(all_joints, [0.5, OUTSIDE, 1.0 - OUTSIDE]), float(apart)
+    drawn, sums = drawn[known], sums[known]
+    if drawn.size < 2:
+        return 1.0, np.zeros(1)
+    centred = sums - sums.mean()
+    square = float(centred @ centred)
+    slope = float(np.clip(centred @ drawn / square, 0.0, 1.0)) if square > 0.0 else 1.0
+    departures = drawn - slope * sums
+    centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
+    return slope, centre + scale * (departures - centre)
 
 
-def shares_of(changes: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """Return the share of each source in the sum of squared changes, up and down."""
-    squares = {}
-    for name, values in changes.items():
-        finite = values[np.isfinite(values)]
-        squares[name] = finite.max(initial=0.0) ** 2 + finite.min(initial=0.0) ** 2
-    total = sum(squares.values()) or np.nan
-    return {name: square / total for name, square in squares.items()}
+def total_indices(
+    alone: Mapping[str, float], random: Mapping[str, np.ndarray], departures: float
+) -> dict[str, float]:
+    """Return the total index of each source.
+
+    ``alone`` are variances by each source alone, ``random`` the changes of a result in the draws
+    of a random source, and ``departures`` the variance that random sources and interactions have
+    together.
+    """
+    scatter = {}
+    for name, values in random.items():
+        draws = values[np.isfinite(values)]
+        draws = np.append(draws, 0.0) if name == ORDER else draws  # the joint is a copy too
+        scatter[name] = float(draws.var(ddof=1)) if draws.size > 1 else 0.0
+    order = scatter.get(ORDER, 0.0)
+    scatter = {name: v if name == ORDER else max(v - order, 0.0) for name, v in scatter.items()}
+    most = departures / total if (total := sum(scatter.values())) > departures else 1.0
+    variances = dict(alone) | {name: most * variance for name, variance in scatter.items()}
+    left = departures - most * total
+    acting = {name: variance for name, variance in variances.items() if name != ORDER}
+    whole = sum(acting.values())
+    pairs = {name: variance * (whole - variance) for name, variance in acting.items()}
+    if not any(pairs.values()):  # less than two sources act
+        pairs, left = variances, 0.5 * left
+    products = 0.5 * sum(pairs.values()) or np.nan
+    everything = sum(alone.values()) + departures or np.nan
+    return {
+        name: (variance + left * pairs.get(name, 0.0) / products) / everything
+        for name, variance in variances.items()
+    }

@@ -10,6 +10,7 @@ from jointclosure.engine.uncertainty import sources_of, variants_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls
+from jointclosure.walls.scan_errors import ScanErrors
 
 WINDOW = 128
 """Cells a side of the window of the walls that is closed to estimate the time."""
@@ -74,13 +75,14 @@ def expected_cost(
     conditions: Conditions,
     single: bool,
     ranges: Mapping[str, tuple[float, float]] = {},
+    errors: ScanErrors | None = None,
 ) -> Cost | None:
     """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
 
     A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
     powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``.
     """
-    sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
+    sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
     if upper.size <= SMALL:
         return None
     _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles

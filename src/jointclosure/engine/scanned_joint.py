@@ -187,7 +187,13 @@ def close(
     if progress:
         print(_described(pair, of_pair, name))
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges):
+    errors = None if single else pair.errors
+    if errors:
+        size = f"{1e6 * errors.noise:.2g} um, by their power spectra"
+        noisy = f"noise of both scans together, with waves too short for the grid: {size}"
+        pair = pair._replace(report=[*pair.report, noisy])
+        remark([noisy], ())
+    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors):
         forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
         remark(forecast, forecast)
     kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
@@ -201,7 +207,8 @@ def close(
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
     with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
-        budget = uncertainty_budget(pair.upper, pair.lower, of_pair, ranges, history, show)
+        walls = pair.upper, pair.lower
+        budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors)
     return joint._replace(budget=budget)
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from jointclosure.engine.progress import bar, duration
 from jointclosure.engine.scanned_joint import RESOLVED, Wall, registered_walls
-from jointclosure.engine.uncertainty import shifted_walls
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.remarks import caution
@@ -364,8 +363,12 @@ def _random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wave
 
 def _scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int, _: float):
     """Displace the upper wall by up to a cell along x and y; their mismatch is as scanned."""
-    y, x = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
-    return shifted_walls(upper, lower, (y, x))
+    shift = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
+    for axis, cells in enumerate(shift):
+        kept = np.arange(upper.shape[axis] - abs(cells))
+        upper = upper.take(kept + max(cells, 0), axis)
+        lower = lower.take(kept + max(-cells, 0), axis)
+    return upper, lower
 
 
 def _jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:

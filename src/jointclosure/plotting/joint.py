@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, leading
+from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.engine.quantities import CURVES
 from jointclosure.joint.barton_bandis import BartonBandis
 from jointclosure.joint.curves import WATER, has_flow, members, stress_table
@@ -43,7 +43,7 @@ def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
     """Draw ranges [mm] of the closure at the largest stress by cycle, each above the one before."""
     largest = 1e-6 * float(closed.normal_stress.max())
     for row, (cycle, ends) in enumerate(ranges.iterrows(), start=1):
-        first = leading(ends)
+        first = ends["median"]
         widths = [[first - ends.low], [ends.high - first]]
         axes.errorbar(
             first, largest * (1.0 + 0.03 * row), xerr=widths,

@@ -99,6 +99,12 @@ class Motion(NamedTuple):
         between = self.forth(points) - other.forth(points)
         return float(np.hypot(between[:, 0], between[:, 1]).max())
 
+    def until(self, other: "Motion") -> np.ndarray:
+        """Return the rotation [rad] and the shift of the middle (x, y) [m] to another motion."""
+        turn = other.rotation @ self.rotation.T
+        shift = other.place - self.forth(other.middle)
+        return np.array([0.5 * (turn[1, 0] - turn[0, 1]), shift[0], shift[1]])
+
     def error(self, reach: np.ndarray) -> float:
         """Return the standard error in the plan of the corners [m]."""
         angle, x, y = np.diag(self.covariance)

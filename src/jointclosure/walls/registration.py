@@ -27,6 +27,7 @@ from jointclosure.walls.motion import (
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
+from jointclosure.walls.scan_errors import ScanErrors, noise_of
 
 ON_NODES = 0.02
 """Distance [cells] within which a scan is laid on the nodes of the other one, so that its heights
@@ -108,6 +109,18 @@ class RegisteredPair(NamedTuple):
     def warnings(self) -> list[Caution]:
         """Warnings among the sentences of the report."""
         return cautions(self.report)
+
+    @property
+    def errors(self) -> ScanErrors:
+        """Errors of the fit, 0 if the walls stayed as scanned, and noise of the scans."""
+        covariance, offset = np.zeros((3, 3)), np.zeros(3)
+        scale = np.array([1.0, self.spacing, self.spacing])
+        if self.mated is not None and np.isfinite(self.motion.covariance).all():
+            offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
+            covariance = self.motion.covariance / np.outer(scale, scale)
+        middle = (self.motion.place[:2] - self.first) / self.spacing
+        noise = noise_of(self.upper, self.lower)
+        return ScanErrors(offset, covariance, middle, noise, self.holes)
 
     def __repr__(self) -> str:
         (ny, nx), step = self.upper.shape, 1e3 * self.spacing
