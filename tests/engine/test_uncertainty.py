@@ -13,6 +13,7 @@ from jointclosure.engine.budget import (
     NUMBERS,
     ORDER,
     QUANTITIES,
+    SHARED,
     Source,
     ranges_of,
     total_indices,
@@ -74,6 +75,23 @@ def range_of(widths, scatter=0.0, seed=0):
     values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
     results = pd.DataFrame({"cycle": 1, "source": names} | values)
     return ranges_of(results, sources, shares, further).iloc[0]
+
+
+def test_variants_of_another_tolerance_are_compared_with_the_joint_that_has_it():
+    sources = {"breakage": Source((0, 1), SHARED), "a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    shares[:, 0] = 0.0
+    names = ["", "breakage", "a", "a", *[ALL] * DRAWS]
+    changes = np.concatenate([[0.0, 0.0, -1.0, 1.0], 2.0 * shares[:, 1] - 1.0])
+
+    def ends(factor, further):
+        values = 2.0 * np.exp(changes) * np.where(np.array(names) == "", 1.0, factor)
+        results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+        return ranges_of(results, sources, shares, further).iloc[0][["median", "low", "high"]]
+
+    without = further * [0.0, 1.0]
+    np.testing.assert_allclose(ends(1.3, without), ends(1.0, without), rtol=1e-12)
+    assert 1.03 < ends(1.3, further)["median"] / ends(1.0, further)["median"] < 1.27
 
 
 def lower_end(*of):

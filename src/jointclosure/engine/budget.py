@@ -83,12 +83,16 @@ NUMBERS = ["best", "median", "low", "high"]
 NOT_MODELLED = "not modelled"
 """Text of a result that is 0 in all variants: the model cannot give it."""
 
+SHARED = "shared"
+"""Kind of a source whose second value all variants have."""
+
 
 class Source(NamedTuple):
     """A source of uncertainty, by its kind.
 
     Of a "range" the ends, of a "choice" the alternatives, that of the joint first; of what is
-    "random" the draws, that of the joint (none) first.
+    "random" the draws, that of the joint (none) first. Of a "shared" source all other variants have
+    the second value, and are compared with the joint that differs by it alone.
     """
 
     values: tuple
@@ -302,10 +306,12 @@ def _range_of(
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
     factors = bool((np.nanmin(known) if least is None else least) > 0.0)
-    changes = {
-        name: np.log(of_source / best) if factors else of_source - best
-        for name, of_source in values.items()
-    }
+    shared = next((name for name in sources if sources[name].kind == SHARED), None)
+    from_all = best if shared is None or np.isnan(values[shared][0]) else values[shared][0]
+    changes = {}
+    for name, of_source in values.items():
+        from_here = best if name == shared else from_all
+        changes[name] = np.log(of_source / from_here) if factors else of_source - from_here
     drawn = changes.pop(ALL)
     expected, of_further = (
         {
