@@ -34,7 +34,9 @@ OLDER_SOLVER = (
     "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
     "solver_speed",
 )  # fmt: skip
-"""Stored runs of a solver before the present one (0d329c6)."""
+"""Stored runs of a solver before 0d329c6, since when fixed steps are as they are."""
+OLDER_STEPS = ("accuracy_requests", "assessment", "registration", "registration_ranges")
+"""Stored runs by resolved breakage before its present steps and order (5eb19373)."""
 
 Rows = list[dict]
 
