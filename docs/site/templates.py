@@ -31,7 +31,7 @@ NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
     "conclusions", "continuum", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "measured_fit",
-    "measured_joints", "misalignment", "mismatch", "peers", "readings_average", "size",
+    "misalignment", "mismatch", "peers", "readings_average", "size",
     "solver_speed",
 )  # fmt: skip
 """Stored runs of a solver before 0d329c6, since when fixed steps are as they are."""

@@ -20,7 +20,7 @@ ORIGINS = sorted([*ROOT.glob("studies/*/results/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
 SOLVER, STEPS = "0d329c61", "5eb19373"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
-RESOLVED = {"hard_cases", "strength_bound", *templates.OLDER_STEPS}
+RESOLVED = {"hard_cases", "strength_bound", "measured_joints", *templates.OLDER_STEPS}
 """Runs of resolved breakage, by the present solver."""
 
 
