@@ -32,8 +32,6 @@ SCAN = Path(
     os.environ.get("JOINTCLOSURE_SCAN") or ROOT.parent / "shared/data/foliation_joint_0p25mm.npz"
 )
 
-ROOT = Path(__file__).parents[2]
-
 
 def measured(wall):
     return {m.name: m for m in measure_wall(wall, SPACING, resamples=100)}

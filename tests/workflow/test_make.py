@@ -258,7 +258,6 @@ def test_a_study_adds_surfaces_until_its_accuracy_is_reached_the_most_or_its_bud
 # A run that is asked to end: it ends soon, says how to go on, leaves no process, and goes on
 
 
-pytestmark = pytest.mark.slow
 ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "8"))
 SECONDS = 30.0
 """Within which all must have ended."""
@@ -312,6 +311,7 @@ def wait_for_the_end(folder: Path, run: subprocess.Popen) -> str:
     return (folder / "output.txt").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("whom", ["process", "group"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
@@ -329,6 +329,7 @@ def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts
     assert not (tmp_path / STAMP).exists()
 
 
+@pytest.mark.slow
 def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
     """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
     chance = random.Random(1)

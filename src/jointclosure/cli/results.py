@@ -113,7 +113,7 @@ def remarks_on(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:
     """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
-    words, remarks = closed.flow_status.attrs["flag_meanings"].split(), []
+    words, remarks, blocked = closed.flow_status.attrs["flag_meanings"].split(), [], False
     for cycle in cycle_table(closed).cycle:
         step = branch_of(closed, cycle, UNLOADING)[:1]
         parts = []
@@ -123,11 +123,12 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
                 for name in ("hydraulic_aperture", "largest_hydraulic", "flow_status")
             )
             status = words[int(status)]
+            blocked |= status != "flows"
             most = "" if status == "flows" else f", at most {1e3 * bound:.2g}"
             parts.append(f"along {direction} {1e3 * value:.3g} ({status}){most}")
         about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
-    return [*remarks, _BLOCKED] if any("at most" in remark for remark in remarks) else remarks
+    return [*remarks, _BLOCKED] if blocked else remarks
 
 
 def failed(closed: xr.Dataset) -> bool:

@@ -91,27 +91,28 @@ def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
     return lambda level: np.where(level == stress[0], values[0], np.nan)
 
 
-def value_at(
-    history: xr.Dataset, here: np.ndarray, values: np.ndarray, level: float, branch: str
-) -> float:
-    """Read a value where the stress first reaches a level [Pa]; NaN if never.
+def values_where(
+    history: xr.Dataset, here: np.ndarray, values: np.ndarray, levels: np.ndarray, branch: str
+) -> np.ndarray:
+    """Read values where the stress first reaches levels (n,) [Pa]; NaN if never.
 
     ``here`` are the steps of the branch. Fixed steps are read linearly, as in the paper.
     """
     stress, known = history.normal_stress.values[here], values[here]
     if by_fixed_steps(history):
-        return crossing(stress, known, level, branch)
+        return np.array([crossing(stress, known, level, branch) for level in levels])
     order = slice(None, None, 1 if branch == LOADING else -1)
-    return float(cubic_over(stress[order], known[order])(level))
+    return cubic_over(stress[order], known[order])(levels)
 
 
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
     """Read the net closure [m], or the variable ``of``, at the seating stress of a branch."""
     here = branch_of(history, cycle, branch)
     seating = float(history.attrs["seating_stress_Pa"])
-    if here.size and history.normal_stress.values[here].min() > seating:
+    if not here.size or history.normal_stress.values[here].min() > seating:
         return float("nan")
-    return value_at(history, here, read_along(history, of), seating, branch)
+    along = read_along(history, of)
+    return float(values_where(history, here, along, np.array([seating]), branch)[0])
 
 
 def cycle_closures(
@@ -167,13 +168,11 @@ def values_at_stresses(
             continue
         stress = history.normal_stress.values[here]
         maximum, minimum = stress.max(), stress.min()
-        for k, level in enumerate(levels):
-            if level < minimum <= level * (1.0 + 1.01 * tolerance):
-                level = minimum
-            if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
-                level = maximum
-            if level >= minimum:
-                answer[index, side, k] = value_at(history, here, values, level, branch)
+        near = 1.0 + 1.01 * tolerance
+        read = np.where((levels < minimum) & (minimum <= levels * near), minimum, levels)
+        read = np.where((maximum < read) & (read <= maximum * near), maximum, read)
+        asked = read >= minimum
+        answer[index, side, asked] = values_where(history, here, values, read[asked], branch)
     return answer
 
 
