@@ -1,0 +1,135 @@
+"""Elastic scenes at given stresses: one curve, without steps."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+import jointclosure as jc
+from jointclosure.engine import oracle
+from jointclosure.joint.protocol import FLAGS
+from jointclosure.solvers import elastic, equilibrium
+from tests.joints import DOLERITE, SPACING, balanced, bump, closed, pair
+
+SCENES = {
+    "asperities": jc.Effects(False, False, False, False, True),
+    "substrate": jc.Effects(True, False, False, False, True),
+    "interaction": jc.Effects(True, True, False, False, True),
+    "hard peaks": jc.Effects(True, True, False, False, False),
+}
+
+
+def curve_of(walls, scene="interaction", stress=30e6, **stated):
+    about = {"effects": SCENES[scene], "seating_stress": 0.0, "cycles": 1}
+    return closed(walls, stress, **about | stated)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_each_point_is_an_equilibrium_at_its_closure(small_joint, scene):
+    curve = curve_of(small_joint, scene)
+    assert int(curve.status) == 0
+    assert float(curve.equilibrium_residual.max()) <= 1e-10
+    for step in (1, 9, 20):
+        at = curve.isel(step=step)
+        about = {"effects": SCENES[scene], "force_tolerance": 1e-12}
+        found = balanced(small_joint, float(at.closure), **about)
+        assert found.normal_stress == pytest.approx(float(at.normal_stress), rel=1e-9)
+        bulk = float(at.bulk_indentation)
+        assert found.interaction_displacement.mean() == pytest.approx(bulk, rel=1e-9, abs=1e-30)
+        contacts = round(float(at.contact_fraction) * found.force.size)
+        assert np.count_nonzero(found.force) == contacts
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
+    slow = {"solver": "reference", "stress_tolerance": 1e-7, "sweep_tolerance": 1e-10}
+    stepped, curve = (curve_of(small_joint, scene, 3e6, **more) for more in (slow, {}))
+    np.testing.assert_allclose(stepped.max_closure, curve.max_closure, rtol=1e-6)
+
+
+def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
+    upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4, roll_off=None)
+    lower = -upper + 1e-7 * np.random.default_rng(4).standard_normal(upper.shape)
+    curve = curve_of((upper, lower))
+    assert int(curve.status) == 0
+    assert float(curve.contact_fraction.max()) > 0.7
+    assert float(curve.equilibrium_residual.max()) <= 1e-10
+
+
+def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
+    kernel = equilibrium.interacting_equilibrium
+
+    def half(*given):
+        """Newton that never finds the shift, but solves at a given one."""
+        *problem, target, tolerance = given
+        found = kernel(*problem, np.nan, tolerance)
+        return found if np.isnan(target) else found._replace(residual=1.0)
+
+    usual = curve_of(small_joint)
+    monkeypatch.setattr(equilibrium, "interacting_equilibrium", half)
+    np.testing.assert_allclose(curve_of(small_joint).closure, usual.closure, rtol=1e-9)
+    monkeypatch.setattr(scipy.optimize, "brentq", lambda at, low, high, **_: high)
+    assert FLAGS[int(curve_of(small_joint).status)] == "not_converged"  # another force
+
+
+@pytest.mark.parametrize("substrate", [True, False])
+@pytest.mark.parametrize("decade", range(-10, 2))
+def test_a_curve_of_a_sphere_on_a_flat_is_hertzian_over_12_decades_of_force(decade, substrate):
+    upper = bump((9, 9), 2e-3)
+    lower = np.zeros(upper.shape)
+    radius = 1.0 / oracle.curvature(upper, SPACING)[4, 4]
+    area = upper.size * SPACING**2
+    force = 10.0**decade  # at most 10 N: the sphere is alone in touch up to 15 um
+    effects = jc.Effects(substrate, False, False, False, False)
+    about = {"effects": effects, "cycles": 1, "unusual_values": True}
+    curve = closed((upper, lower), force / area, **about)
+    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
+    forces = curve.normal_stress.values * area
+    expected = (9.0 * forces**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0)
+    if substrate:
+        expected = expected + 0.75 * forces / (0.5 * SPACING * modulus)
+    # one cell only: the cap falls by h^2 / 2 R = 15.6 um to the next
+    assert expected.max() < SPACING**2 / (2.0 * radius)
+    np.testing.assert_allclose(curve.closure, expected, rtol=1e-9)
+
+
+def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
+    apart, deeper = 16, 4e-7
+    shape = (5, apart + 5)
+    one = bump(shape, 2e-3, centre=(2, 2))
+    two = bump(shape, 3e-3, centre=(2, 2 + apart)) - deeper
+    upper, lower = np.maximum(one, two), np.zeros(shape)
+    curvature = oracle.curvature(upper, SPACING)[2, [2, 2 + apart]]
+    area = upper.size * SPACING**2
+    curve = curve_of((upper, lower), "hard peaks", 30.0 / area)
+    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
+    substrate = 0.75 / (0.5 * SPACING * modulus)
+    compliance = (9.0 * curvature / (16.0 * modulus**2)) ** (1.0 / 3.0)
+    # two Hertz pressures far apart: F / (pi E* zeta) (1 + (r / zeta)^2 / 10)
+    across = (1.0 + (0.5 / apart) ** 2 / 10.0) / (np.pi * modulus * apart * SPACING)
+
+    def closures(first):
+        forces = np.array([first, 30.0 - first])
+        own = substrate * forces + compliance * forces ** (2.0 / 3.0)
+        return own + across * forces[::-1] + [0.0, deeper]
+
+    first = scipy.optimize.brentq(lambda f: np.diff(closures(f))[0], 1.0, 29.0, xtol=1e-12)
+    closure = closures(first)[0]
+    assert round(float(curve.contact_fraction.max()) * upper.size) == 2
+    assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
+
+
+def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
+    """Started from half of the cells, the curve is the same."""
+    walls = pair(60, 4)
+    curve = curve_of(walls)
+    predicted = elastic._predicted
+
+    def halved(*given):
+        point = predicted(*given)
+        point.force[::2], point.gap[:] = 0.0, np.nan
+        return point
+
+    monkeypatch.setattr(elastic, "_predicted", halved)
+    from_half = curve_of(walls)
+    assert int(from_half.solver_iterations) > int(curve.solver_iterations)
+    np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)
