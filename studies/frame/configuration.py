@@ -13,7 +13,7 @@ from pydantic import ValidationError, create_model, model_validator
 from jointclosure.engine.assess import FINEST
 from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import LARGEST_SEATING
+from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
     Choices,
@@ -34,6 +34,7 @@ from studies.frame.keys import (
     Made,
     Name,
     NumericsKeys,
+    OrNull,
     Output,
     Section,
     Statistics,
@@ -71,9 +72,10 @@ class Configuration(Section):
     )
     grid: Annotated[Grid, Made(GridKeys)]
     surface: Annotated[Surface, Made(SurfaceKeys)]
-    seating_stress: float = entry(
+    seating_stress: Annotated[float, OrNull()] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
-        "happens.",
+        "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",
+        None,
         alias="seating_stress_MPa",
         ge=0,
     )
@@ -95,13 +97,17 @@ class Configuration(Section):
             raise ValueError("\n".join(unknown))
         usual = self.effects.acting
         rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
-        output, numerics = self.output, self.numerics
+        output, numerics, seating = self.output, self.numerics, self.seating_stress
+        maxima = [rock.max_normal_stress for rock in rocks.values()]
         if output.largest_stress is None:
-            largest = max(rock.max_normal_stress for rock in rocks.values())
-            output = output._replace(largest_stress=largest)
+            output = output._replace(largest_stress=max(maxima))
+        if seating is None:
+            seating = usual_seating(min(maxima))
         if numerics.idle_interaction is None:
             numerics = numerics._replace(idle_interaction=self.effects.auto or 0.0)
-        return self._replace(rocks=rocks, output=output, numerics=numerics)
+        return self._replace(
+            rocks=rocks, output=output, numerics=numerics, seating_stress=seating
+        )
 
     @property
     def effects_chosen_to(self) -> float | None:
