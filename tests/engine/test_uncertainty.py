@@ -206,7 +206,7 @@ def test_variants_thin_out_and_copy_the_walls_themselves(small_joint):
 def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     none = np.zeros(small_joint[0].shape, bool)
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
-    errors = ScanErrors(np.zeros(3), covariance, middle, 2e-6, none)
+    errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
     sources = sources_of(CONDITIONS, none.shape, {}, errors)
     variants = list(variants_of(CONDITIONS, sources))
     assert len(variants) == 30

@@ -188,9 +188,12 @@ def close(
         print(_described(pair, of_pair, name))
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
     errors = None if single else pair.errors
-    if errors:
-        size = f"{1e6 * errors.noise:.2g} um, by their power spectra"
-        noisy = f"noise of both scans together, with waves too short for the grid: {size}"
+    if errors and errors.noise[1] > 0.0:
+        size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
+        noisy = (
+            f"noise of both scans together, with waves too short for the grid: {size} um, by their "
+            "power spectra"
+        )
         pair = pair._replace(report=[*pair.report, noisy])
         remark([noisy], ())
     if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors):

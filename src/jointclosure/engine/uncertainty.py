@@ -140,7 +140,7 @@ def sources_of(
             sources["breakage"] = Source((numerics, other))
     if errors and errors.covariance.any():
         sources["registration"] = Source((0, 1, 2, 3), "random")
-    if errors and errors.noise > 0.0:
+    if errors and errors.noise[1] > 0.0:
         sources["noise"] = Source((0, 1, 2), "random")
     if effects.breakage:
         sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")

@@ -1,10 +1,11 @@
 """Errors of two registered walls: of their registration, and of their heights.
 
 Walls are drawn as other scans could show them: displaced by the errors of the fit, and with another
-noise. Of waves with a power P and noise of a power N, a part sqrt(1 - N/P) is kept and random waves
-of a power N are added, so that waves have the power of the scanned ones: heights that are
-interpolated on the grid lose about as many short waves as noise adds. Sum and difference of the
-walls are drawn apart, because mated waves have no sum but noise.
+noise, as samples of the heights that are possible for the scanned ones. Interpolation on the grid
+takes a power L of short waves from the upper wall, and noise adds a power N. Walls of coherence c
+have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much of N is in
+their power is not known: waves shorter than twice the spacing appear in it as they do in the true
+heights, unless they are those of both walls.
 """
 
 import math
@@ -26,15 +27,15 @@ class ScanErrors(NamedTuple):
     """Errors of registered walls, in cells.
 
     ``offset`` (rotation [rad], x, y) of the fit from the position of the upper wall about a
-    ``middle`` (x, y), and its ``covariance``, 0 if the walls stayed as scanned. ``noise`` is the
-    standard deviation [m] of that of the sum of both walls; ``holes`` (y, x) have no scanned
-    height.
+    ``middle`` (x, y), and its ``covariance``, 0 if the walls stayed as scanned. ``noise`` are two
+    estimates of the standard deviation [m] of that of the sum of both walls, the lower one first;
+    ``holes`` (y, x) have no scanned height.
     """
 
     offset: np.ndarray
     covariance: np.ndarray
     middle: np.ndarray
-    noise: float
+    noise: tuple[float, float]
     holes: np.ndarray
 
     def displaced(self, upper: np.ndarray, number: int) -> np.ndarray:
@@ -50,16 +51,20 @@ class ScanErrors(NamedTuple):
     def with_other_noise(
         self, upper: np.ndarray, lower: np.ndarray, number: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Draw walls (y, x) [m] with another noise."""
+        """Draw walls (y, x) [m] with another noise, of a size between both estimates."""
         random = generator(seed_of(1, "noise", number))
-        drawn = []
-        for field in (upper + lower, upper - lower):
-            waves, ring = scipy.fft.dctn(field, norm="ortho"), _ring_numbers(field.shape)
-            whole = _ring_means(waves**2)
-            noise = np.minimum(self.noise**2, whole)
-            kept = np.sqrt(1.0 - noise / np.where(whole > 0.0, whole, 1.0))[ring]
-            scatter = np.sqrt(noise)[ring] * random.standard_normal(field.shape)
-            drawn.append(scipy.fft.idctn(kept * waves + scatter, norm="ortho"))
+        variance, part, drawn = random.uniform(*self.noise) ** 2, random.random(), []
+        ring, fields = _ring_numbers(upper.shape), (upper + lower, upper - lower)
+        powers = [_ring_means(_waves(field) ** 2) for field in fields]
+        coherence, lost = _coherence(powers[0], powers[1], variance), _lost(upper, lower)
+        for field, power, sign in zip(fields, powers, (-1.0, 1.0), strict=True):
+            scanned, noise = np.where(power > 0.0, power, 1.0), np.minimum(variance, power)
+            true = np.maximum(power + (1.0 + sign * coherence) * lost - part * noise, 0.0)
+            # of true waves with this power that depart from the scanned ones by the noise
+            kept = np.clip(0.5 * (true + power - noise) / scanned, 0.0, np.sqrt(true / scanned))
+            scatter = np.sqrt(np.maximum(true - kept**2 * power, 0.0))
+            waves = kept[ring] * _waves(field) + scatter[ring] * random.standard_normal(ring.shape)
+            drawn.append(scipy.fft.idctn(waves, norm="ortho"))
         walls = (0.5 * (drawn[0] + drawn[1]), 0.5 * (drawn[0] - drawn[1]))
         if not (upper.any() and lower.any()):  # a flat wall has no noise
             walls = (drawn[0] * upper.any(), drawn[0] * lower.any())
@@ -68,6 +73,11 @@ class ScanErrors(NamedTuple):
             for scanned, wall in zip((upper, lower), walls, strict=True)
         )
         return one, other
+
+
+def _waves(field: np.ndarray) -> np.ndarray:
+    """Return the amplitudes (y, x) of the cosines of a field."""
+    return scipy.fft.dctn(field, norm="ortho")
 
 
 def _ring_numbers(shape: tuple[int, ...]) -> np.ndarray:
@@ -82,25 +92,47 @@ def _ring_means(values: np.ndarray) -> np.ndarray:
     return np.bincount(ring, values.ravel()) / np.maximum(np.bincount(ring), 1)
 
 
-def noise_of(upper: np.ndarray, lower: np.ndarray) -> float:
-    """Estimate the standard deviation of the noise of the sum of walls (y, x) [m].
+def _coherence(apart: np.ndarray, together: np.ndarray, noise: float = 0.0) -> np.ndarray:
+    """Return the coherence of walls without noise, from the powers of their sum and difference."""
+    whole = np.maximum(apart + together - 2.0 * noise, np.abs(together - apart))
+    return np.maximum(together - apart, 0.0) / np.where(whole > 0.0, whole, 1.0)
 
-    Noise is the nugget N beside a power A k^(-2H - 2) at wave number k, fitted by Whittle's
-    likelihood. It has no more power than the sum of mated waves. Waves shorter than twice the
-    spacing, which appear as longer ones, are part of it, as heights between cells miss them.
+
+def _lost(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
+    """Return the power that the upper wall lacks of the lower one's in the shortest octave."""
+    short = _ring_numbers(upper.shape) >= min(upper.shape) // 2
+    lacking = float((_waves(lower)[short] ** 2).mean() - (_waves(upper)[short] ** 2).mean())
+    return (_ring_means(short) > 0.0) * (max(lacking, 0.0) if upper.any() else 0.0)
+
+
+def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
+    """Estimate the standard deviation of the noise of the sum of walls (y, x) [m], low and high.
+
+    Low: the nugget N beside a power A k^(-2H - 2) at wave number k, fitted by Whittle's likelihood,
+    or the least power of the sum in an octave, if that is less. High: that least power, so far as
+    the walls are coherent there; how much of it is another shape of the walls cannot be known.
+    Waves shorter than twice the spacing, which appear as longer ones, are part of the noise, as
+    heights between cells miss them.
     """
-    powers = [scipy.fft.dctn(wall, norm="ortho") ** 2 for wall in (upper, lower, upper + lower)]
+    fields = (upper, lower, upper + lower, upper - lower)
+    powers = [_waves(field) ** 2 for field in fields]
     side, count = min(upper.shape), np.bincount(_ring_numbers(upper.shape).flat)
     kept = np.arange(_LONGEST, side)
     power, count = _ring_means(powers[0] + powers[1])[kept], count[kept]
     if not (power > 0.0).all():
-        return 0.0
+        return 0.0, 0.0
     octaves = np.log2(kept / _LONGEST).astype(int)
-    apart = np.bincount(octaves, _ring_means(powers[2])[kept] * count)
+    apart, together = (
+        np.bincount(octaves, _ring_means(field)[kept] * count) / np.bincount(octaves, count)
+        for field in powers[2:]
+    )
     weight, fits = np.sqrt(count), []
     for exponent in _EXPONENTS:
         columns = power[-1] * np.stack([(kept / side) ** (-2.0 * exponent - 2.0), 0.0 * kept + 1.0])
         parts, _ = scipy.optimize.nnls((columns * (weight / power)).T, weight)
         model = parts @ columns
         fits.append(((count * (np.log(model) + power / model)).sum(), power[-1] * parts[1]))
-    return math.sqrt(min(min(fits)[1], (apart / np.bincount(octaves, count)).min()))
+    octave = apart.argmin()
+    low = min(min(fits)[1], apart[octave])
+    high = low + (apart[octave] - low) * _coherence(apart, together)[octave]
+    return math.sqrt(low), math.sqrt(high)
