@@ -105,9 +105,7 @@ class Configuration(Section):
             seating = usual_seating(min(maxima))
         if numerics.idle_interaction is None:
             numerics = numerics._replace(idle_interaction=self.effects.auto or 0.0)
-        return self._replace(
-            rocks=rocks, output=output, numerics=numerics, seating_stress=seating
-        )
+        return self._replace(rocks=rocks, output=output, numerics=numerics, seating_stress=seating)
 
     @property
     def effects_chosen_to(self) -> float | None:

@@ -34,6 +34,10 @@ class MeasuredJoints(StudySection):
         "Hardnesses over the compressive strength that are tried as a limit of the pressure, "
         "without gouge."
     )
+    crushed_strength_ratio: Several[Annotated[float, Field(gt=0, le=1)]] = entry(
+        "Strengths of crushed rock over that of the rock that are tried, besides "
+        "choices.crushed_strength_ratio, with each strength."
+    )
     reseating_shift_in_cells: Several[Annotated[int, Field(ge=0)]] = entry(
         "Shifts of the upper wall along x between the first and the later loading, in cells."
     )

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
+from jointclosure.engine.settings import ClosureSettings, CrushedWalls, walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
@@ -79,6 +79,11 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
         points[f"pressure up to {value:g} times the strength"] = _hardness(settings, value)
     variants = {name: Point({"loaded_as": name}, changed) for name, changed in points.items()}
     for rock, of_rock in rocks.items():
+        for value in section.crushed_strength_ratio:
+            choices = of_rock.choices._replace(crushed_strength_ratio=value)
+            name = f"crushed rock {value:g} as strong"
+            name = name if rock == BASE else f"{rock}, {name}"
+            variants[name] = Point({"loaded_as": rock}, of_rock._replace(choices=choices))
         for shift in section.reseating_shift_in_cells:
             name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
             name = name if rock == BASE else f"{rock}, {name}"
@@ -89,13 +94,14 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
     return variants
 
 
-def reseated(settings: ClosureSettings, shift: int) -> Iterator[Walls]:
+def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
     conditions = settings.conditions()._replace(cycles=1)
     for pair in walls_of(settings.surfaces):
         closed = close_walls(*pair, conditions)
-        upper, lower = closed.upper_final.values, closed.lower_final.values
-        yield upper[:, shift:], lower[:, : lower.shape[1] - shift]
+        crushed = closed.upper_final.values, closed.lower_final.values
+        uppers, lowers = np.s_[:, shift:], np.s_[:, : pair[1].shape[1] - shift]
+        yield CrushedWalls(*((upper[uppers], lower[lowers]) for upper, lower in (crushed, pair)))
 
 
 def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:

@@ -275,3 +275,52 @@ def test_the_cycle_of_a_step_is_beside_its_branch(datasets):
     assert set(data.load_cycle.values.tolist()) == {1, 2}
     highest = data.normal_stress.groupby("load_cycle").max()
     np.testing.assert_allclose(highest, 2e6, rtol=1e-2)
+
+
+WEAK = {
+    "spacing": SPACING,
+    "rock": jc.Rock(11e9, 0.25, 40e6),
+    "max_normal_stress": TARGET,
+    "numerics": jc.Numerics(breakage="resolved"),
+}
+
+
+@pytest.fixture(scope="module")
+def crushed(walls):
+    """Both cycles of a weak joint, and its walls after the first one."""
+    once = jc.simulate(*walls, cycles=1, **WEAK)
+    return jc.simulate(*walls, cycles=2, **WEAK), (once.upper_final.values, once.lower_final.values)
+
+
+def test_crushed_walls_repeat_the_second_cycle_where_the_pristine_ones_are_given(walls, crushed):
+    both, broken = crushed
+    again = jc.simulate(*broken, pristine=walls, cycles=1, **WEAK)
+    second = both.isel(cycle=1)
+    assert float(again.max_closure[0]) == pytest.approx(float(second.max_closure), rel=0.002)
+    assert abs(float(again.residual_closure[0])) < 0.002 * float(again.max_closure[0])
+    softer = jc.simulate(*broken, cycles=1, **WEAK)  # peaks of crushed walls count as new ones
+    assert float(softer.max_closure[0]) > 1.02 * float(second.max_closure)
+
+
+def test_weaker_crushed_rock_breaks_in_later_loadings_and_never_in_the_first(walls, crushed):
+    both, broken = crushed
+    weaker = WEAK | {"choices": jc.Choices(crushed_strength_ratio=0.8)}
+    closed = jc.simulate(*walls, cycles=3, **weaker)
+    assert closed.max_closure[0] == both.max_closure[0]
+    assert float(closed.max_closure[1]) > 1.1 * float(both.max_closure[1])
+    stays = np.diff(closed.residual_closure.values) / closed.max_closure.values[1:]
+    assert stays[0] > 0.2
+    assert stays[1] < 0.5 * stays[0]  # only cells that the second loading crushed are weaker now
+    again = jc.simulate(*broken, pristine=walls, cycles=1, **weaker)
+    assert float(again.max_closure[0]) == pytest.approx(float(closed.max_closure[1]), rel=0.02)
+
+
+def test_walls_that_cannot_be_the_pristine_ones_are_refused(walls):
+    with pytest.raises(
+        jc.InputError, match=r"pristine: shape \(24, 23\): must be that of the walls"
+    ):
+        jc.simulate(*walls, pristine=[wall[:, 1:] for wall in walls], **WEAK)
+    with pytest.raises(jc.InputError, match="pristine: not with peaks = 'current'"):
+        jc.simulate(*walls, pristine=walls, choices=jc.Choices(peaks="current"), **WEAK)
+    with pytest.raises(jc.InputError, match="crushed_strength_ratio = 0.8: must be 1 with peaks"):
+        jc.Choices(peaks="current", crushed_strength_ratio=0.8)

@@ -19,7 +19,7 @@ from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint, stacked
 from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import QUANTITIES, names_of_case
-from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
+from jointclosure.engine.settings import ClosureSettings, CrushedWalls, Walls, walls_of
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
@@ -192,7 +192,7 @@ class Point(NamedTuple):
     maker: str = ""
     options: Mapping[str, Any] = {}
 
-    def walls(self) -> Iterator[Walls]:
+    def walls(self) -> Iterator[Walls | CrushedWalls]:
         """Generate the walls of each realisation."""
         module, _, function = self.maker.partition(":")
         if not function:

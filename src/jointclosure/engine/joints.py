@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
-from jointclosure.engine.settings import ClosureSettings, Walls, seeds_of, walls_of
+from jointclosure.engine.settings import ClosureSettings, CrushedWalls, Walls, seeds_of, walls_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
@@ -31,12 +31,15 @@ def reading_of_case(settings: ClosureSettings) -> Reading:
     return Reading(settings.conditions(), names_of_case(settings.flow), stresses)
 
 
-def close_joint(walls: Walls, reading: Reading) -> Row:
+def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
     """Close two walls (y, x) [m], and read quantities of the joint."""
     judged, start = "oracle_ratio" in reading.names, time.process_time()
     kept = (float(reading.conditions.largest_stress),) if judged else ()
-    closed = close_walls(*walls, reading.conditions, snapshots=kept)
-    return read_joint(walls, closed, time.process_time() - start, reading)
+    pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
+    if judged and pristine:
+        raise ValueError("oracle_ratio: not of walls that were crushed before")
+    closed = close_walls(*pair, reading.conditions, snapshots=kept, pristine=pristine)
+    return read_joint(pair, closed, time.process_time() - start, reading)
 
 
 def read_joint(walls: Walls, closed: xr.Dataset, seconds: float, reading: Reading) -> Row:

@@ -12,7 +12,7 @@ from jointclosure.joint.protocol import LOADING
 from jointclosure.joint.simulation import height_datum
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
-from jointclosure.solvers.joint import CONVERGED, Joint, Settled
+from jointclosure.solvers.joint import CONVERGED, CRUSHED, Joint, Settled
 from jointclosure.solvers.registry import solver_named
 
 VOLUME_TOLERANCE = 1e-12
@@ -139,7 +139,7 @@ class JudgedSolver:
         ):
             return
         state = joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
-        self._show(oracle.State(*state))
+        self._show(oracle.State(*state, joint.peaks >= CRUSHED))
 
 
 def oracle_ratio(walls: Walls, closed: xr.Dataset, conditions: Conditions) -> float:

@@ -34,13 +34,17 @@ class Joint(NamedTuple):
 
 
 class State(NamedTuple):
-    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N]."""
+    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N].
+
+    ``crushed`` are pairs (y, x) whose rock was crushed before this loading.
+    """
 
     upper: np.ndarray
     lower: np.ndarray
     force: np.ndarray
     closure: float
     total_force: float
+    crushed: Any = False
 
 
 class Law(NamedTuple):
@@ -242,7 +246,7 @@ def pressures_over_limit(joint: Joint, state: State):
     over = max(
         (0.1251 * r.poisson_ratio**2 - 0.536 * r.poisson_ratio + 0.7695) / r.compressive_strength
         for r in walls_rocks(joint.rock)
-    )
+    ) / np.where(state.crushed, joint.choices.crushed_strength_ratio, 1.0)
     if joint.choices.strength_bound == "none":
         return pressure * over
     base = np.pi * (joint.choices.base_radius_in_cells * joint.spacing) ** 2

@@ -14,6 +14,14 @@ from jointclosure.walls.synthesis import wall_pair
 Walls = tuple[np.ndarray, np.ndarray]
 """Upper and lower wall (y, x), heights towards the other [m]."""
 
+
+class CrushedWalls(NamedTuple):
+    """Walls that were crushed before, and as they were before anything broke."""
+
+    walls: Walls
+    pristine: Walls
+
+
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""

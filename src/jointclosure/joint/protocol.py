@@ -173,6 +173,8 @@ def run_cycles(
     elastic, replayed = False, 0
     for cycle, load in enumerate(cycles, start=1):
         run.target_force = load.maximum
+        if cycle > 1 and joint.weaken_crushed():
+            elastic, joint.held_to = False, -np.inf
         if elastic and numerics.replay and load == cycles[cycle - 2]:
             _repeat_elastic(run, cycle)
             replayed += 1

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from jointclosure.inputs import LENGTHS, InputError, check_length, check_number
+from jointclosure.inputs import LENGTHS, InputError, check_length, check_number, naming
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -61,6 +61,7 @@ def simulate(
     conditions: Conditions | None = None,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    pristine: Sequence[ArrayLike] | None = None,
     **changes: Unpack[Changes],
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
@@ -83,6 +84,9 @@ def simulate(
         Stresses from 0 to the largest [Pa] at which the state of the joint is stored, on each
         branch: where the branch first passes the stress, the state of the nearer step is
         stored. It changes no other result.
+    pristine : (upper, lower), optional
+        Walls (ny, nx) [m] before anything broke, for walls that were crushed before: soft peaks
+        and crushed cells are determined from these. By default the walls that are closed.
     **changes
         Fields of `jointclosure.Conditions`: ``spacing``, ``rock`` and ``max_normal_stress`` are
         required if there are no ``conditions``; ``cycles``, ``seating_stress``, ``effects``,
@@ -126,7 +130,7 @@ def simulate(
     if not conditions.unusual_values:
         spacing = conditions.grid_spacing
         warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
-    return simulate_by(solver_named, upper, lower, conditions, report, snapshots)
+    return simulate_by(solver_named, upper, lower, conditions, report, snapshots, pristine)
 
 
 def close_walls(
@@ -135,10 +139,11 @@ def close_walls(
     conditions: Conditions,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    pristine: Sequence[ArrayLike] | None = None,
 ) -> xr.Dataset:
     """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before."""
     unchecked = conditions._replace(unusual_values=True)
-    return simulate(upper, lower, conditions=unchecked, report=report, snapshots=snapshots)
+    return simulate_by(solver_named, upper, lower, unchecked, report, snapshots, pristine)
 
 
 def simulate_by(
@@ -148,6 +153,7 @@ def simulate_by(
     conditions: Conditions,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    pristine: Sequence[ArrayLike] | None = None,
 ) -> xr.Dataset:
     """Simulate with a solver that ``solver_of`` makes from its name, otherwise as `simulate`."""
     spacing = conditions.grid_spacing
@@ -158,8 +164,9 @@ def simulate_by(
     _check_steps(upper, lower, conditions.numerics)
     numerics = in_double(conditions.numerics)
     datums = height_datum(upper), height_datum(lower)
+    intact = _pristine(pristine, upper.shape, datums, choices)
     upper, lower = upper - datums[0], lower - datums[1]
-    joint = Joint(upper, lower, spacing, conditions.rock, effects, choices, numerics)
+    joint = Joint(upper, lower, spacing, conditions.rock, effects, choices, numerics, intact)
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
@@ -180,6 +187,24 @@ def simulate_by(
     for observer in observers:
         closed = observer.added_to(closed)
     return closed
+
+
+def _pristine(
+    walls: Sequence[ArrayLike] | None,
+    shape: tuple[int, ...],
+    datums: tuple[float, float],
+    choices: Choices,
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return checked pristine walls (y, x) [m] less the datums of the walls that are closed."""
+    if walls is None:
+        return None
+    if choices.peaks == "current":
+        raise InputError("pristine: not with peaks = 'current', which are those of the walls")
+    with naming("pristine"):
+        upper, lower = checked_walls(walls[0], walls[1])
+        if upper.shape != shape:
+            raise InputError(f"shape {upper.shape}: must be that of the walls, {shape}")
+    return upper - datums[0], lower - datums[1]
 
 
 def height_datum(wall: np.ndarray) -> float:

@@ -16,8 +16,8 @@ from jointclosure.parameters import Choices, Effects, Rock, strength_of
 class ContactLaw(NamedTuple):
     """Constants of every pair of cells, derived from rock, choices and grid.
 
-    The arrays have four entries, indexed by the state of the pair: 2 x (upper cell is a soft peak)
-    + (lower cell is a soft peak).
+    The arrays have eight entries, indexed by the state of the pair: 4 x (its rock was crushed
+    before this loading) + 2 x (upper cell is a soft peak) + (lower cell is a soft peak).
     """
 
     spacing: float
@@ -43,7 +43,9 @@ def contact_law(
         [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
     )
     limit = min(strength_of(wall) / strength_factor(wall.poisson_ratio) for wall in rock)
-    critical = np.array([critical_indentation(limit, modulus) for modulus in asperity_modulus])
+    asperity_modulus = np.tile(asperity_modulus, 2)
+    limits = np.repeat([limit, limit * choices.crushed_strength_ratio], 4)
+    critical = np.array(list(map(critical_indentation, limits, asperity_modulus)))
     substrate_modulus = equivalent_modulus(*moduli)
     base_radius = choices.base_radius_in_cells * spacing
     bounded = choices.strength_bound == "base" and limit < np.inf
@@ -59,5 +61,5 @@ def contact_law(
         asperity_modulus=asperity_modulus,
         critical_indentation=critical,
         breaking_force=4.0 / 3.0 * asperity_modulus * critical * np.sqrt(critical),
-        filling=np.sqrt(critical) / base_radius if bounded else np.zeros(4),
+        filling=np.sqrt(critical) / base_radius if bounded else np.zeros(8),
     )

@@ -114,6 +114,9 @@ class Choices(NamedTuple):
         base of the asperity is that of a Hertz contact at its strength (docs/model.md). "none": as
         in the paper, where a crushed cell between level ones has no largest strength, and the first
         cycle no limit (docs/decisions.md#0010-resolved-breakage).
+    crushed_strength_ratio : float
+        Strength of crushed rock over that of the rock, in (0, 1]: of a pair of cells of which one
+        lies below its pristine height when a loading begins. 1: as in the paper.
     tie_tolerance : float
         Smallest difference in height that makes a cell lower than its neighbour, over the rms
         height of both walls. It is about 1e-12 m for the walls of the paper.
@@ -125,6 +128,7 @@ class Choices(NamedTuple):
     peaks: Literal["pristine", "current"] = "pristine"
     largest_radius: float | None = None
     strength_bound: Literal["base", "none"] = "base"
+    crushed_strength_ratio: float = 1.0
     tie_tolerance: float = 2e-9
 
 
@@ -277,7 +281,7 @@ INTERVALS: dict[str, tuple[str, str]] = {
         "(0, 1]",
         "; with larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold",
     ),
-    "peak_modulus_ratio": ("(0, 1]", ""),
+    **dict.fromkeys(("peak_modulus_ratio", "crushed_strength_ratio"), ("(0, 1]", "")),
     "tie_tolerance": ("(0, 0.001)", ""),
     "tolerance": ("(0, 0.1]", ""),
     "idle_interaction": ("[0, 1)", ""),
@@ -310,6 +314,11 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     check_one_of("concave", choices.concave, ("magnitude", "flat"))
     check_one_of("peaks", choices.peaks, ("pristine", "current"))
     check_one_of("strength_bound", choices.strength_bound, ("base", "none"))
+    if choices.crushed_strength_ratio < 1.0 and choices.peaks == "current":
+        raise InputError(
+            f"crushed_strength_ratio = {choices.crushed_strength_ratio!r}: must be 1 with peaks = "
+            "'current', where a pair's pristine state is not kept"
+        )
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)
         if choices.largest_radius < spacing:

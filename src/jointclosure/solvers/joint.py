@@ -28,6 +28,8 @@ has 1e-3."""
 
 _LEAST_DROP = float(np.finfo(float).tiny)
 """Difference in height [m] that makes no cell lower: of denormal heights the tolerance is 0."""
+CRUSHED = 4
+"""Summand of the state of a pair whose rock was crushed, see `ContactLaw`."""
 CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
 
@@ -90,6 +92,7 @@ class Joint:
         effects: Effects,
         choices: Choices,
         numerics: Numerics,
+        pristine: tuple[np.ndarray, np.ndarray] | None = None,
     ):
         self.upper = np.array(upper, dtype=np.float64, order="C")
         self.lower = np.array(lower, dtype=np.float64, order="C")
@@ -100,7 +103,9 @@ class Joint:
         self.first_touch = float((self.upper + self.lower).max())
         tie = choices.tie_tolerance * roughness(self.upper, self.lower)
         self.tie_tolerance = max(tie, _LEAST_DROP)
-        self.peaks = peak_map(self.upper, self.lower)
+        self.pristine = pristine or (self.upper.copy(), self.lower.copy())
+        self.peaks = peak_map(*self.pristine)
+        self.weaken_crushed()
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # of the last settled state
@@ -124,6 +129,19 @@ class Joint:
     @cached_property
     def _influence(self) -> Influence:
         return influence_of(self.influence_table)
+
+    def weaken_crushed(self) -> bool:
+        """Take pairs of which a cell lies below its pristine height as crushed; True if any is new.
+
+        They have the strength of crushed rock, `Choices.crushed_strength_ratio`.
+        """
+        if self.choices.crushed_strength_ratio == 1.0:
+            return False
+        walls = zip((self.upper, self.lower), self.pristine, strict=True)
+        lost = [pristine - wall > self.tie_tolerance for wall, pristine in walls]
+        new = (lost[0] | lost[1]) & (self.peaks < CRUSHED)
+        self.peaks[new] += CRUSHED
+        return bool(new.any())
 
     def resume_interaction(self) -> None:
         """Switch the interaction on, starting from that of the present forces."""
