@@ -20,6 +20,7 @@ from jointclosure.engine.quantities import heading
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of
 
 BASE = "default choices"
@@ -37,6 +38,8 @@ OBSERVABLES = {
 """Titles and units of observables of a joint."""
 HEADINGS = {name: heading(*about) for name, about in OBSERVABLES.items()}
 """Headings of tables and labels of axes, by observable."""
+FITTED = "first_closure"
+"""Observable to which the mismatch wavelength is fitted, and which is not judged."""
 UPPER_BOUND = "contact_share"
 """Observable for which no measured value is too small."""
 PREDICTED = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
@@ -127,6 +130,26 @@ def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
                 row |= {"low": low, "high": high} | _judged(name, walls.joint, low, high)
                 rows.append(row | {"surfaces": len(walls.values)})
     return pd.DataFrame(rows)
+
+
+def score_table(judged: pd.DataFrame, constants: pd.Series) -> pd.DataFrame:
+    """Count the judged values of all joints that each variant of mated walls agrees with.
+
+    ``chance`` is the probability of this score or a better one by chance, see `chance_of_scores`;
+    ``constants``, by variant, is the number of constants that were chosen besides the wavelength.
+    """
+    judged = judged[(judged.walls == "mated") & (judged.observable != FITTED)]
+    variants = list(dict.fromkeys(judged.variant))
+    columns = ["value", "low", "high", "measured_low", "measured_high"]
+    wide = judged.set_index(["variant", "observable", "joint"])[columns].to_xarray()
+    value, low, high, *measured = (wide[name].sel(variant=variants).values for name in columns)
+    counts = constants[variants].to_numpy()
+    ranges = measured[0][0], measured[1][0]
+    seed = seed_of(0, "measured joints by chance")
+    score, chance = chance_of_scores(value, (low, high), ranges, counts, seed)
+    of = value[0].size
+    columns = {"constants": counts, "score": score, "of": of, "chance": chance}
+    return pd.DataFrame({"variant": variants} | columns)
 
 
 def _judged(name: str, joint: str, low: float, high: float) -> dict:

@@ -29,6 +29,7 @@ from studies.measured_joints.observables import (
     judged_joints,
     observables_of,
     prediction_table,
+    score_table,
 )
 from studies.measured_joints.section import MeasuredJoints
 
@@ -57,7 +58,7 @@ def measured_joints_design(configured: Configured) -> Design:
         ]
     film_cells = (FILM_CELL / configuration.grid.spacing) ** 2
     parameters = {"film_cells": film_cells, "root_seed": configuration.study.root_seed}
-    tables = ("measured_joints", "measured_joints_predictions")
+    tables = ("measured_joints", "measured_joints_scores", "measured_joints_predictions")
     return Design(jobs, tables, ("measured_joints",), parameters)
 
 
@@ -123,8 +124,12 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
 def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return all tables by name."""
     observables = observables_of(joints, parameters["film_cells"])
+    judged = judged_joints(observables, parameters["root_seed"])
+    loaded = joints.groupby("variant").loaded_as.first()
+    constants = (loaded != BASE).astype(int) + (loaded != loaded.index)
     return {
-        "measured_joints": judged_joints(observables, parameters["root_seed"]),
+        "measured_joints": judged,
+        "measured_joints_scores": score_table(judged, constants),
         "measured_joints_predictions": prediction_table(observables),
     }
 

@@ -100,3 +100,16 @@ def test_a_design_that_cannot_be_closed_is_refused(change, message):
     with pytest.raises(ConfigurationError) as error:
         EXPERIMENT.design(checked_study(TINY, change))
     assert message in str(error.value)
+
+
+def test_scores_count_the_agreements_and_the_constants_of_each_choice(tables):
+    scores = tables["measured_joints_scores"].set_index("variant")
+    judged = tables["measured_joints"]
+    judged = judged[(judged.walls == "mated") & (judged.observable != "first_closure")]
+    counts = (judged.judgement == "agrees").groupby(judged.variant).sum()
+    assert scores.score.to_dict() == counts.to_dict()
+    assert scores.constants[BASE] == 0
+    assert scores.constants["strength 40 MPa"] == scores.constants[RESEATED] == 1
+    assert scores.constants[f"strength 40 MPa, {RESEATED}"] == 2
+    assert (scores.of == 3 * (len(OBSERVABLES) - 1)).all()
+    assert scores.chance.between(0.0, 1.0).all()
