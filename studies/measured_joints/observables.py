@@ -147,9 +147,8 @@ def score_table(judged: pd.DataFrame, constants: pd.Series) -> pd.DataFrame:
     ranges = measured[0][0], measured[1][0]
     seed = seed_of(0, "measured joints by chance")
     score, chance = chance_of_scores(value, (low, high), ranges, counts, seed)
-    of = value[0].size
-    columns = {"constants": counts, "score": score, "of": of, "chance": chance}
-    return pd.DataFrame({"variant": variants} | columns)
+    table = {"variant": variants, "constants": counts, "score": score}
+    return pd.DataFrame(table | {"of": value[0].size, "chance": chance})
 
 
 def _judged(name: str, joint: str, low: float, high: float) -> dict:
