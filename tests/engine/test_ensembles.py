@@ -12,6 +12,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine import ensembles, progress
+from jointclosure.engine import expected_cost as estimation
 from jointclosure.engine import joints as closing
 from jointclosure.engine.ensembles import (
     NOT_SIMULATED,
@@ -20,10 +21,18 @@ from jointclosure.engine.ensembles import (
     close_points,
     gridded,
 )
-from jointclosure.engine.expected_cost import BYTES, SMALL, Cost, check_cells, expected_cost
+from jointclosure.engine.expected_cost import (
+    BYTES,
+    EXPONENTS,
+    SMALL,
+    Cost,
+    check_cells,
+    expected_cost,
+)
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.progress import Countdown
 from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.engine.uncertainty import sources_of, variants_of
 from jointclosure.engine.workers import Failed, shared
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
@@ -294,6 +303,17 @@ def test_the_cost_grows_with_the_cells_and_with_the_range():
     assert "160 x 160 cells will take about 2 min to 1 h of processor time and 0.5 GB" in text
     larger = expected_cost(*(np.tile(wall, 2) for wall in (upper, lower)), CONDITIONS, single=True)
     assert larger.memory - one.memory == BYTES * upper.size
+
+
+def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
+    monkeypatch.setattr(estimation, "_time_of_window", lambda *about: (1.0, 128 * 128))
+    upper, lower = walls(160)
+    one, several = (expected_cost(upper, lower, CONDITIONS, single) for single in (True, False))
+    variants = list(variants_of(CONDITIONS, sources_of(CONDITIONS, upper.shape)))
+    cells = np.array([upper[:: v.step, :: v.step].size / upper.size for v in variants])
+    assert 0 < np.count_nonzero(cells < 1.0) < cells.size
+    for power, alone, together in zip(EXPONENTS, one.seconds, several.seconds, strict=True):
+        assert together / alone == pytest.approx(1.0 + (cells**power).sum())
 
 
 def test_many_cells_need_a_stated_spacing():

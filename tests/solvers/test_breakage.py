@@ -10,7 +10,7 @@ from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
-from jointclosure.solvers.breakage import strength_limits
+from jointclosure.solvers.breakage import find_peaks, padded_cells, strength_limits
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.equilibrium import solve_equilibrium
@@ -91,6 +91,20 @@ def test_resolved_breakage_does_not_depend_on_the_direction_of_a_loop(seed):
         other, _ = settled("resolved", copy, **about)
         np.testing.assert_allclose(other.upper, changed(one.upper), rtol=0.0, atol=1e-15)
         np.testing.assert_allclose(other.lower, changed(one.lower), rtol=0.0, atol=1e-15)
+
+
+def test_peaks_of_a_batch_are_those_of_the_map_of_peaks(small_joint):
+    """Of which wall a peak is matters where the two walls are of different rock."""
+    expected = peak_map(*small_joint)
+    assert {0, 1, 2} <= set(expected.ravel())
+    cells = padded_cells(*small_joint, np.zeros(expected.shape), expected)
+    inside = np.flatnonzero(np.isfinite(cells.upper))
+    memory, found = pb.batch_memory(), np.full_like(cells.kind, -1)
+    for some in np.array_split(inside, -(-inside.size // pb.BATCH)):
+        stated = cells.upper, cells.lower, cells.approach, cells.stride
+        pb.gather(memory[0], some.size, some, *stated, True)
+        find_peaks(memory[0], some.size, some, found)
+    np.testing.assert_array_equal(found[inside], cells.kind[inside])
 
 
 def test_nothing_overlaps_at_last_touch_whatever_was_broken():

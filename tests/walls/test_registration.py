@@ -11,7 +11,7 @@ from scipy import ndimage
 
 import jointclosure as jc
 from benchmarks.registration import Truth, rotation
-from jointclosure.engine.scanned_joint import registered_walls
+from jointclosure.engine.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.engine.selection import choose_effects
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
@@ -22,7 +22,7 @@ from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
 from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls
-from tests.joints import DOLERITE, SPACING, TWO_WALLS
+from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
@@ -335,6 +335,21 @@ def test_a_hole_does_not_carry_the_load_of_the_joint(size, places):
         assert float(re.search(r"carry (\S+) %", of_force[0])[1]) < 2.0
         ratios.append(closures[1] / closures[0])
     assert np.abs(np.log(ratios)).max() < 0.06
+
+
+def test_the_force_on_holes_is_their_share_of_the_force_at_the_highest_stress(joint):
+    pair = registered(*map(grid, (1e-3 - joint[0], joint[1])), **AS_SCANNED)
+    history = closed(joint, 2e6, snapshots=[1e6, 2e6], cycles=1)
+    force = history.snapshot_force.values[history.snapshot_stress.values.argmax()]
+    for columns in (slice(30), slice(30, None)):
+        holes = np.zeros(SHAPE, bool)
+        holes[:, columns] = True
+        kept, (line,) = _force_in_holes(pair._replace(holes=holes), history, [1e6])
+        stated = re.search(r"holes of a scan carry (\S+) % of the force at 2 MPa", line)[1]
+        share = 100.0 * force[:, columns].sum() / force.sum()
+        assert 1.0 < share < 99.0
+        assert float(stated) == pytest.approx(share, rel=0.05)
+        assert set(kept.snapshot_stress.values) == {1e6}
 
 
 @settings(EXAMPLES, max_examples=4)
