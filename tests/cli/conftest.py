@@ -1,10 +1,13 @@
 """Commands as a user calls them, and small inputs for them."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import jointclosure as jc
 from jointclosure.cli.main import main
+from jointclosure.plotting.style import StyledFigure
 from tests.joints import SPACING
 from tests.measured.test_calibration import GOOD
 
@@ -27,6 +30,14 @@ def command(capsys):
         return status, *capsys.readouterr()
 
     return run
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Figures are made, but not drawn, which takes half a second each."""
+    monkeypatch.setattr(
+        StyledFigure, "savefig", lambda figure, path, **_: Path(path).write_bytes(b"undrawn")
+    )
 
 
 def write_points(path, heights):

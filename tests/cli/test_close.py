@@ -23,6 +23,8 @@ from tests.joints import TWO_WALLS
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
 RESOLVED = {"numerics": scanned_joint.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
+COARSE = ["--spacing", 0.5, "--tolerance", 0.1]
+"""Of a joint whose numbers are compared with those of no other."""
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,9 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def test_two_scans_are_closed_as_their_registered_walls_are(scans, joint, tmp_path, command):
+def test_two_scans_are_closed_as_their_registered_walls_are(
+    scans, joint, tmp_path, command, undrawn
+):
     folder = tmp_path / "j"
     code, _, err = command("close", *scans, *WORDS, "--single", "--output", folder)
     assert (code, err) == (0, "")
@@ -81,7 +85,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, joint, tmp_pa
 
 def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, command):
     stated = ["--range", "compressive_strength_MPa", 100, 250]
-    words = [*scans, *WORDS, "--cycles", 1, *stated, "--output", tmp_path]
+    words = [*scans, *WORDS, *COARSE, "--cycles", 1, *stated, "--output", tmp_path]
     code, out, err = command("close", *words)
     assert (code, err) == (0, "")
     record = json.loads((tmp_path / "joint.json").read_text())
@@ -132,10 +136,10 @@ def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakag
 
 
 def test_flow_and_snapshots_are_written_and_replaced_with_all_of_their_files(
-    scans, tmp_path, command
+    scans, tmp_path, command, undrawn
 ):
     """Of another joint nothing stays, and what someone else put there is left alone."""
-    words = [*scans, *WORDS, "--single", "--cycles", 1, "--output", tmp_path]
+    words = [*scans, *WORDS, *COARSE, "--single", "--cycles", 1, "--output", tmp_path]
     code, out, err = command("close", *words, "--snapshots", "1,2", "--flow")
     assert (code, err) == (0, "")
     assert re.search(r"cycle 1: along x 0\.\d+ \(flows\); along y ", out)
@@ -177,7 +181,7 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert 0.0 < second < first < record["per_cycle"]["max_closure_mm"][0]
 
 
-def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command):
+def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command, undrawn):
     folder, words = tmp_path / "a", [*WORDS, "--cycles", 1, "--spacing", 2, "--within", 0.2]
     code, out, _ = command("assess", *scans, *words, "--output", folder)
     assert code in (0, 1)

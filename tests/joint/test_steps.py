@@ -11,13 +11,12 @@ from tests.joints import SPACING
 
 STRESS, SEATING = 10.27e6, 0.257e6
 USUAL = jc.Numerics(breakage="resolved")
-FINER = coarser(USUAL, 1.0 / 8.0)
+FINER = coarser(USUAL, 1.0 / 4.0)
 
 
 def closed(wavelength, strength, seed, numerics):
-    walls = jc.wall_pair(
-        8.0, (32, 32), SPACING, seed, mismatch_wavelength=wavelength, roll_off=None
-    )
+    shape = (24, 24)
+    walls = jc.wall_pair(8.0, shape, SPACING, seed, mismatch_wavelength=wavelength, roll_off=None)
     rock = jc.Rock(11e9, 0.25, strength)
     load = {"max_normal_stress": STRESS, "seating_stress": SEATING}
     return jc.simulate(*walls, spacing=SPACING, rock=rock, numerics=numerics, **load)

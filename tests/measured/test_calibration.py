@@ -19,7 +19,7 @@ from jointclosure.measured.fit import fit
 from jointclosure.plotting.joint import fit_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
-from tests.joints import SPACING
+from tests.joints import COARSE, SPACING
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
 SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6
@@ -147,7 +147,7 @@ TWO_CYCLES = """stress_MPa,closure_mm,cycle
 GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
 
 
-ABOUT = {"rock": "granite", "shape": (12, 12), "surfaces": 4, "workers": 1}
+ABOUT = {"rock": "granite", "shape": (12, 12), "surfaces": 4, "workers": 1, "numerics": COARSE}
 
 
 @pytest.fixture(scope="module")
@@ -190,7 +190,14 @@ def test_the_strength_of_scanned_walls_is_within_its_interval():
     weak = GRANITE._replace(compressive_strength=130e6)
     curve = curve_of(close_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
     result = fit(
-        curve, rock=GRANITE, pair=pair, seating_stress=SEATING, surfaces=6, choices=PAPER, workers=1
+        curve,
+        rock=GRANITE,
+        pair=pair,
+        seating_stress=SEATING,
+        surfaces=6,
+        choices=PAPER,
+        workers=1,
+        numerics=COARSE,
     )
     assert result.scanned
     assert result.mismatch_wavelength == pair.mismatch
