@@ -1,6 +1,8 @@
 """Pages are what their templates and the stored results give; stored results name their commit."""
 
 import json
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -9,6 +11,7 @@ from pathlib import Path
 import pytest
 from jinja2 import UndefinedError
 
+from jointclosure.cli import main as cli
 from jointclosure.inputs import InputError
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
@@ -83,3 +86,14 @@ def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(tmp
     with pytest.raises(InputError, match=r"not complete, mismatch_shifts\.csv lacks"):
         publish.publish(run, "mismatch")
     assert (stored / "mismatch_shifts.csv").is_file()
+
+
+@pytest.mark.slow
+def test_the_readmes_command_prints_the_closures_that_the_readme_states(tmp_path, capsys):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    command = re.search(r"jointclosure (close [^\n]+)", text).group(1)
+    assert cli.main([*shlex.split(command), "--output", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    ranges = r"0\.\d+ \(0\.\d+ to 0\.\d+\)"
+    (line,) = re.findall(r"^net closure since seating \(mm\).*", printed, re.M)
+    assert re.findall(ranges, line) == re.findall(f"({ranges}) mm on the", text)
