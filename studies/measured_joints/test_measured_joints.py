@@ -47,7 +47,8 @@ def test_walls_that_are_reseated_where_they_were_repeat_the_second_cycle(observa
     again, base = by_variant.loc[f"{rock}reseated, 0 mm off"], by_variant.loc[of]
     np.testing.assert_array_equal(again.first_closure, base.first_closure)
     np.testing.assert_allclose(again.later_closure, base.later_closure, rtol=0.01)
-    assert again.later_residual_share.abs().max() < 1.0
+    # of a single joint, up to 1.4 % at a tolerance of 0.1; shifted ones leave more than 5 %
+    assert again.later_residual_share.abs().max() < 2.0
 
 
 def test_only_reseated_walls_and_weaker_crushed_rock_leave_a_share_of_the_later_closure(

@@ -322,5 +322,5 @@ def test_walls_that_cannot_be_the_pristine_ones_are_refused(walls):
         jc.simulate(*walls, pristine=[wall[:, 1:] for wall in walls], **WEAK)
     with pytest.raises(jc.InputError, match="pristine: not with peaks = 'current'"):
         jc.simulate(*walls, pristine=walls, choices=jc.Choices(peaks="current"), **WEAK)
-    with pytest.raises(jc.InputError, match="crushed_strength_ratio = 0.8: must be 1 with peaks"):
+    with pytest.raises(jc.InputError, match=r"crushed_strength_ratio = 0\.8: must be 1 with peaks"):
         jc.Choices(peaks="current", crushed_strength_ratio=0.8)
