@@ -64,7 +64,7 @@ MEASURED = (
     "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
     "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
     "closure stayed, where second cycles of the model leave nothing unless the joint is reseated "
-    "(docs/measured.md)"
+    "or its crushed rock weakens (docs/measured.md)"
 ).format(
     *measured_range("first_closure"),
     *measured_range("stiffness_ratio"),
