@@ -125,6 +125,7 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
         results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
         ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
+        assert ends.loc["contact_at_max"].max() <= 1.0
         assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
         assert (ends.low >= 0.0).all()
 

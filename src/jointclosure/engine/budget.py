@@ -285,6 +285,8 @@ def ranges_of(
         for quantity in QUANTITIES:
             values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
             rows[cycle, quantity] = _range_of(values, sources, shares, further)
+        share = rows[cycle, "contact_at_max"]
+        share.update({end: min(share[end], 1.0) for end in NUMBERS})
         net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
         for end in NUMBERS[1:]:  # of every joint the net closure is the smaller one
             net[end], gross[end] = sorted((net[end], gross[end]))
