@@ -162,13 +162,13 @@ def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans_or_the
 
 def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     refused = []
-    for seed in range(3):
+    for seed in range(2):
         upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
         try:
             registered(scanned(upper, "towards"), grid(lower), spikes="keep")
         except jc.InputError as error:
             refused.append(str(error))
-    assert len(refused) >= 2  # one in ten may fit by chance
+    assert len(refused) == 2  # of other seeds one in ten fits by chance
     assert all("is ambiguous: slopes" in words and "stay as scanned" in words for words in refused)
     stated = {"orientation": "towards", "shift": "scanned"}
     found = registered(scanned(upper, "towards"), grid(lower), **stated)
@@ -243,8 +243,6 @@ def damaged(draw):
 @given(damaged(), st.sampled_from(["missing", "mean", "minimum", "value", "tilted", "noisy"]))
 def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_contact(joint, kind):
     *walls, cells = joint
-    clean = registered(*map(grid, walls), **AS_SCANNED)
-    assert not any("holes" in line or "plateaus" in line for line in clean.report)
     for wall, damage in zip(walls, cells, strict=True):
         values = {"missing": np.nan, "minimum": wall.min(), "value": 2e-3}
         wall[damage] = values.get(kind, wall[5, 5])
@@ -312,29 +310,28 @@ def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_r
         registered(scanned(upper), grid(lower), **AS_SCANNED)
 
 
-@pytest.mark.parametrize(("size", "places"), [(8, [(20, 24)]), (3, [(8, 8), (30, 40), (12, 30)])])
-def test_a_hole_does_not_carry_the_load_of_the_joint(size, places):
+@pytest.mark.parametrize(
+    ("seed", "size", "places"), [(0, 8, [(20, 24)]), (1, 3, [(8, 8), (30, 40), (12, 30)])]
+)
+def test_a_hole_does_not_carry_the_load_of_the_joint(seed, size, places):
     """Closures are those without the hole; holes filled between their rims changed them by 10 %."""
-    ratios = []
-    for seed in range(2):
-        walls = jc.wall_pair(10, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
-        closures = []
-        for damage in (False, True):
-            lower = walls[1].copy()
-            for y, x in places if damage else []:
-                lower[y : y + size, x : x + size] = np.nan
-            with warnings.catch_warnings(record=True) as warned:
-                warnings.simplefilter("always")
-                scans = grid(1e-3 - walls[0]), grid(lower)
-                joint = jc.close(*scans, rock="granite", max_normal_stress=10e6, single=True)
-            closures.append(joint.history.max_closure_seated.values[0])
-            of_force = [line for line in joint.pair.report if "% of the force" in line]
-            assert len(of_force) == damage
-            assert "snapshot" not in joint.history.dims
-        assert any("out of contact" in str(line.message) for line in warned)
-        assert float(re.search(r"carry (\S+) %", of_force[0])[1]) < 2.0
-        ratios.append(closures[1] / closures[0])
-    assert np.abs(np.log(ratios)).max() < 0.06
+    walls = jc.wall_pair(10, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
+    closures = []
+    for damage in (False, True):
+        lower = walls[1].copy()
+        for y, x in places if damage else []:
+            lower[y : y + size, x : x + size] = np.nan
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            scans = grid(1e-3 - walls[0]), grid(lower)
+            joint = jc.close(*scans, rock="granite", max_normal_stress=10e6, single=True)
+        closures.append(joint.history.max_closure_seated.values[0])
+        of_force = [line for line in joint.pair.report if "% of the force" in line]
+        assert len(of_force) == damage
+        assert "snapshot" not in joint.history.dims
+    assert any("out of contact" in str(line.message) for line in warned)
+    assert float(re.search(r"carry (\S+) %", of_force[0])[1]) < 2.0
+    assert closures[1] == pytest.approx(closures[0], rel=0.06)
 
 
 def test_the_force_on_holes_is_their_share_of_the_force_at_the_highest_stress(joint):
@@ -358,18 +355,22 @@ def test_the_force_on_holes_is_their_share_of_the_force_at_the_highest_stress(jo
     st.floats(2.0, 20.0),
     st.sampled_from([1e-6, 1e-5, 0.0]),
     st.sampled_from([10.0, 25.4, 0.1, 1 / 25.4, 1000.0]),
+    st.sampled_from([0, 1]),
 )
-def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(seed, jrc, step, factor):
+def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(
+    seed, jrc, step, factor, wrong
+):
     walls = np.array(jc.wall_pair(jrc, (44, 52), SPACING, seed, correlation=0.9))
     upper, lower = np.round(walls / step) * step if step else walls
     scans = grid(1e-3 - upper), grid(lower)
     found = registered(*scans, **AS_SCANNED)
-    assert not any("unit" in line or "plateaus" in line for line in found.report)
+    none = ("unit", "plateaus", "holes")
+    assert not any(word in line for line in found.report for word in none)
     both = [scan._replace(heights=factor * scan.heights) for scan in scans]
     words = rf"in another unit than x and y, by a factor of .*{max(factor, 1 / factor):g}"
-    for pair in ((both[0], scans[1]), (scans[0], both[1])):
-        with pytest.raises(jc.InputError, match=rf"times as steep as .*{words}"):
-            registered(*pair, **AS_SCANNED)
+    pair = [both[k] if k == wrong else scans[k] for k in (0, 1)]
+    with pytest.raises(jc.InputError, match=rf"times as steep as .*{words}"):
+        registered(*pair, **AS_SCANNED)
     try:
         lines = registered(*both, **AS_SCANNED).warnings
     except jc.InputError as error:
