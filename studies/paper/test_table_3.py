@@ -189,8 +189,8 @@ def test_more_surfaces_are_needed_for_more(pool):
         strict, loose = (plan(few, Goal(kind, amount)).surfaces for amount in (more, less))
         assert (strict >= loose).all()
         assert (strict > loose).any()
-    errors = plan(few, Goal("standard-error", 0.01)).surfaces
-    np.testing.assert_allclose(errors / plan(few, Goal("standard-error", 0.02)).surfaces, 4, 0.1)
+        if kind == "standard-error":
+            np.testing.assert_allclose(strict / loose, 4, 0.1)
     response = next(responses(pool, "max_closure"))
     assert power_of_ends(response._replace(samples=response.samples * 0 + 1), 10, 0.05) == 1.0
 
@@ -370,7 +370,7 @@ def test_indifference_intervals_cover_those_of_the_finest_numerics(draws):
         r.cycle: 100.0 * r.interval(0.05, 100).length / r.base for r in responses(whole, TARGET)
     }
     wish, covered = Accuracy(within=0.5, of="interval"), []
-    for seed in range(12):
+    for seed in range(8):
         finest = refined(slate(100, 50 + seed, draws, -1.1), 20, seed=seed)
         table = reached_table(slate(100, 50 + seed, draws), finest, wish, 0.05)
         covered += [row.low <= truth[row.cycle] <= row.high for row in table.itertuples()]
