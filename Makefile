@@ -38,6 +38,8 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
+WITHOUT_KERNELS := tests/package tests/statistics tests/storage studies/paper
+
 .PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
@@ -110,9 +112,11 @@ conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on
 	$(RUN) conclusions
 
 test: $(STAMP) ## Pass the tests
-	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."
-	@$(BIN)/python -m jointclosure.joint.warmup ship
-	$(BIN)/python -m pytest -n auto -m "not slow"
+	@echo "Compiling the kernels of all scenes (a minute and a half when they are new), beside tests without kernels ..."
+	@$(BIN)/python -m jointclosure.joint.warmup ship & \
+	$(BIN)/python -m pytest -q -m "not slow" $(WITHOUT_KERNELS); passed=$$?; \
+	wait $$! && exit $$passed
+	$(BIN)/python -m pytest -n auto -m "not slow" $(WITHOUT_KERNELS:%=--ignore=%)
 	@echo "A study's own checks are in results/<study>/tables/checks.csv"
 
 test-all: $(STAMP) ## Pass the tests, the slow ones too
