@@ -21,7 +21,6 @@ from tests.joints import closed, pair
 ROOT = Path(__file__).parents[2]
 BOTH = (
     "tests/mechanics",
-    "tests/statistics",
     "tests/solvers/test_elastic.py",
     "tests/solvers/test_kernels.py::test_small_joints_close_in_every_scene",
     "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy_and_ends_at_the_solution",
