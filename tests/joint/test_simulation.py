@@ -289,7 +289,12 @@ WEAK = {
 def crushed(walls):
     """Both cycles of a weak joint, and its walls after the first one."""
     once = jc.simulate(*walls, cycles=1, **WEAK)
-    return jc.simulate(*walls, cycles=2, **WEAK), (once.upper_final.values, once.lower_final.values)
+    return jc.simulate(*walls, cycles=2, **WEAK), broken_walls(once)
+
+
+def broken_walls(closed):
+    """Walls (y, x) [m] that a history leaves."""
+    return closed.upper_final.values, closed.lower_final.values
 
 
 def test_crushed_walls_repeat_the_second_cycle_where_the_pristine_ones_are_given(walls, crushed):
@@ -300,6 +305,35 @@ def test_crushed_walls_repeat_the_second_cycle_where_the_pristine_ones_are_given
     assert abs(float(again.residual_closure[0])) < 0.002 * float(again.max_closure[0])
     softer = jc.simulate(*broken, cycles=1, **WEAK)  # peaks of crushed walls count as new ones
     assert float(softer.max_closure[0]) > 1.02 * float(second.max_closure)
+
+
+@pytest.mark.parametrize("strength", [40e6, 80e6, 173e6])
+def test_closing_crushed_walls_twice_equals_a_second_and_a_third_cycle(walls, strength):
+    rock = WEAK | {"rock": jc.Rock(11e9, 0.25, strength)}
+    cycles = jc.simulate(
+        *walls, cycles=3, **rock | {"numerics": jc.Numerics(breakage="resolved", replay=False)}
+    )
+    once = jc.simulate(*walls, cycles=1, **rock)
+    again = jc.simulate(*broken_walls(once), pristine=walls, cycles=2, **rock)
+    np.testing.assert_allclose(again.max_closure, cycles.max_closure[1:], rtol=0.001)
+    for history in (again, cycles):
+        closed_later = history.max_closure.values[-2:]
+        stays = np.diff(history.residual_closure.values[-3:], prepend=0.0)[-2:]
+        assert np.all(np.abs(stays) < 0.01 * closed_later)
+
+
+@pytest.mark.parametrize(("share", "within"), [(0.01, 1e-9), (0.05, 0.02)])
+def test_a_joint_reseated_by_a_cell_loaded_lightly_and_put_back_is_itself(
+    walls, crushed, share, within
+):
+    inner = [wall[:, 1:-1] for wall in walls]
+    kept = jc.simulate(*(w[:, 1:-1] for w in crushed[1]), pristine=inner, cycles=1, **WEAK)
+    (upper, lower), off = crushed[1], (walls[0][:, 1:], walls[1][:, :-1])
+    there = WEAK | {"max_normal_stress": share * TARGET}
+    moved = broken_walls(jc.simulate(upper[:, 1:], lower[:, :-1], pristine=off, cycles=1, **there))
+    back = moved[0][:, :-1], moved[1][:, 1:]
+    again = jc.simulate(*back, pristine=inner, cycles=1, **WEAK)
+    assert float(again.max_closure[0]) == pytest.approx(float(kept.max_closure[0]), rel=within)
 
 
 def test_weaker_crushed_rock_breaks_in_later_loadings_and_never_in_the_first(walls, crushed):
