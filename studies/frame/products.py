@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.storage.files import read_csv, save_figure, write_csv, write_text
-from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.files import read_csv, write
 
 GIVEN = ("config", "folder", "workers", "log")
 """Parameters that every function may have: the keys of the configuration, the folder of the study,
@@ -25,11 +24,6 @@ EARLY = 1
 """Priority of what is made before the pool of a study is closed."""
 FORMATS = ("png", "pdf")
 """Formats of every figure."""
-_WRITERS: dict[str, Callable[..., None]] = {
-    **{".nc": write_netcdf, ".csv": write_csv},
-    **{f".{format}": save_figure for format in FORMATS},
-    **dict.fromkeys((".json", ".tex", ".md", ".txt", ".html"), write_text),
-}
 
 
 def figure_files(names: Iterable[str], folder: str = "figures") -> list[str]:
@@ -134,7 +128,7 @@ def make_files(
     elif len(paths) == 1:
         parts = [parts]
     for path, part in zip(paths, parts, strict=True):
-        part(path) if callable(part) else _WRITERS[path.suffix](part, path)
+        part(path) if callable(part) else write(part, path)
         given["log"](f"wrote {path}")
 
 

@@ -19,15 +19,7 @@ from jointclosure.joint.curves import cycle_table, has_flow, stress_table
 from jointclosure.joint.history import branch_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
-from jointclosure.storage.files import (
-    replace_files,
-    save_animation,
-    save_figure,
-    write_csv,
-    write_text,
-    write_vtu,
-)
-from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.files import replace_files, save_animation, write
 from jointclosure.storage.provenance import origin, to_plain
 
 FIGURES = 7
@@ -176,22 +168,6 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
         save_animation(crushing_animation(closed, title), arguments.animation)
         print(f"wrote {arguments.animation}")
     return with_snapshots(closed, getattr(arguments, "snapshots", ()))
-
-
-def write(content: Any, path: Path) -> None:
-    """Write a dataset, table, figure, mesh, text or record for JSON in the form of its type."""
-    if path.suffix == ".vtu":
-        points, triangles, fields = content
-        write_vtu(points, triangles, fields, path)
-    elif isinstance(content, xr.Dataset):
-        write_netcdf(content, path)
-    elif isinstance(content, pd.DataFrame):
-        write_csv(content, path)
-    elif hasattr(content, "savefig"):
-        save_figure(content, path)
-    else:
-        text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
-        write_text(text, path)
 
 
 def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:

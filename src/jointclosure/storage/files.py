@@ -13,7 +13,7 @@ import socket
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -179,6 +179,24 @@ def write_vtu(
         points, [("triangle", triangles)], cell_data={k: [v] for k, v in cell_fields.items()}
     )
     atomically(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def write(content: Any, path: Path) -> None:
+    """Write a dataset, table, figure, mesh, text or record for JSON in the form of its type."""
+    if path.suffix == ".vtu":
+        points, triangles, fields = content
+        write_vtu(points, triangles, fields, path)
+    elif path.suffix == ".nc":
+        from jointclosure.storage.netcdf import write_netcdf  # a library that few jobs need
+
+        write_netcdf(content, path)
+    elif isinstance(content, pd.DataFrame):
+        write_csv(content, path)
+    elif hasattr(content, "savefig"):
+        save_figure(content, path)
+    else:
+        text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
+        write_text(text, path)
 
 
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
