@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports,
     from jointclosure.joint.conditions import Conditions
     from jointclosure.joint.simulation import equilibrium, simulate
     from jointclosure.measured.fit import fit
+    from jointclosure.measured.region import validate
     from jointclosure.parameters import Choices, Effects, Numerics, Rock
     from jointclosure.plotting import plot
     from jointclosure.statistics.indifference import indifference_interval
@@ -45,6 +46,7 @@ _MODULES = {
     "read_scan": "walls.scans",
     "simulate": "joint.simulation",
     "simulate_ensemble": "engine.ensembles",
+    "validate": "measured.region",
     "wall_pair": "walls.synthesis",
 }
 """Module that defines each public name."""
@@ -66,6 +68,7 @@ __all__ = [
     "read_scan",
     "simulate",
     "simulate_ensemble",
+    "validate",
     "wall_pair",
 ]
 

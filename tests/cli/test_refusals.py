@@ -49,7 +49,14 @@ def nothing_is_computed(monkeypatch, inputs):
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
         (["fit", *FIT, "--scans", *SCANS[:2]], "jrc = 10.0: must be left out with scans"),
         (["roughness", *WALL, "--picture", "a.gif"], "a.gif: must end in .png"),
-        (["validate", "none"], "must be a folder that contains both clones"),
+        (
+            ["validate", *FIT, "--cells", 12, "--shifts", "0.5"],
+            "shifts = 0.5: must be whole numbers",
+        ),
+        (
+            ["validate", *FIT, "--cells", 12, "--strengths", "90,60"],
+            "the lower one must come first",
+        ),
         (["report", "."], "must be a folder that `jointclosure close` wrote"),
     ],
 )
@@ -74,6 +81,7 @@ WORDS = {
     "assess": [*ARRAYS, *LOAD],
     "simulate": ["--jrc", 8, "--cells", 8, *LOAD],
     "fit": [*FIT, "--cells", 16],
+    "validate": [*FIT, "--cells", 16],
     "roughness": [*WALL, "--scan-spacing", 0.25],
 }
 """Words of each command that has numeric options, with which it would work."""

@@ -8,7 +8,7 @@ COMMANDS = {
     "assess": "say what accuracy costs on that joint, how hard it is, and which effects it needs",
     "simulate": "close one joint of random walls",
     "fit": "find the mismatch wavelength of a joint from its measured closure",
-    "validate": "compare the model with three measured joints whose files are public",
+    "validate": "find mechanisms and constants that are compatible with a measured curve",
     "roughness": "compute slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
     "report": "write a page on a joint, from the folder of close",
     "doctor": "check whether the environment is ready",

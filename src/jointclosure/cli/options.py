@@ -21,9 +21,10 @@ from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, regist
 UNITS = (
     {name: about.unit for name, about in OF_ROCK.items()}
     | {name: "um" for name in Numerics._fields if name.endswith("_step")}
-    | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots"), "MPa")
+    | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots", "strengths"), "MPa")
     | dict.fromkeys(("spacing", "scan_spacing", "largest_radius"), "mm")
     | dict.fromkeys(("roll_off", "mismatch_wavelength", "size"), "mm")
+    | dict.fromkeys(("shifts", "crushed_strength_ratios"), "1")
 )
 """Units of options by keyword; other options have none."""
 _SHORT = {
@@ -84,7 +85,8 @@ def add_keywords(
             about["default"] = default
         elif default not in (None, (), inspect.Parameter.empty):
             unit = UNITS.get(name, "")
-            shown = f"{in_unit(default, unit)} {unit}" if unit else default
+            several = isinstance(default, tuple) and ",".join(map(str, default))
+            shown = several or (f"{in_unit(default, unit)} {unit}" if unit else default)
             about["help"] += f" (default {shown})"
         about |= change
         option = about.pop("option", None)

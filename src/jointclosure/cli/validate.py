@@ -1,86 +1,76 @@
-"""Reads the later loadings, contact maps and scans of three granodiorite joints from clones of
-the repositories danielvogler/hm_coupled_fracture_response and
-danielvogler/contact_stress_evaluation, closes the scanned walls, and prints measured values
-beside those of the model (docs/measured.md).
+"""Find which mechanisms and constants are compatible with all loadings of a measured curve: joints
+of each strength, shift of walls seated anew, and strength of crushed rock are closed.
+
+examples:
+  jointclosure validate curve.csv --rock granite --scans top.xyz bottom.xyz --units mm
+  jointclosure validate curve.csv --rock granite --jrc 6,10 --size 25 --output my_region
+  jointclosure validate curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 \\
+      --strengths 60,200 --jrc 8 --size 40 --stress-unit MPa --closure-unit mm --seating 0.25
+
+The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
+(docs/two_scans.md). With --output, joints are kept in the folder, and a later run with the same
+joints closes only what is missing.
 """
 
 import argparse
+import inspect
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-import pandas as pd
 
 from jointclosure.cli import options, results
-from jointclosure.engine.measured_joints import JOINTS, measured
-from jointclosure.engine.scanned_joint import close
-from jointclosure.inputs import InputError
-from jointclosure.joint.curves import cycle_table, net_responses
-from jointclosure.joint.rocks import named_rock
-from jointclosure.measured.published import film, later_loading, scans
-
-SPACING = 0.25e-3
-"""Grid spacing [m], that of the synthetic walls of docs/measured.md."""
+from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+from jointclosure.measured.region import NUMERICS, validate
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    command.add_argument("folder", type=Path, help="folder that contains both clones")
-    options.add_keywords(command, close, "units")
-    options.add_file(command, "--output", "CSV file for the table", ".csv")
+    command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
+    curve = command.add_argument_group("curve")
+    options.add_keywords(
+        curve,
+        validate,
+        "seating_stress",
+        stress_unit={"choices": STRESS_UNITS},
+        closure_unit={"choices": CLOSURE_UNITS},
+        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
+        closure_error={"type": float, "metavar": "%", "default": 2.0},
+    )
+    tried = command.add_argument_group("constants that are tried")
+    options.add_keywords(tried, validate, "strengths", "shifts", "crushed_strength_ratios")
+    options.add_keywords(tried, validate, "surfaces", "seed")
+    joint = command.add_argument_group("joint")
+    scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
+    options.add_keywords(joint, validate, "units", "orientation", scans=scans)
+    sides = joint.add_mutually_exclusive_group()
+    options.add_keywords(sides, validate, "size", shape=options.CELLS)
+    options.add_keywords(joint, validate, "jrc", "spacing", "hurst", "roll_off")
+    options.add_conditions(command, NUMERICS, load=False)
+    options.add_file(command, "--output", "folder of the tables, the figure, and closed joints")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print measured values beside those of the model."""
-    folder = arguments.folder
-    if not folder.is_dir():
-        raise InputError(f"{folder}: must be a folder that contains both clones")
-    walls = {joint: scans(folder, joint) for joint in JOINTS}
-    rows, reasons = [], []
-    for joint, pair in walls.items():
-        read, missing = later_loading(folder, joint)
-        reasons += missing
-        read |= film(folder, joint)
-        model = _modelled(pair, options.given(arguments, ["units"])) if pair else {}
-        for name in dict.fromkeys([*read, *model]):
-            stored = np.nan if name == "recovered_load" else measured(name, joint).value
-            values = {"files": read.get(name, np.nan), "stored": stored}
-            row = {"joint": joint, "quantity": name, **values, "model": model.get(name, np.nan)}
-            rows.append(row)
-    table = pd.DataFrame(rows)
-    print(table.round(3).to_string(index=False, na_rep="–"))
-    print("".join(f"{reason}\n" for reason in reasons), end="")
-    if None in walls.values():
-        print("No scans (*.stl) below the folder: the model was not run.")
+    """Print and write what is compatible with the curve."""
     if arguments.output:
-        results.write(table, arguments.output)
+        from jointclosure.plotting.region import region_figure
+    scanned = hasattr(arguments, "scans")
+    rock = options.rock_of(arguments, *() if scanned else ("jrc",))
+    stated = options.given(arguments, inspect.signature(validate).parameters)
+    stated |= options.model_of(arguments, NUMERICS) | {"rock": rock.intact}
+    stated["closure_error"] = 1e-2 * arguments.closure_error
+    if not scanned:
+        stated["jrc"] = rock.jrc
+    cache = arguments.output / "joints" if arguments.output else None
+    region = validate(**stated, cache=cache, report=lambda line: print(f"- {line}", flush=True))
+    ranges, quantities = region.table(), region.quantities()
+    shown = {"index": False, "na_rep": "none", "float_format": "{:.3g}".format}
+    print(f"\n{ranges.to_string(**shown)}\n\n{quantities.to_string(**shown)}\n")
+    print("\n".join(f"- {line}" for line in region.sentences()))
+    if arguments.output:
+        record = {"found": region.sentences(), "measured_names": region.measured.names()}
+        record["measured_mm"] = (1e3 * region.measured.values).tolist()
+        files = {
+            "region.csv": ranges,
+            "quantities.csv": quantities,
+            "region.json": record | {"provenance": results.attributes(stated)},
+            "region.png": region_figure(region, arguments.curve.name),
+        }
+        print(results.write_folder(arguments.output, "validate", files))
     return 0
-
-
-def _modelled(walls: tuple[Path, Path], units: dict[str, Any]) -> dict[str, float]:
-    """Close scanned walls as the measured joints were loaded, and read the same quantities."""
-    stress = 1e6 * measured("largest_stress").value
-    history = close(
-        *walls,
-        **units,
-        spacing=SPACING,
-        rock=named_rock("granite")._replace(youngs_modulus=1e9 * measured("youngs_modulus").value),
-        max_normal_stress=stress,
-        cycles=2,
-        seating_stress=1e6 * measured("seating_stress").value,
-        single=True,
-    ).history
-    if results.failed(history):
-        status = results.status_text(history)
-        raise InputError(f"{walls[0]}: the joint could not be closed: {status}")
-    net = net_responses(history, stress)
-    closure, residual = net["max_closure_seated_net"], net["residual_closure_seated_net"]
-    stiffness = 1e-9 * net["stiffness_net"]
-    return {
-        "first_closure": 1e3 * closure[0],
-        "first_residual_share": 100.0 * residual[0] / closure[0],
-        "later_closure": 1e3 * closure[1],
-        "later_stiffness": stiffness[1],
-        "stiffness_ratio": stiffness[1] / stiffness[0],
-        "later_residual_share": 100.0 * residual[1] / closure[1],
-        "contact_share": 100.0 * float(cycle_table(history).contact_at_max.iloc[-1]),
-    }

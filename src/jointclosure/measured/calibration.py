@@ -89,16 +89,26 @@ class Interval(NamedTuple):
 class Likelihood(NamedTuple):
     """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
 
-    ``p_value`` is the probability that a joint of the most likely wavelength and strength is at
-    least as far from their mean as the measured one.
+    ``p_values`` are probabilities that a joint of a wavelength and strength is at least as far from
+    their mean as the measured one.
     """
 
     wavelengths: np.ndarray
     strengths: np.ndarray
     log: np.ndarray  # (wavelengths, strengths)
     means: np.ndarray  # (wavelengths, strengths, readings), of logarithms
-    scatter: np.ndarray  # (wavelengths, readings), standard deviations of logarithms
-    p_value: float
+    covariance: np.ndarray  # (wavelengths, readings, readings), of logarithms
+    p_values: np.ndarray  # (wavelengths, strengths)
+
+    @property
+    def scatter(self) -> np.ndarray:
+        """Standard deviations (wavelengths, readings) of logarithms."""
+        return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
+
+    @property
+    def p_value(self) -> float:
+        """P-value at the most likely wavelength and strength."""
+        return float(self.p_values.flat[self.log.argmax()])
 
     def interval(self, axis: int) -> Interval:
         """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood."""
@@ -171,13 +181,22 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
     """Return the same readings of a simulated joint, net of bulk indentation; NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
-    closures, values = closures_at(history, stresses), []
+    return readings_of_closures(closures_at(history, stresses), stresses, asked)
+
+
+def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
+    """Return readings (..., n) of closures (..., cycles, 2, stresses) on loading and unloading."""
+    at, values = np.searchsorted(stresses, asked.levels), []
+    levels, seat = (
+        dict(zip(asked.levels, at, strict=True)),
+        int(stresses.searchsorted(asked.seating)),
+    )
     for cycle, level in asked.places():
-        loading, unloading = closures[cycle - 1]
-        recovered = loading[-1] - unloading[0]
-        at = np.argmax(stresses == level)
-        values.append(recovered if level is None else loading[at] - loading[0])
-    return np.array(values)
+        loading, unloading = np.moveaxis(closures[..., cycle - 1, :, :], -2, 0)
+        recovered = loading[..., at[-1]] - unloading[..., seat]
+        read = recovered if level is None else loading[..., levels[level]] - loading[..., seat]
+        values.append(read)
+    return np.stack(values, axis=-1)
 
 
 def simulated_readings(
@@ -267,7 +286,7 @@ def likelihood_of(
     fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
     width = 1.0 / max(x.size - 1, 1)
     log = np.empty((fine_x.size, fine_y.size))
-    distances, spread = np.empty_like(log), np.empty((fine_x.size, size))
+    distances, covariance = np.empty_like(log), np.empty((fine_x.size, size, size))
     means = np.empty((*log.shape, size))
     for i, place in enumerate(fine_x):
         near = np.exp(-0.5 * ((rows[:, 0] - place) / width) ** 2)
@@ -276,14 +295,14 @@ def likelihood_of(
         scatter = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
         scatter += error**2 * np.eye(size)
         means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y]), varied) @ weights
-        spread[i] = np.sqrt(np.diag(scatter))
+        covariance[i] = scatter
         apart = np.log(measured.values) - means[i]
         squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
         half_sum = 0.5 * (freedom + size)
         log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - half_sum * np.log1p(squares / freedom)
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
     fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
-    return Likelihood(*fine, log, means, spread, float(distances.flat[log.argmax()]))
+    return Likelihood(*fine, log, means, covariance, distances)
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:

@@ -287,26 +287,27 @@ def fit(
         pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
     if pair is not None:
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
-    jrcs = _jrc_range(jrc, pair)
+    jrcs = jrc_range(jrc, pair)
     spacing = SPACING if spacing is None else spacing
-    shape = _checked(_shape(size, shape, spacing), surfaces, closure_error, seed)
-    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength)
+    shape = checked_joint(shape_of(size, shape, spacing), surfaces, closure_error, seed)
+    ends = [f * intact.compressive_strength for f in (STRENGTH_RANGE if fit_strength else (1.0,))]
+    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, ends)
     assumed += "; only the first loading is fitted" if first_loading else ""
     if progress and pair is not None:
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    measured = _readings(curve, name, seating_stress)
+    measured = checked_readings(curve, name, seating_stress)
     stress = float(measured.levels[-1])
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
     ).checked()
     check_usual((), roll_off=roll_off)
     check_roll_off(roll_off, max(shape) * spacing)
-    walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
+    walls = partial(random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
     if pair is not None:
-        walls = partial(_scanned_walls, pair.upper, pair.lower, seed)
+        walls = partial(scanned_walls, pair.upper, pair.lower, seed)
         wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = intact.compressive_strength * factors
@@ -351,7 +352,7 @@ def _shown(surfaces: int) -> Iterator[Callable[[float], None]]:
         yield report
 
 
-def _random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wavelength: float):
+def random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wavelength: float):
     """Make the walls of a simulated joint, of a random JRC within the range."""
     low, high = jrcs
     drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
@@ -361,7 +362,7 @@ def _random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wave
     )  # fmt: skip
 
 
-def _scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int, _: float):
+def scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int, _: float):
     """Displace the upper wall by up to a cell along x and y; their mismatch is as scanned."""
     shift = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
     for axis, cells in enumerate(shift):
@@ -371,7 +372,7 @@ def _scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int,
     return upper, lower
 
 
-def _jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
+def jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
     """Return the ends of the range of the JRC; (nan, nan) for scanned walls."""
     if pair is not None:
         return math.nan, math.nan
@@ -387,15 +388,14 @@ def _jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
 
 
 def assumptions(
-    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, fit_strength: bool
+    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, strengths: Sequence[float]
 ) -> str:
     """Describe the simulated joints; arguments as for `fit`, a JRC of NaN for scanned walls."""
     ny, nx = (1e3 * spacing * cells for cells in shape)
     waves = "of all lengths"
     if roll_off is not None:
         waves = f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
-    factors = STRENGTH_RANGE if fit_strength else (1.0,)
-    strength = " to ".join(f"{1e-6 * factor * rock.compressive_strength:g}" for factor in factors)
+    strength = " to ".join(f"{1e-6 * end:g}" for end in strengths)
     roughness = f"JRC {' to '.join(f'{end:g}' for end in dict.fromkeys(jrc))}, waves {waves}"
     if math.isnan(jrc[0]):
         roughness = "scanned walls, the upper one displaced by up to one cell along x and y"
@@ -421,7 +421,7 @@ def read_curve(
     return parsed_curve(text, str(curve), stress_unit, closure_unit, cycle=1, names=columns)
 
 
-def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
+def checked_readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
     """Check a curve, and read it."""
     if seating_stress is None:
         maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
@@ -432,7 +432,7 @@ def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> 
         return readings_of_curve(curve, seating_stress)
 
 
-def _shape(
+def shape_of(
     size: float | None, shape: tuple[int, int] | None, spacing: float
 ) -> tuple[int, int] | None:
     """Return the cells of the simulated joints, which may be stated by the length of their side."""
@@ -449,7 +449,7 @@ def _shape(
     return cells, cells
 
 
-def _checked(
+def checked_joint(
     shape: tuple[int, int] | None, surfaces: int, closure_error: float, seed: int
 ) -> tuple[int, int]:
     """Return the shape, or raise `InputError` for it or a number."""

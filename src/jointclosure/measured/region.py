@@ -1,0 +1,608 @@
+"""Mechanisms and constants of a joint that are compatible with all loadings of a measured curve.
+
+A mechanism acts between the first loading and the later ones. For each of its constants, each
+strength, and each mismatch wavelength of random walls, joints are closed. A point is compatible
+where a joint of it would be as far from the mean of its joints as the measured one, or farther,
+with a probability of at least 5 %: Hotelling's distance of all readings, whose covariance is that
+of the surfaces, of the measurement and of the numerical error
+(`jointclosure.measured.calibration.likelihood_of`).
+"""
+
+import hashlib
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.cache import Entry, make_missing
+from jointclosure.engine.scanned_joint import RESOLVED, Wall, registered_walls
+from jointclosure.engine.workers import number_of_workers
+from jointclosure.inputs import InputError, check_number, check_positive
+from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import closures_at
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.rocks import named_rock
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.warmup import compile_kernels
+from jointclosure.measured.calibration import (
+    CONFIDENCE,
+    CURVE_POINTS,
+    Likelihood,
+    Readings,
+    joints_needed,
+    likelihood_of,
+    readings_of_closures,
+)
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.fit import (
+    SPACING,
+    assumptions,
+    checked_joint,
+    checked_readings,
+    jrc_range,
+    random_walls,
+    read_curve,
+    scanned_walls,
+    shape_of,
+)
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock, check_usual
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.synthesis import check_roll_off
+
+NUMERICS = RESOLVED._replace(tolerance=0.05)
+"""Usual numerics: their error is below the scatter of joints, and counts."""
+WAVELENGTHS, STRENGTHS = 6, 4
+"""Number of wavelengths, and of strengths, at which joints are closed."""
+RANGE = (1.0 / 3.0, 2.0)
+"""Usual range of strengths, over that of the rock."""
+SAMPLES = 4000
+"""Random joints of which intervals of a quantity are computed."""
+NEITHER = "neither"
+_CHECK = "check rock, roughness, roll-off, size and units"
+
+
+class Later(NamedTuple):
+    """What differs after the first loading: shift of the upper wall [cells], and a choice."""
+
+    shift: int = 0
+    crushed_strength_ratio: float = 1.0
+
+
+class Mechanism(NamedTuple):
+    """Mechanism in words, the name and unit of its constant, and a factor to this unit."""
+
+    title: str
+    field: str
+    constant: str
+    unit: str
+
+
+MECHANISMS = (
+    Mechanism("walls seated anew", "shift", "shift of reseating", "cells"),
+    Mechanism(
+        "weaker crushed rock", "crushed_strength_ratio", "strength of crushed rock over rock", "1"
+    ),
+)
+"""Mechanisms that are tried; fields are those of `Later`."""
+
+
+class Walls(NamedTuple):
+    """Walls of the simulated joints: random ones, or scanned ones of a ``digest``."""
+
+    jrc: tuple[float, float]
+    shape: tuple[int, int]
+    spacing: float
+    seed: int
+    hurst: float
+    roll_off: float | None
+    digest: str = ""
+
+    def pair(self, number: int, wavelength: float, scans: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Make the walls of a joint as those of a fit."""
+        if self.digest:
+            upper, lower = scans
+            return scanned_walls(upper, lower, self.seed, number, wavelength)
+        return random_walls(*self[:-1], number, wavelength)
+
+
+class Compared(NamedTuple):
+    """Constants of one kind of joint, tried between (low, high) in a number of points."""
+
+    mechanism: str
+    later: Later
+    likelihood: Likelihood
+
+
+class Region(NamedTuple):
+    """Comparison of a measured curve with simulated joints of all tried constants.
+
+    ``compared`` has the p-values by mechanism and its constant, over fine wavelengths and
+    strengths; ``closures`` (laters, wavelengths, strengths, joints, cycles, 2, stresses) [m] are
+    net since seating. ``assumed`` describes the joints, for which alone the region is valid.
+    """
+
+    measured: Readings
+    curve: MeasuredCurve
+    compared: list[Compared]
+    closures: np.ndarray
+    stresses: np.ndarray
+    assumed: str
+    scanned: bool
+    left_out: list[str]
+
+    def of(self, mechanism: str) -> list[Compared]:
+        """Return the joints of a mechanism, by its constant: first those without any."""
+        wanted = NEITHER, mechanism
+        return [one for one in self.compared if one.mechanism in wanted]
+
+    @property
+    def mechanisms(self) -> list[str]:
+        """Names of what was compared, first that without a mechanism."""
+        return list(dict.fromkeys(one.mechanism for one in self.compared))
+
+    def nearest(self, mechanism: str) -> tuple[int, int, int]:
+        """Return the place of least distance: number in `of`, of the wavelength and strength."""
+        p_values = np.stack([one.likelihood.p_values for one in self.of(mechanism)])
+        number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
+        return int(number), int(i), int(j)
+
+    def table(self) -> pd.DataFrame:
+        """Return the compatible range of each constant by mechanism, NaN where none is."""
+        rows: list[dict[str, Any]] = []
+        for mechanism in self.mechanisms:
+            kinds, nearest = self.of(mechanism), self.nearest(mechanism)
+            p_values = np.stack([one.likelihood.p_values for one in kinds])
+            fine = kinds[0].likelihood
+            grids = [("strength", "MPa", 1e-6 * fine.strengths, 2)]
+            if not self.scanned:
+                grids.append(("mismatch wavelength", "mm", 1e3 * fine.wavelengths, 1))
+            about = next((one for one in MECHANISMS if one.title == mechanism), None)
+            if about is not None:
+                tried = np.array([getattr(one.later, about.field) for one in kinds], float)
+                grids.append((about.constant, about.unit, tried, 0))
+            for constant, unit, tried, axis in grids:
+                others = tuple(other for other in range(3) if other != axis)
+                allowed = tried[(p_values >= 1.0 - CONFIDENCE).any(axis=others)]
+                ends = (allowed.min(), allowed.max()) if allowed.size else (np.nan, np.nan)
+                row = {"mechanism": mechanism, "constant": constant, "unit": unit}
+                range_of = {"low": ends[0], "high": ends[1], "tried_low": tried.min()}
+                range_of |= {"tried_high": tried.max(), "nearest": tried[nearest[axis]]}
+                rows.append({**row, **range_of, "p_value": p_values[nearest]})
+        return pd.DataFrame(rows)
+
+    def quantities(self) -> pd.DataFrame:
+        """Return measured quantities beside the 95 % interval of a joint nearest to the curve."""
+        rows = []
+        ends = 0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE
+        known = quantities_of(self.measured.values, self.measured)
+        for mechanism in self.mechanisms:
+            number, i, j = self.nearest(mechanism)
+            nearest = self.of(mechanism)[number].likelihood
+            mean, covariance = nearest.means[i, j], nearest.covariance[i]
+            draws = generator(seed_of(1, mechanism)).standard_normal((SAMPLES, mean.size))
+            logs = mean + draws @ np.linalg.cholesky(covariance).T
+            joints = quantities_of(np.exp(logs), self.measured)
+            for name, (unit, values) in joints.items():
+                low, high = np.nanquantile(values, ends)
+                about = {"mechanism": mechanism, "quantity": name, "unit": unit}
+                rows.append(about | {"measured": float(known[name][1]), "low": low, "high": high})
+        return pd.DataFrame(rows)
+
+    def p_value(self, mechanism: str) -> float:
+        """Return the probability that a nearest joint is as far from the mean as the measured."""
+        return max(float(one.likelihood.p_values.max()) for one in self.of(mechanism))
+
+    def compatible(self, mechanism: str) -> bool:
+        """Return whether any tried constants of a mechanism are compatible with the curve."""
+        return self.p_value(mechanism) >= 1.0 - CONFIDENCE
+
+    def nearest_closures(self, mechanism: str) -> np.ndarray:
+        """Return closures (joints, cycles, 2, stresses) [m] of the nearest constants tried."""
+        number, *places = self.nearest(mechanism)
+        kinds = [kind for kind, one in enumerate(self.compared) if one.mechanism in
+                 (NEITHER, mechanism)]  # fmt: skip
+        here = self.closures[kinds[number]]
+        fine = self.compared[0].likelihood.log.shape
+        i, j = (
+            round(at / max(count - 1, 1) * (tried - 1))
+            for at, count, tried in zip(places, fine, here.shape, strict=False)
+        )
+        return here[i, j]
+
+    def sentences(self) -> list[str]:
+        """Describe what is compatible, by mechanism, what is not, and what was assumed."""
+        lines: list[str] = []
+        if not any(map(self.compatible, self.mechanisms)):
+            lines.append(caution(f"none is compatible with all loadings of this curve; {_CHECK}"))
+        rows, quantities = self.table(), self.quantities()
+        for mechanism in self.mechanisms:
+            here = rows[rows.mechanism == mechanism]
+            title = "no mechanism between loadings" if mechanism == NEITHER else mechanism
+            often = percent(here.p_value.iloc[0])
+            if self.compatible(mechanism):
+                ranges = "; ".join(_range(row) for row in here.itertuples())
+                lines.append(f"{title}: compatible with {ranges}")
+                continue
+            text = f"{title}: not compatible, {often} of the nearest joints are as far"
+            missed = quantities[
+                (quantities.mechanism == mechanism)
+                & ((quantities.measured < quantities.low) | (quantities.measured > quantities.high))
+            ]
+            texts = (
+                f"{row.quantity} {significant(row.measured, 3)} {row.unit} is measured, joints "
+                f"have {significant(row.low, 3)} to {significant(row.high, 3)}"
+                for row in missed.itertuples()
+            )
+            where = "; ".join(texts) or "each quantity is met by itself, but not all together"
+            lines.append(f"{text}: {where}")
+        return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
+
+    def __repr__(self) -> str:
+        return f"<Region: {'; '.join(self.sentences())}>"
+
+
+def _range(row: Any) -> str:
+    """Format the compatible range of a constant, and whether it ends where the tried range does."""
+    low, high = (significant(end, 3) for end in (row.low, row.high))
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    if row.low == row.tried_low and row.high == row.tried_high:
+        return f"{row.constant} {low} to {high}{unit}, all that was tried"
+    less = " or less" if row.low == row.tried_low and row.constant != "shift of reseating" else ""
+    more = " or more" if row.high == row.tried_high and row.tried_high != 1.0 else ""
+    return f"{row.constant} {low}{less} to {high}{more}{unit}"
+
+
+def quantities_of(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, np.ndarray]]:
+    """Compute closure, stiffness, its ratio and what stays of readings (..., n), with units."""
+    places = readings.places()
+    found: dict[str, tuple[str, np.ndarray]] = {}
+    stiffness: dict[int, np.ndarray] = {}
+    for cycle in range(1, readings.cycles + 1):
+        levels = [level for number, level in places if number == cycle and level is not None]
+        closures = [values[..., places.index((cycle, level))] for level in levels]
+        found[f"closure of cycle {cycle}"] = "mm", 1e3 * closures[-1]
+        if len(levels) > 1:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                rise = 1e-9 * (levels[-1] - levels[-2])
+                stiffness[cycle] = rise / (closures[-1] - closures[-2])
+            between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
+            name = f"stiffness of cycle {cycle}, {between} MPa"
+            found[name] = "MPa/mm", stiffness[cycle]
+        if cycle > 1 and {1, cycle} <= stiffness.keys():
+            ratio = stiffness[cycle] / stiffness[1]
+            found[f"stiffness of cycle {cycle} over the first"] = "1", ratio
+        if (cycle, None) in places:
+            stays = 1.0 - values[..., places.index((cycle, None))] / closures[-1]
+            found[f"share of the closure of cycle {cycle} that stays"] = "%", 100.0 * stays
+    return found
+
+
+def validate(
+    curve: str | Path | MeasuredCurve,
+    *,
+    rock: str | Rock,
+    jrc: float | tuple[float, float] | None = None,
+    scans: tuple[Wall, Wall] | None = None,
+    units: str | None = None,
+    orientation: str | None = None,
+    pair: RegisteredPair | None = None,
+    size: float | None = None,
+    shape: tuple[int, int] | None = None,
+    spacing: float | None = None,
+    seating_stress: float | None = None,
+    strengths: Sequence[float] | None = None,
+    shifts: Sequence[float] | None = (1, 2, 4),
+    crushed_strength_ratios: Sequence[float] | None = (0.9, 0.8, 0.6),
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    columns: Sequence[str] | None = None,
+    surfaces: int = 12,
+    closure_error: float = 0.02,
+    seed: int = 1,
+    hurst: float = 0.8,
+    roll_off: float | None = None,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = NUMERICS,
+    cache: str | Path | None = None,
+    workers: int | None = None,
+    report: Callable[[str], None] = lambda line: None,
+) -> Region:
+    """Determine which mechanisms and constants are compatible with all loadings of a joint.
+
+    Parameters
+    ----------
+    curve : path or MeasuredCurve
+        CSV with columns stress and closure, in the units of their names (stress_MPa, closure_mm)
+        or in those given here, in the order of measurement; and cycle, if there are several, all to
+        one largest stress. Closures are those of the joint, without the intact rock's deformation.
+    rock : str or Rock
+        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
+    jrc : float or (float, float)
+        Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
+        joint has a random one, so that the region includes it. Not needed for scanned walls.
+    scans : (upper, lower), optional
+        Scans of the walls, if there are any. The simulated joints differ in the position of the
+        walls, which is known to one cell along x and y. Without ``jrc``, ``size`` and ``shape``.
+    units, orientation : str, optional
+        As for `jointclosure.close`.
+    pair : RegisteredPair, optional
+        Scanned walls that are registered already, in place of ``scans``.
+    size : float, optional
+        Side of the measured joint [m], on which closure depends.
+    shape : (ny, nx), optional
+        Cells along the sides of a smaller joint, which takes less time and closes less far.
+    spacing : float, optional
+        Grid spacing [m]: by default 0.25 mm, or for scans as for `jointclosure.close`.
+    seating_stress : float, optional
+        Stress from which closures count [Pa]; the curve must start at or below it. By default as
+        for `jointclosure.Conditions`.
+    strengths : (float, float), optional
+        Ends of the range of compressive strengths [Pa], by default a third and twice that of the
+        rock.
+    shifts : sequence of int, optional
+        Shifts of the upper wall along x between the first and the later loadings, in cells, besides
+        0; none leaves this mechanism out.
+    crushed_strength_ratios : sequence of float, optional
+        Strengths of crushed rock over that of the rock in later loadings, besides 1; none leaves
+        this mechanism out. See `jointclosure.Choices`.
+    stress_unit, closure_unit : str, optional
+        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
+    columns : sequence of str, optional
+        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
+    surfaces : int
+        Number of joints of each strength and mismatch wavelength. There are 4 strengths, and for
+        random walls 6 wavelengths from two spacings to the shorter side.
+    closure_error : float
+        Relative error of measured closures, one standard deviation. At most 1.
+    seed : int
+        Seed of the joints.
+    hurst, roll_off
+        As for `jointclosure.wall_pair`, whose default roll-off of 3 mm is for walls as in the
+        paper's study. Here walls have waves of all lengths by default, as natural walls have.
+    effects, choices, numerics
+        As for `jointclosure.simulate`; by default breakage is resolved to a tolerance of 5 %, which
+        counts as an error of the joints.
+    cache : path, optional
+        Folder where closed joints are kept; a run with the same joints closes only what is missing.
+    workers : int, optional
+        Number of processes, by default that of the processors available to this process. It does
+        not affect the result.
+    report : callable, optional
+        Receives lines on what is assumed, on progress and on the remaining time.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read as a curve, or a number is out of its range.
+
+    Notes
+    -----
+    The region assumes that the model is right and that rock, roughness and size are known. Closures
+    of the model are net of the indentation of the half-spaces
+    (`jointclosure.joint.history.read_along`).
+    """
+    intact = named_rock(rock)
+    check_rock(intact)
+    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+    curve = read_curve(curve, stress_unit, closure_unit, columns)
+    if scans is not None:
+        for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
+            if value is not None:
+                raise InputError(f"{keyword} = {value!r}: must be left out with scans")
+        pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
+    if pair is not None:
+        shape, spacing = pair.upper.shape, pair.spacing
+    jrcs = jrc_range(jrc, pair)
+    spacing = SPACING if spacing is None else spacing
+    shape = checked_joint(shape_of(size, shape, spacing), surfaces, closure_error, seed)
+    measured = checked_readings(curve, name, seating_stress)
+    laters = _laters(shifts or (), crushed_strength_ratios or (), shape, choices, measured.cycles)
+    ends = _strengths(strengths, intact)
+    tried = np.geomspace(*ends, STRENGTHS)
+    conditions = Conditions(
+        spacing, intact, float(measured.levels[-1]), 1, measured.seating, effects, choices, numerics
+    )
+    for strength, (_, later) in ((end, later) for end in ends for later in laters):
+        _changed(conditions, strength, later).checked()
+    check_usual((), roll_off=roll_off)
+    check_roll_off(roll_off, max(shape) * spacing)
+    wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
+    walls = Walls(jrcs, (shape[0], shape[1]), spacing, seed, hurst, roll_off)
+    arrays = None
+    if pair is not None:
+        wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
+        arrays = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
+        content = hashlib.sha256(b"".join(wall.tobytes() for wall in arrays)).hexdigest()
+        walls = walls._replace(digest=content, jrc=(0.0, 0.0))
+    walls.pair(1, float(wavelengths[0]), arrays)  # refuses what walls cannot be made of
+    nodes = wavelengths.size, tried.size
+    needed = joints_needed(nodes, measured.values.size)
+    if surfaces * math.prod(nodes) < needed:
+        least = math.ceil(needed / math.prod(nodes))
+        raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
+    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, ends)
+    assumed += f"; closures measured to {percent(closure_error)}, 95 % confidence"
+    for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
+        report(line)
+    again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
+    report(f"{surfaces * math.prod(nodes)} joints are closed{again}, as far as they are not kept")
+    stresses = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
+    stresses = np.unique(np.concatenate([stresses, measured.levels]))
+    asked = _Asked(
+        conditions, measured.cycles, tuple(tried.tolist()), tuple(later for _, later in laters),
+        tuple(stresses.tolist()),
+    )  # fmt: skip
+    closures = _closed(
+        asked, walls, wavelengths, surfaces, arrays, cache, number_of_workers(workers), report
+    )
+    with np.errstate(invalid="ignore"):
+        values = readings_of_closures(closures, stresses, measured)
+        logs = np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))
+    numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
+    error = math.hypot(closure_error, numerical)
+    compared: list[Compared] = []
+    left_out: list[str] = []
+    for (mechanism, later), read in zip(laters, logs, strict=True):
+        try:
+            found = likelihood_of(measured, read, wavelengths, tried, error)
+        except InputError as reason:
+            left_out.append(caution(f"{mechanism}, {later}: left out, {reason}"))
+        else:
+            compared.append(Compared(mechanism, later, found))
+    if not compared or compared[0].mechanism != NEITHER:
+        raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
+    kept = [laters.index((one.mechanism, one.later)) for one in compared]
+    seated = closures - closures[..., :1, :1]
+    scanned = pair is not None
+    return Region(measured, curve, compared, seated[kept], stresses, assumed, scanned, left_out)
+
+
+class _Asked(NamedTuple):
+    """What is closed at each strength and after the first loading, and the stresses of readings."""
+
+    conditions: Conditions
+    cycles: int
+    strengths: tuple[float, ...]
+    laters: tuple[Later, ...]
+    stresses: tuple[float, ...]
+
+
+def _changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
+    """Return the conditions of a strength, and of loadings after the first."""
+    rock = conditions.rock._replace(compressive_strength=strength)
+    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
+    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
+    return conditions._replace(rock=rock, choices=choices)
+
+
+def _closed(
+    asked: _Asked,
+    walls: Walls,
+    wavelengths: np.ndarray,
+    surfaces: int,
+    scans: Any,
+    cache: str | Path | None,
+    workers: int,
+    report: Callable[[str], None],
+) -> np.ndarray:
+    """Close what is not kept; closures (laters, wavelengths, strengths, joints, cycles, 2, n)."""
+    count = len(asked.strengths)
+    entries = {
+        (i, k): Entry(
+            f"wavelength_{i}_surface_{k}", close_surface,
+            (asked, walls, 1 + count * (k * wavelengths.size + i), float(wavelengths[i])),
+            options={"scans": scans}, joints=count,
+        )
+        for k in range(surfaces) for i in range(wavelengths.size)
+    }  # fmt: skip
+    shape = len(asked.laters), wavelengths.size, count, surfaces
+    closures = np.full((*shape, asked.cycles, 2, len(asked.stresses)), np.nan)
+    given = asked.conditions
+
+    def compile_first() -> None:
+        kernels = given.effects, given.choices, given.numerics.solver, given.numerics.breakage
+        compile_kernels(*kernels)
+
+    with _folder(cache) as folder:
+        make_missing(entries.values(), folder, workers, report, prepare=compile_first)
+        for (i, k), entry in entries.items():
+            closures[:, i, :, k] = read_netcdf(entry.file(folder)).closure.values
+    return closures
+
+
+@contextmanager
+def _folder(cache: str | Path | None) -> Iterator[Path]:
+    """Yield the folder of a cache, by default one that is removed afterwards."""
+    if cache is not None:
+        yield Path(cache)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def close_surface(
+    asked: _Asked, walls: Walls, first: int, wavelength: float, *, scans: Any, report: Any
+) -> xr.Dataset:
+    """Close a surface at each strength, and all that may follow its first loading; NaN if failed.
+
+    The later loadings of walls that were not shifted are those of one history.
+    """
+    stresses = np.array(asked.stresses)
+    shape = len(asked.laters), len(asked.strengths), asked.cycles, 2, stresses.size
+    closures = np.full(shape, np.nan)
+    for number, strength in enumerate(asked.strengths):
+        pair = walls.pair(first + number, wavelength, scans)
+        once = close_walls(*pair, _changed(asked.conditions, strength, Later()))
+        if once.status >= FAILURE:
+            report(f"joint {first + number}: status {int(once.status)}")
+            continue
+        closures[:, number, :1] = closures_at(once, stresses)
+        crushed = once.upper_final.values, once.lower_final.values
+        for place, later in enumerate(asked.laters if asked.cycles > 1 else ()):
+            conditions = _changed(asked.conditions, strength, later)
+            conditions = conditions._replace(cycles=asked.cycles - 1)
+            seated, pristine = (
+                (upper[:, later.shift :], lower[:, : lower.shape[1] - later.shift])
+                for upper, lower in (crushed, pair)
+            )
+            again = close_walls(*seated, conditions, pristine=pristine)
+            if again.status < FAILURE:
+                closures[place, number, 1:] = closures_at(again, stresses)
+        report(f"joint {first + number} of {strength:.3g} Pa closed")
+    dims = ("later", "strength", "cycle", "branch", "stress")
+    return xr.Dataset({"closure": (dims, closures, {"units": "m"})})
+
+
+def _laters(
+    shifts: Sequence[float], ratios: Sequence[float], shape: tuple, choices: Choices, cycles: int
+) -> list[tuple[str, Later]]:
+    """Return all that is tried after the first loading with its mechanism, first none."""
+    for shift in shifts:
+        check_number("shifts", shift)
+        if not (float(shift).is_integer() and 1 <= shift <= shape[1] - 8):
+            raise InputError(
+                f"shifts = {shift!r}: must be whole numbers of cells from 1 to {shape[1] - 8}, "
+                "so that 8 cells stay"
+            )
+    for ratio in ratios:
+        check_number("crushed_strength_ratios", ratio)
+        if not 0.0 < ratio < 1.0:
+            raise InputError(
+                f"crushed_strength_ratios = {ratio!r}: must be above 0 and below 1, which is "
+                "closed anyway"
+            )
+    laters = [(NEITHER, Later())]
+    if cycles == 1:
+        return laters
+    seated_anew, weaker = (one.title for one in MECHANISMS)
+    laters += [(seated_anew, Later(shift=int(shift))) for shift in sorted(set(shifts))]
+    return laters + [
+        (weaker, Later(crushed_strength_ratio=float(ratio)))
+        for ratio in sorted(set(ratios), reverse=True)
+    ]
+
+
+def _strengths(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:
+    """Return the checked ends of the range of strengths [Pa]."""
+    if strengths is None:
+        low, high = (factor * rock.compressive_strength for factor in RANGE)
+        return low, high
+    if not isinstance(strengths, tuple | list) or len(strengths) != 2:
+        raise InputError(f"strengths = {strengths!r}: must be (lowest, highest)")
+    for strength in strengths:
+        check_positive("strengths", strength, "Pa")
+    low, high = map(float, strengths)
+    if low >= high:
+        raise InputError(f"strengths = {strengths!r} Pa: the lower one must come first")
+    return low, high

@@ -1,0 +1,153 @@
+"""Regions of constants: joints of known constants lie in them, and impossible curves in none."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import closures_at
+from jointclosure.joint.simulation import close_walls
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.region import NEITHER, NUMERICS, validate
+from jointclosure.plotting.region import region_figure
+from jointclosure.walls.measured import Scan
+from jointclosure.walls.registration import registered
+from tests.joints import SPACING
+
+ROCK = jc.Rock(11e9, 0.25, 90e6)
+STRESS, SEATING, STRENGTH, SHIFT = 3e6, 0.5e6, 90e6, 2
+WEAKER, ANEW = "weaker crushed rock", "walls seated anew"
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Scanned walls of a joint."""
+    upper, lower = jc.wall_pair(10.0, (24, 24), SPACING, 3, mismatch_wavelength=3e-3)
+    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
+    return registered(*scans, orientation="common_frame", spikes="keep")
+
+
+def measured_curve(pair, shift=0, ratio=1.0):
+    """Two loadings of a joint whose walls are shifted, or weaker, in between, as a laboratory's."""
+    given = Conditions(SPACING, ROCK, STRESS, 1, SEATING, numerics=NUMERICS)
+    walls = pair.upper, pair.lower
+    once = close_walls(*walls, given)
+    crushed = once.upper_final.values, once.lower_final.values
+    seated, pristine = (
+        (upper[:, shift:], lower[:, : lower.shape[1] - shift]) for upper, lower in (crushed, walls)
+    )
+    weaker = given._replace(choices=jc.Choices(crushed_strength_ratio=ratio))
+    again = close_walls(*seated, weaker, pristine=pristine)
+    stresses, parts = np.linspace(SEATING, STRESS, 13), []
+    for cycle, joint in enumerate((once, again), start=1):
+        loading, unloading = closures_at(joint, stresses)[0]
+        closure = np.concatenate([loading, unloading[::-1]]) - loading[0]
+        stress = np.concatenate([stresses, stresses[::-1]])
+        parts.append((stress, closure, np.full(stress.size, cycle)))
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return MeasuredCurve(*columns, np.arange(columns[0].size))
+
+
+@pytest.fixture(scope="module")
+def asked(pair, tmp_path_factory):
+    cache = tmp_path_factory.mktemp("joints")
+    tried = {
+        "shifts": (SHIFT,),
+        "crushed_strength_ratios": (0.7,),
+        "strengths": (60e6, 135e6),
+        "surfaces": 9,
+    }
+    return {"rock": ROCK, "pair": pair, "seating_stress": SEATING, "cache": cache, **tried}
+
+
+@pytest.fixture(scope="module")
+def region(asked, pair):
+    return validate(measured_curve(pair, SHIFT), **asked)
+
+
+def constants(region, mechanism):
+    rows = region.table()
+    return rows[rows.mechanism == mechanism].set_index("constant")
+
+
+def test_the_constants_that_a_curve_was_made_with_lie_in_the_region(region):
+    assert region.compatible(ANEW)
+    strength, shift = constants(region, ANEW).loc[["strength", "shift of reseating"]].itertuples()
+    assert strength.low <= 1e-6 * STRENGTH <= strength.high
+    assert shift.low <= SHIFT <= shift.high
+    assert shift.low > 0
+    assert region_figure(region, "a joint").axes
+
+
+def test_a_mechanism_that_leaves_less_closure_is_not_compatible_and_says_what_it_misses(region):
+    assert not region.compatible(NEITHER)
+    row = constants(region, NEITHER).loc["strength"]
+    assert np.isnan(row.low)
+    (sentence,) = (line for line in region.sentences() if line.startswith("no mechanism"))
+    assert "not compatible" in sentence
+    assert "share of the closure of cycle 2 that stays" in sentence
+
+
+def test_joints_that_were_closed_are_kept_and_other_curves_read_from_them(asked, pair, region):
+    lines = []
+    plain = validate(measured_curve(pair), **asked, report=lines.append)
+    assert not any(line.startswith("closed") for line in lines)
+    np.testing.assert_array_equal(plain.closures, region.closures)
+    assert plain.compatible(NEITHER)
+
+
+def test_a_curve_of_impossible_physics_is_compatible_with_none(asked, pair):
+    curve = measured_curve(pair)
+    softer = np.where(curve.cycle == 2, 20.0, 1.0) * curve.closure
+    none = validate(curve._replace(closure=softer), **asked)
+    assert not any(map(none.compatible, none.mechanisms))
+    assert "none is compatible with all loadings of this curve" in none.sentences()[0]
+    assert none.table().low.isna().all()
+    region_figure(none, "impossible")
+
+
+def test_quantities_are_those_of_the_curve_and_the_nearest_joints_contain_them(region, pair):
+    rows = region.quantities()
+    rows = rows[rows.mechanism == ANEW].set_index("quantity")
+    curve = measured_curve(pair, SHIFT)
+    whole = curve.closure[curve.cycle == 1].max()
+    assert rows.measured["closure of cycle 1"] == pytest.approx(1e3 * whole, rel=1e-6)
+    first, later = (rows.measured[rows.index.str.startswith(f"stiffness of cycle {n},")].iloc[0]
+                    for n in (1, 2))  # fmt: skip
+    assert rows.measured["stiffness of cycle 2 over the first"] == pytest.approx(later / first)
+    assert ((rows.low <= rows.measured) & (rows.measured <= rows.high)).all()
+
+
+def test_one_loading_has_no_mechanism_and_walls_of_a_jrc_a_mismatch_wavelength(tmp_path):
+    stresses = np.linspace(SEATING, 2e6, 8)
+    joint = close_walls(
+        *jc.wall_pair(10.0, (12, 12), SPACING, 5, mismatch_wavelength=1e-3, roll_off=None),
+        Conditions(SPACING, ROCK, 2e6, 1, SEATING, numerics=NUMERICS),
+    )
+    loading = 1e3 * closures_at(joint, stresses)[0, 0]
+    path = tmp_path / "curve.csv"
+    table = {"stress_MPa": 1e-6 * stresses, "closure_mm": loading}
+    pd.DataFrame(table).to_csv(path, index=False)
+    about = {"rock": ROCK, "jrc": 10.0, "shape": (12, 12), "surfaces": 4, "workers": 1}
+    region = validate(path, **about, seating_stress=SEATING)
+    assert region.mechanisms == [NEITHER]
+    assert region.closures.shape[:4] == (1, 6, 4, 4)
+    assert list(constants(region, NEITHER).index) == ["strength", "mismatch wavelength"]
+    assert region.compatible(NEITHER)
+    assert region_figure(region, "one loading").axes
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"shifts": (30,)}, "shifts = 30: must be whole numbers of cells from 1 to"),
+        ({"crushed_strength_ratios": (1.0,)}, "crushed_strength_ratios = 1.0: must be above 0"),
+        ({"strengths": (9e7, 6e7)}, "the lower one must come first"),
+        ({"surfaces": 4}, "surfaces = 4: must be at least 9 for this curve"),
+    ],
+)
+def test_what_is_wrong_is_named_before_anything_is_closed(asked, pair, wrong, message):
+    with pytest.raises(jc.InputError, match=message.split(":")[0]) as error:
+        validate(measured_curve(pair), **asked | wrong)
+    assert message in str(error.value)
