@@ -31,6 +31,7 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.warmup import compile_kernels
+from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
     CONFIDENCE,
     CURVE_POINTS,
@@ -184,14 +185,14 @@ class Region(NamedTuple):
         """Return measured quantities beside the 95 % interval of a joint nearest to the curve."""
         rows = []
         ends = 0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE
-        known = quantities_of(self.measured.values, self.measured)
+        known = quantities(self.measured.values, self.measured)
         for mechanism in self.mechanisms:
             number, i, j = self.nearest(mechanism)
             nearest = self.of(mechanism)[number].likelihood
             mean, covariance = nearest.means[i, j], nearest.covariance[i]
             draws = generator(seed_of(1, mechanism)).standard_normal((SAMPLES, mean.size))
             logs = mean + draws @ np.linalg.cholesky(covariance).T
-            joints = quantities_of(np.exp(logs), self.measured)
+            joints = quantities(np.exp(logs), self.measured)
             for name, (unit, values) in joints.items():
                 low, high = np.nanquantile(values, ends)
                 about = {"mechanism": mechanism, "quantity": name, "unit": unit}
@@ -228,7 +229,8 @@ class Region(NamedTuple):
         for mechanism in self.mechanisms:
             here = rows[rows.mechanism == mechanism]
             title = "no mechanism between loadings" if mechanism == NEITHER else mechanism
-            often = percent(here.p_value.iloc[0])
+            p_value = here.p_value.iloc[0]
+            often = percent(p_value) if p_value > 1e-3 else "fewer than 0.1 %"
             if self.compatible(mechanism):
                 ranges = "; ".join(_range(row) for row in here.itertuples())
                 lines.append(f"{title}: compatible with {ranges}")
@@ -253,7 +255,7 @@ class Region(NamedTuple):
 
 def _range(row: Any) -> str:
     """Format the compatible range of a constant, and whether it ends where the tried range does."""
-    low, high = (significant(end, 3) for end in (row.low, row.high))
+    low, high = (f"{end:.3g}" for end in (row.low, row.high))
     unit = "" if row.unit == "1" else f" {row.unit}"
     if row.low == row.tried_low and row.high == row.tried_high:
         return f"{row.constant} {low} to {high}{unit}, all that was tried"
@@ -262,28 +264,12 @@ def _range(row: Any) -> str:
     return f"{row.constant} {low}{less} to {high}{more}{unit}"
 
 
-def quantities_of(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, np.ndarray]]:
-    """Compute closure, stiffness, its ratio and what stays of readings (..., n), with units."""
-    places = readings.places()
-    found: dict[str, tuple[str, np.ndarray]] = {}
-    stiffness: dict[int, np.ndarray] = {}
-    for cycle in range(1, readings.cycles + 1):
-        levels = [level for number, level in places if number == cycle and level is not None]
-        closures = [values[..., places.index((cycle, level))] for level in levels]
-        found[f"closure of cycle {cycle}"] = "mm", 1e3 * closures[-1]
-        if len(levels) > 1:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                rise = 1e-9 * (levels[-1] - levels[-2])
-                stiffness[cycle] = rise / (closures[-1] - closures[-2])
-            between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
-            name = f"stiffness of cycle {cycle}, {between} MPa"
-            found[name] = "MPa/mm", stiffness[cycle]
-        if cycle > 1 and {1, cycle} <= stiffness.keys():
-            ratio = stiffness[cycle] / stiffness[1]
-            found[f"stiffness of cycle {cycle} over the first"] = "1", ratio
-        if (cycle, None) in places:
-            stays = 1.0 - values[..., places.index((cycle, None))] / closures[-1]
-            found[f"share of the closure of cycle {cycle} that stays"] = "%", 100.0 * stays
+def quantities(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, np.ndarray]]:
+    """Compute quantities of readings (..., n) with units, and later over first stiffness."""
+    found = {one.name: (one.unit, one.values) for one in quantities_of(values, readings, 0.0)}
+    stiffness = [(name, each) for name, (unit, each) in found.items() if unit == "MPa/mm"]
+    for name, later in stiffness[1:] if stiffness and "cycle 1," in stiffness[0][0] else ():
+        found[f"{name.partition(',')[0]} over the first"] = "1", later / stiffness[0][1]
     return found
 
 

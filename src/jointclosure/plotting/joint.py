@@ -17,6 +17,7 @@ from jointclosure.joint.history import GROSS, NET, branch_of, read_along, seat_o
 from jointclosure.joint.laws import LAWS, fit_law
 from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
+from jointclosure.measured.region import Region
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 
@@ -186,7 +187,8 @@ def fit_figure(result: Fit, title: str) -> Figure:
     for axes in panels[:, 0]:
         axes.remove()
     curve = figure.add_subplot(grid[:, 0])
-    _draw_curve(curve, result)
+    closures, kind = result.simulated.closures[_fitted(result)], ("nearest", "fitted")
+    draw_measured(curve, result, closures, result.simulated.stresses, kind[result.reached])
     axis, scale = (1, 1e-6) if result.scanned else (0, 1e3)
     tried = scale * (result.likelihood.wavelengths, result.likelihood.strengths)[axis]
     logs = np.moveaxis(result.simulated.logs, axis, 0)
@@ -231,17 +233,21 @@ def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray)
     )  # fmt: skip
 
 
-def _draw_curve(axes: Axes, result: Fit) -> None:
-    """Draw the measured curve since seating on the band of the fitted joints, by cycle."""
-    closures = 1e3 * result.simulated.closures[_fitted(result)]
-    stresses = 1e-6 * result.simulated.stresses
-    kind = "fitted" if result.reached else "nearest"
+def draw_measured(
+    axes: Axes, result: Fit | Region, closures: np.ndarray, stresses: np.ndarray, kind: str
+) -> None:
+    """Draw the measured curve since seating on the band of joints of a kind, by cycle.
+
+    ``closures`` (joints, cycles, 2, stresses) [m] are those of the joints at ``stresses`` [Pa].
+    """
     for cycle in range(1, result.measured.cycles + 1):
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
-            low, high = np.nanpercentile(closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
+            ends = np.nanpercentile(1e3 * closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
             label = f"cycle {cycle}: nine in ten {kind} joints" if branch == 0 else None
-            axes.fill_betweenx(stresses, low, high, color=colour, alpha=0.25, lw=0.0, label=label)
+            axes.fill_betweenx(
+                1e-6 * stresses, *ends, color=colour, alpha=0.25, lw=0.0, label=label
+            )
         if result.curve is None:
             continue
         seating = result.measured.seating

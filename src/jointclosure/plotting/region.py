@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.calibration import CONFIDENCE
 from jointclosure.measured.region import MECHANISMS, NEITHER, Compared, Region
+from jointclosure.plotting.joint import draw_measured
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
 _LEAST = 1e-4
@@ -27,7 +27,9 @@ def region_figure(region: Region, title: str) -> Figure:
         width_ratios=[1.4, *[1.0] * len(mechanisms)],
     )  # fmt: skip
     nearest = max(region.mechanisms, key=region.p_value)
-    _draw_curve(panels[0], region, nearest)
+    closures = region.nearest_closures(nearest)
+    draw_measured(panels[0], region, closures, region.stresses, "of the nearest")
+    panels[0].set_title(f"nearest: {nearest}")
     for axes, name in zip(panels[1:], mechanisms, strict=True):
         kinds = region.of(name)
         mesh = _draw_p_values(axes, kinds)
@@ -41,12 +43,11 @@ def region_figure(region: Region, title: str) -> Figure:
             axes.set_xticks([])
         number, _, j = region.nearest(name)
         strength = 1e-6 * kinds[number].likelihood.strengths[j]
-        axes.plot(number, strength, "k+", ms=9, label="nearest")
+        axes.plot(number, strength, "r+", ms=10, mew=1.8, clip_on=False, zorder=5)
         none = "" if region.compatible(name) else ": none is compatible"
         axes.set(title=f"{name}{none}", ylabel="compressive strength (MPa)")
-        axes.legend(frameon=False, fontsize=8, loc="upper right")
     bar = figure.colorbar(mesh, ax=list(panels[1:]), extend="min")
-    bar.set_label("probability that such a joint is as far from the mean")
+    bar.set_label("probability that such a joint is as far from the mean (+: largest)")
     bar.ax.axhline(1.0 - CONFIDENCE, color="k")
     figure.suptitle(title, parse_math=False)
     return figure
@@ -77,23 +78,3 @@ def _runs(within: np.ndarray) -> list[tuple[int, int]]:
     """Return first and last edge of each run of ones."""
     steps = np.flatnonzero(np.diff(np.concatenate([[0.0], within, [0.0]])))
     return list(zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True))
-
-
-def _draw_curve(axes: Axes, region: Region, mechanism: str) -> None:
-    """Draw the measured curve since seating on the joints nearest to it, by cycle."""
-    closures, stresses = 1e3 * region.nearest_closures(mechanism), 1e-6 * region.stresses
-    for cycle in range(1, region.measured.cycles + 1):
-        colour = f"C{cycle - 1}"
-        for branch in (0, 1) if cycle in region.measured.unloaded else (0,):
-            low, high = np.nanpercentile(closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
-            label = f"cycle {cycle}: nine in ten of the nearest joints" if branch == 0 else None
-            axes.fill_betweenx(stresses, low, high, color=colour, alpha=0.25, lw=0.0, label=label)
-        seating = region.measured.seating
-        for branch, stress, closure in region.curve.since_seating(cycle, seating):
-            if branch == LOADING:
-                stress, closure = np.append(seating, stress), np.append(0.0, closure)
-            axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
-        axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
-    axes.set(xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)")
-    axes.set(xlim=(min(0.0, axes.get_xlim()[0]), None), title=f"nearest: {mechanism}")
-    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.11))
