@@ -13,6 +13,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
+from studies.commands import COMMANDS
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import merged, written_out
 from studies.frame.tables import join_cases
@@ -115,6 +116,8 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, c
             arguments = cli.parser(words).parse_args(words)
             if words[0] == "simulate":
                 assert arguments.run(arguments) == 0
+        elif (program, *words[:2]) == ("python", "-m", "studies"):
+            cli.parser(words[2:], "studies", COMMANDS, "studies.commands").parse_args(words[2:])
         elif program == "python":
             assert (ROOT / words[0]).is_file()
         elif program == "snakemake":

@@ -23,7 +23,7 @@ def region_figure(region: Region, title: str) -> Figure:
     shown = [one for one in MECHANISMS if one.title in region.mechanisms]
     mechanisms = [one.title for one in shown] or [NEITHER]
     figure, panels = subplots(
-        1, 1 + len(mechanisms), figsize=(5.6 + 3.9 * len(mechanisms), 5.0),
+        1, 1 + len(mechanisms), figsize=(5.6 + 3.9 * len(mechanisms), 6.4),
         width_ratios=[1.4, *[1.0] * len(mechanisms)],
     )  # fmt: skip
     nearest = max(region.mechanisms, key=region.p_value)
@@ -47,7 +47,7 @@ def region_figure(region: Region, title: str) -> Figure:
         none = "" if region.compatible(name) else ": none is compatible"
         axes.set(title=f"{name}{none}", ylabel="compressive strength (MPa)")
     bar = figure.colorbar(mesh, ax=list(panels[1:]), extend="min")
-    bar.set_label("probability that such a joint is as far from the mean (+: largest)")
+    bar.set_label("share of such joints that lie as far off (+: nearest)")
     bar.ax.axhline(1.0 - CONFIDENCE, color="k")
     figure.suptitle(title, parse_math=False)
     return figure
