@@ -145,8 +145,9 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     try:
         start = law.guess(stress, closure, seating)
         fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, maxfev=20_000)
-        if law.closure is _hyperbola and min(fitted[0]) <= 0.0:  # straighter than any hyperbola
-            bounds = np.zeros(2), np.array([np.inf, _STRAIGHT * closure.max()])
+        most = np.array([np.inf, _STRAIGHT * closure.max()])
+        if law.closure is _hyperbola and not ((fitted[0] > 0.0) & (fitted[0] <= most)).all():
+            bounds = np.zeros(2), most  # straighter than any hyperbola
             start = tuple(np.clip(start, 1e-9, 0.5 * bounds[1]))
             fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, bounds=bounds)
     except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
