@@ -354,6 +354,9 @@ def test_walls_that_cannot_be_the_pristine_ones_are_refused(walls):
         jc.InputError, match=r"pristine: shape \(24, 23\): must be that of the walls"
     ):
         jc.simulate(*walls, pristine=[wall[:, 1:] for wall in walls], **WEAK)
+    for one in (walls[0], walls[:1]):
+        with pytest.raises(jc.InputError, match=r"pristine of type .*: must be \(upper, lower\)"):
+            jc.simulate(*walls, pristine=one, **WEAK)
     with pytest.raises(jc.InputError, match="pristine: not with peaks = 'current'"):
         jc.simulate(*walls, pristine=walls, choices=jc.Choices(peaks="current"), **WEAK)
     with pytest.raises(jc.InputError, match=r"crushed_strength_ratio = 0\.8: must be 1 with peaks"):

@@ -200,8 +200,10 @@ def _pristine(
         return None
     if choices.peaks == "current":
         raise InputError("pristine: not with peaks = 'current', which are those of the walls")
+    if not isinstance(walls, tuple | list) or len(walls) != 2:
+        raise InputError(f"pristine of type {type(walls).__name__}: must be (upper, lower)")
     with naming("pristine"):
-        upper, lower = checked_walls(walls[0], walls[1])
+        upper, lower = checked_walls(*walls)
         if upper.shape != shape:
             raise InputError(f"shape {upper.shape}: must be that of the walls, {shape}")
     return upper - datums[0], lower - datums[1]

@@ -565,8 +565,8 @@ def _laters(
         check_number("crushed_strength_ratios", ratio)
         if not 0.0 < ratio < 1.0:
             raise InputError(
-                f"crushed_strength_ratios = {ratio!r}: must be above 0 and below 1, which is "
-                "closed anyway"
+                f"crushed_strength_ratios = {ratio!r}: must be above 0 and below 1 (rock that is "
+                "as strong as before is always tried)"
             )
     laters = [(NEITHER, Later())]
     if cycles == 1:
@@ -585,7 +585,7 @@ def _strengths(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, fl
         low, high = (factor * rock.compressive_strength for factor in RANGE)
         return low, high
     if not isinstance(strengths, tuple | list) or len(strengths) != 2:
-        raise InputError(f"strengths = {strengths!r}: must be (lowest, highest)")
+        raise InputError(f"strengths = {strengths!r} Pa: must be two, the lowest and the highest")
     for strength in strengths:
         check_positive("strengths", strength, "Pa")
     low, high = map(float, strengths)
