@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import ClosureSettings, CrushedWalls, walls_of
+from jointclosure.engine.settings import ClosureSettings, CrushedWalls, shifted, walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
@@ -101,8 +101,7 @@ def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     for pair in walls_of(settings.surfaces):
         closed = close_walls(*pair, conditions)
         crushed = closed.upper_final.values, closed.lower_final.values
-        uppers, lowers = np.s_[:, shift:], np.s_[:, : pair[1].shape[1] - shift]
-        yield CrushedWalls(*((upper[uppers], lower[lowers]) for upper, lower in (crushed, pair)))
+        yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
 
 
 def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:

@@ -9,7 +9,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.fit import scanned_walls
+from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, Later, validate
 from jointclosure.plotting.region import region_figure
 from jointclosure.walls.measured import Scan
@@ -149,7 +149,8 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, pair,
     rng, inside, seen = np.random.default_rng(11), [], []
     for number in range(24):
         strength, later = float(np.exp(rng.uniform(*np.log([55e6, 150e6])))), laters[number % 5]
-        walls = scanned_walls(pair.upper, pair.lower, 999, number, 0.0)
+        placed = SimulatedWalls((0.0, 0.0), pair.upper.shape, SPACING, 999, 0.8, None, "scanned")
+        walls = placed.pair(number, 0.0, (pair.upper, pair.lower))
         curve = measured_curve(pair, *later, strength, walls)
         region = validate(curve, **asked | tried)
         (joints,) = (one.likelihood for one in region.compared if one.later == later)

@@ -13,37 +13,16 @@ The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; oth
 """
 
 import argparse
-import inspect
-from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
 from jointclosure.measured.fit import Fit, fit
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
-    curve = command.add_argument_group("curve")
-    options.add_keywords(
-        curve,
-        fit,
-        "seating_stress",
-        "first_loading",
-        stress_unit={"choices": STRESS_UNITS},
-        closure_unit={"choices": CLOSURE_UNITS},
-        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
-        closure_error={"type": float, "metavar": "%", "default": 2.0},
-    )
-    joint = command.add_argument_group("joint")
-    scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
-    options.add_keywords(joint, fit, "units", "orientation", scans=scans)
-    sides = joint.add_mutually_exclusive_group()
-    options.add_keywords(sides, fit, "size", shape=options.CELLS)
-    options.add_keywords(joint, fit, "jrc", "spacing", "fit_strength", "surfaces", "seed")
-    options.add_keywords(joint, fit, "hurst", "roll_off")
-    options.add_conditions(command, RESOLVED, load=False)
+    options.add_measured_curve(command, fit, "first_loading")
+    options.add_measured_joint(command, fit, RESOLVED, "fit_strength", "surfaces", "seed")
     options.add_file(command, "--output", "folder of the results and a figure")
 
 
@@ -51,13 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Fit the joint, and print and write the result."""
     if arguments.output:
         from jointclosure.plotting.joint import fit_figure
-    scanned = hasattr(arguments, "scans")
-    rock = options.rock_of(arguments, *() if scanned else ("jrc",))
-    stated = options.given(arguments, inspect.signature(fit).parameters)
-    stated |= options.model_of(arguments, RESOLVED) | {"rock": rock.intact}
-    stated["closure_error"] = 1e-2 * arguments.closure_error
-    if not scanned:
-        stated["jrc"] = rock.jrc
+    stated = options.measured_joint_of(arguments, fit, RESOLVED)
     result = fit(**stated, progress=True)
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:

@@ -210,6 +210,44 @@ def add_conditions(
     add_keywords(numerics, Numerics, *Numerics._fields, usual=usual._asdict())
 
 
+def add_measured_curve(command: argparse.ArgumentParser, function: Callable, *more: str) -> None:
+    """Declare the curve that a function of `jointclosure.measured` compares joints with."""
+    from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+
+    command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
+    add_keywords(
+        command.add_argument_group("curve"), function, "seating_stress", *more,
+        stress_unit={"choices": STRESS_UNITS}, closure_unit={"choices": CLOSURE_UNITS},
+        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
+        closure_error={"type": float, "metavar": "%", "default": 2.0},
+    )  # fmt: skip
+
+
+def add_measured_joint(
+    command: argparse.ArgumentParser, function: Callable, usual: Numerics, *more: str
+) -> None:
+    """Declare the joints that are closed beside a curve, with usual numerics."""
+    joint = command.add_argument_group("joint")
+    scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
+    add_keywords(joint, function, "units", "orientation", scans=scans)
+    sides = joint.add_mutually_exclusive_group()
+    add_keywords(sides, function, "size", shape=CELLS)
+    add_keywords(joint, function, "jrc", "spacing", *more, "hurst", "roll_off")
+    add_conditions(command, usual, load=False)
+
+
+def measured_joint_of(
+    arguments: argparse.Namespace, function: Callable, usual: Numerics
+) -> dict[str, Any]:
+    """Return the arguments of a function for a curve and its joint."""
+    scanned = hasattr(arguments, "scans")
+    rock = rock_of(arguments, *() if scanned else ("jrc",))
+    stated = given(arguments, inspect.signature(function).parameters)
+    stated |= model_of(arguments, usual) | {"rock": rock.intact}
+    stated["closure_error"] = 1e-2 * arguments.closure_error
+    return stated if scanned else stated | {"jrc": rock.jrc}
+
+
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
     """Return the arguments that were given, of the named ones."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}

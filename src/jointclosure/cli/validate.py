@@ -13,36 +13,17 @@ joints closes only what is missing.
 """
 
 import argparse
-import inspect
-from pathlib import Path
 
 from jointclosure.cli import options, results
-from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
 from jointclosure.measured.region import NUMERICS, validate
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
-    curve = command.add_argument_group("curve")
-    options.add_keywords(
-        curve,
-        validate,
-        "seating_stress",
-        stress_unit={"choices": STRESS_UNITS},
-        closure_unit={"choices": CLOSURE_UNITS},
-        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
-        closure_error={"type": float, "metavar": "%", "default": 2.0},
-    )
+    options.add_measured_curve(command, validate)
     tried = command.add_argument_group("constants that are tried")
     options.add_keywords(tried, validate, "strengths", "shifts", "crushed_strength_ratios")
     options.add_keywords(tried, validate, "surfaces", "seed")
-    joint = command.add_argument_group("joint")
-    scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
-    options.add_keywords(joint, validate, "units", "orientation", scans=scans)
-    sides = joint.add_mutually_exclusive_group()
-    options.add_keywords(sides, validate, "size", shape=options.CELLS)
-    options.add_keywords(joint, validate, "jrc", "spacing", "hurst", "roll_off")
-    options.add_conditions(command, NUMERICS, load=False)
+    options.add_measured_joint(command, validate, NUMERICS)
     options.add_file(command, "--output", "folder of the tables, the figure, and closed joints")
 
 
@@ -50,21 +31,16 @@ def run(arguments: argparse.Namespace) -> int:
     """Print and write what is compatible with the curve."""
     if arguments.output:
         from jointclosure.plotting.region import region_figure
-    scanned = hasattr(arguments, "scans")
-    rock = options.rock_of(arguments, *() if scanned else ("jrc",))
-    stated = options.given(arguments, inspect.signature(validate).parameters)
-    stated |= options.model_of(arguments, NUMERICS) | {"rock": rock.intact}
-    stated["closure_error"] = 1e-2 * arguments.closure_error
-    if not scanned:
-        stated["jrc"] = rock.jrc
+    stated = options.measured_joint_of(arguments, validate, NUMERICS)
     cache = arguments.output / "joints" if arguments.output else None
     region = validate(**stated, cache=cache, report=lambda line: print(f"- {line}", flush=True))
     ranges, quantities = region.table(), region.quantities()
     shown = {"index": False, "na_rep": "none", "float_format": "{:.3g}".format}
     print(f"\n{ranges.to_string(**shown)}\n\n{quantities.to_string(**shown)}\n")
-    print("\n".join(f"- {line}" for line in region.sentences()))
+    found = region.sentences()
+    print("\n".join(f"- {line}" for line in found))
     if arguments.output:
-        record = {"found": region.sentences(), "measured_names": region.measured.names()}
+        record = {"found": found, "measured_names": region.measured.names()}
         record["measured_mm"] = (1e3 * region.measured.values).tolist()
         files = {
             "region.csv": ranges,

@@ -1,6 +1,6 @@
 """Settings that the joints of a case depend on, and walls that are made of them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,16 @@ from jointclosure.walls.synthesis import wall_pair
 
 Walls = tuple[np.ndarray, np.ndarray]
 """Upper and lower wall (y, x), heights towards the other [m]."""
+
+
+def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
+    """Move the upper wall by (y, x) cells towards the origin; the cells that meet are left."""
+    upper, lower = walls
+    for axis, count in enumerate(cells):
+        kept = np.arange(upper.shape[axis] - abs(count))
+        upper = upper.take(kept + max(count, 0), axis)
+        lower = lower.take(kept + max(-count, 0), axis)
+    return upper, lower
 
 
 class CrushedWalls(NamedTuple):

@@ -6,46 +6,36 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.engine.progress import bar, duration
-from jointclosure.engine.scanned_joint import RESOLVED, Wall, registered_walls
+from jointclosure.engine.scanned_joint import RESOLVED, Wall
 from jointclosure.engine.workers import number_of_workers
-from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
+from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import Conditions, usual_seating
-from jointclosure.joint.rocks import named_rock
+from jointclosure.joint.conditions import Conditions
 from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (
     Interval,
     Likelihood,
     Readings,
     Simulated,
-    joints_needed,
     likelihood_of,
-    readings_of_curve,
     simulated_readings,
 )
-from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.joints import asked_joints, check_surfaces
 from jointclosure.parameters import (
-    PROPERTIES,
     Choices,
     Effects,
     Numerics,
     Rock,
-    check_rock,
-    check_usual,
 )
-from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
-from jointclosure.storage.files import read_text
 from jointclosure.walls.registration import RegisteredPair
-from jointclosure.walls.synthesis import check_roll_off, wall_pair
 
-SPACING = 0.25e-3
-"""Usual grid spacing of random walls [m]."""
 WAVELENGTHS, STRENGTHS = 8, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
 STRENGTH_RANGE = (0.5, 2.0)
@@ -275,47 +265,31 @@ def fit(
     model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.read_along`).
     """
-    intact = named_rock(rock)
-    check_rock(intact)
-    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, stress_unit, closure_unit, columns)
-    curve = curve.first_loading() if first_loading else curve
-    if scans is not None:
-        for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
-            if value is not None:
-                raise InputError(f"{keyword} = {value!r}: must be left out with scans")
-        pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
-    if pair is not None:
-        shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
-    jrcs = jrc_range(jrc, pair)
-    spacing = SPACING if spacing is None else spacing
-    shape = checked_joint(shape_of(size, shape, spacing), surfaces, closure_error, seed)
-    ends = [f * intact.compressive_strength for f in (STRENGTH_RANGE if fit_strength else (1.0,))]
-    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, ends)
-    assumed += "; only the first loading is fitted" if first_loading else ""
+    given = asked_joints(
+        curve, rock=rock, jrc=jrc, scans=scans, units=units, orientation=orientation, pair=pair,
+        size=size, shape=shape, spacing=spacing, seating_stress=seating_stress,
+        stress_unit=stress_unit, closure_unit=closure_unit, columns=columns, surfaces=surfaces,
+        closure_error=closure_error, seed=seed, hurst=hurst, roll_off=roll_off,
+        wavelengths=WAVELENGTHS, first_loading=first_loading,
+    )  # fmt: skip
+    measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
+    fit_strength = fit_strength or pair is not None
+    usual = given.rock.compressive_strength
+    ends = [factor * usual for factor in (STRENGTH_RANGE if fit_strength else (1.0,))]
+    assumed = given.assumed(ends) + ("; only the first loading is fitted" if first_loading else "")
     if progress and pair is not None:
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    measured = checked_readings(curve, name, seating_stress)
-    stress = float(measured.levels[-1])
     conditions = Conditions(
-        spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
-    ).checked()
-    check_usual((), roll_off=roll_off)
-    check_roll_off(roll_off, max(shape) * spacing)
-    walls = partial(random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
-    wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
-    if pair is not None:
-        walls = partial(scanned_walls, pair.upper, pair.lower, seed)
-        wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
+        given.walls.spacing, given.rock, float(measured.levels[-1]), measured.cycles,
+        measured.seating, effects, choices, numerics,
+    ).checked()  # fmt: skip
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
-    strengths = intact.compressive_strength * factors
+    strengths = usual * factors
     nodes = wavelengths.size, strengths.size
-    needed = joints_needed(nodes, measured.values.size)
-    if surfaces * math.prod(nodes) < needed:
-        least = math.ceil(needed / math.prod(nodes))
-        raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
+    check_surfaces(surfaces, nodes, measured)
+    walls = partial(given.walls.pair, scans=given.scans)
     if simulated is None:
         with _shown(surfaces) if progress else nullcontext(lambda share: None) as report:
             simulated = simulated_readings(
@@ -328,7 +302,7 @@ def fit(
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
     wavelength = likelihood.interval(0) if pair is None else Interval(*pair.mismatch)
     strength = likelihood.interval(1) if fit_strength else None
-    of_joints = measured, simulated, likelihood, assumed, closure_error, curve, pair is not None
+    of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve, bool(pair)
     return Fit(wavelength, strength, likelihood.p_value, *of_joints)
 
 
@@ -350,122 +324,6 @@ def _shown(surfaces: int) -> Iterator[Callable[[float], None]]:
                 print(f"about {duration(left)} until the last joint is closed", flush=True)
 
         yield report
-
-
-def random_walls(jrcs, shape, spacing, seed, hurst, roll_off, number: int, wavelength: float):
-    """Make the walls of a simulated joint, of a random JRC within the range."""
-    low, high = jrcs
-    drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
-    return wall_pair(
-        float(drawn), shape, spacing, seed_of(seed, "fit", number), hurst,
-        mismatch_wavelength=wavelength, roll_off=roll_off, unusual_values=True,
-    )  # fmt: skip
-
-
-def scanned_walls(upper: np.ndarray, lower: np.ndarray, seed: int, number: int, _: float):
-    """Displace the upper wall by up to a cell along x and y; their mismatch is as scanned."""
-    shift = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
-    for axis, cells in enumerate(shift):
-        kept = np.arange(upper.shape[axis] - abs(cells))
-        upper = upper.take(kept + max(cells, 0), axis)
-        lower = lower.take(kept + max(-cells, 0), axis)
-    return upper, lower
-
-
-def jrc_range(jrc: Any, pair: RegisteredPair | None) -> tuple[float, float]:
-    """Return the ends of the range of the JRC; (nan, nan) for scanned walls."""
-    if pair is not None:
-        return math.nan, math.nan
-    ends = tuple(jrc) if isinstance(jrc, tuple | list) else (jrc, jrc)
-    lowest, highest = ends if len(ends) == 2 else (None, None)
-    if lowest is None or highest is None:
-        raise InputError(f"jrc = {jrc!r}: must be a number or (lowest, highest) without scans")
-    for end in ends:
-        PROPERTIES["jrc"].check("jrc", end)
-    if lowest > highest:
-        raise InputError(f"jrc = {jrc!r}: the lowest value must come first")
-    return lowest, highest
-
-
-def assumptions(
-    rock: Rock, jrc, shape, spacing: float, roll_off: float | None, strengths: Sequence[float]
-) -> str:
-    """Describe the simulated joints; arguments as for `fit`, a JRC of NaN for scanned walls."""
-    ny, nx = (1e3 * spacing * cells for cells in shape)
-    waves = "of all lengths"
-    if roll_off is not None:
-        waves = f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
-    strength = " to ".join(f"{1e-6 * end:g}" for end in strengths)
-    roughness = f"JRC {' to '.join(f'{end:g}' for end in dict.fromkeys(jrc))}, waves {waves}"
-    if math.isnan(jrc[0]):
-        roughness = "scanned walls, the upper one displaced by up to one cell along x and y"
-    return (
-        f"{roughness}, {nx:g} x {ny:g} mm at a spacing of {1e3 * spacing:g} mm, "
-        f"E {1e-9 * rock.youngs_modulus:g} GPa, Poisson's ratio {rock.poisson_ratio:g},"
-        f" strength {strength} MPa; measured closures net of the intact rock's deformation"
-    )
-
-
-def read_curve(
-    curve: str | Path | MeasuredCurve,
-    stress_unit: str | None = None,
-    closure_unit: str | None = None,
-    columns: Sequence[str] | None = None,
-) -> MeasuredCurve:
-    """Read a curve from its file; arguments and errors as for `fit`."""
-    if isinstance(curve, MeasuredCurve):
-        return curve
-    if not Path(curve).is_file():
-        raise InputError(f"{curve}: file not found")
-    text = read_text(curve)
-    return parsed_curve(text, str(curve), stress_unit, closure_unit, cycle=1, names=columns)
-
-
-def checked_readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
-    """Check a curve, and read it."""
-    if seating_stress is None:
-        maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
-        seating_stress = usual_seating(float(min(maxima)))
-    check_positive("seating_stress", seating_stress, "Pa")
-    check_loadings(curve, name, seating_stress)
-    with naming(name):
-        return readings_of_curve(curve, seating_stress)
-
-
-def shape_of(
-    size: float | None, shape: tuple[int, int] | None, spacing: float
-) -> tuple[int, int] | None:
-    """Return the cells of the simulated joints, which may be stated by the length of their side."""
-    check_positive("spacing", spacing, "m")
-    if size is None and shape is None:
-        raise InputError(
-            "size: must be given, the side of the measured joint (or, for a smaller one, shape in "
-            "Python, --cells on the command line), because closure depends on it"
-        )
-    if size is None:
-        return shape
-    check_positive("size", size, "m")
-    cells = round(size / spacing)
-    return cells, cells
-
-
-def checked_joint(
-    shape: tuple[int, int] | None, surfaces: int, closure_error: float, seed: int
-) -> tuple[int, int]:
-    """Return the shape, or raise `InputError` for it or a number."""
-    if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
-        raise InputError(
-            f"shape = {shape!r}: must be (cells along y, along x), at least 8 each, so that the "
-            "simulated joints are as large as the measured one: closure depends on the size"
-        )
-    check_number("surfaces", surfaces, whole=True)
-    if surfaces < 4:
-        raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
-    check_number("closure_error", closure_error)
-    if not 0.0 < closure_error <= 1.0:
-        raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
-    check_seed("seed", seed)
-    return shape
 
 
 def _stated(

@@ -8,7 +8,6 @@ of the surfaces, of the measurement and of the numerical error
 (`jointclosure.measured.calibration.likelihood_of`).
 """
 
-import hashlib
 import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -21,14 +20,14 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
-from jointclosure.engine.scanned_joint import RESOLVED, Wall, registered_walls
+from jointclosure.engine.scanned_joint import RESOLVED, Wall
+from jointclosure.engine.settings import shifted
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.measured.agreement import quantities_of
@@ -37,28 +36,21 @@ from jointclosure.measured.calibration import (
     CURVE_POINTS,
     Likelihood,
     Readings,
-    joints_needed,
     likelihood_of,
     readings_of_closures,
 )
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.fit import (
-    SPACING,
-    assumptions,
-    checked_joint,
-    checked_readings,
-    jrc_range,
-    random_walls,
-    read_curve,
-    scanned_walls,
-    shape_of,
+from jointclosure.measured.joints import (
+    AskedJoints,
+    SimulatedWalls,
+    asked_joints,
+    check_surfaces,
 )
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock, check_usual
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.registration import RegisteredPair
-from jointclosure.walls.synthesis import check_roll_off
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
@@ -80,7 +72,7 @@ class Later(NamedTuple):
 
 
 class Mechanism(NamedTuple):
-    """Mechanism in words, the name and unit of its constant, and a factor to this unit."""
+    """Mechanism in words, the field of `Later` of its constant, and name and unit of that."""
 
     title: str
     field: str
@@ -94,26 +86,7 @@ MECHANISMS = (
         "weaker crushed rock", "crushed_strength_ratio", "strength of crushed rock over rock", "1"
     ),
 )
-"""Mechanisms that are tried; fields are those of `Later`."""
-
-
-class Walls(NamedTuple):
-    """Walls of the simulated joints: random ones, or scanned ones of a ``digest``."""
-
-    jrc: tuple[float, float]
-    shape: tuple[int, int]
-    spacing: float
-    seed: int
-    hurst: float
-    roll_off: float | None
-    digest: str = ""
-
-    def pair(self, number: int, wavelength: float, scans: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Make the walls of a joint as those of a fit."""
-        if self.digest:
-            upper, lower = scans
-            return scanned_walls(upper, lower, self.seed, number, wavelength)
-        return random_walls(*self[:-1], number, wavelength)
+"""Mechanisms that are tried."""
 
 
 class Compared(NamedTuple):
@@ -378,46 +351,29 @@ def validate(
     of the model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.read_along`).
     """
-    intact = named_rock(rock)
-    check_rock(intact)
-    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, stress_unit, closure_unit, columns)
-    if scans is not None:
-        for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
-            if value is not None:
-                raise InputError(f"{keyword} = {value!r}: must be left out with scans")
-        pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
-    if pair is not None:
-        shape, spacing = pair.upper.shape, pair.spacing
-    jrcs = jrc_range(jrc, pair)
-    spacing = SPACING if spacing is None else spacing
-    shape = checked_joint(shape_of(size, shape, spacing), surfaces, closure_error, seed)
-    measured = checked_readings(curve, name, seating_stress)
-    laters = _laters(shifts or (), crushed_strength_ratios or (), shape, choices, measured.cycles)
-    ends = _strengths(strengths, intact)
+    given = asked_joints(
+        curve, rock=rock, jrc=jrc, scans=scans, units=units, orientation=orientation, pair=pair,
+        size=size, shape=shape, spacing=spacing, seating_stress=seating_stress,
+        stress_unit=stress_unit, closure_unit=closure_unit, columns=columns, surfaces=surfaces,
+        closure_error=closure_error, seed=seed, hurst=hurst, roll_off=roll_off,
+        wavelengths=WAVELENGTHS,
+    )  # fmt: skip
+    measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
+    laters = _laters(
+        shifts or (), crushed_strength_ratios or (), given.walls.shape, choices, measured.cycles
+    )
+    ends = _strengths(strengths, given.rock)
     tried = np.geomspace(*ends, STRENGTHS)
     conditions = Conditions(
-        spacing, intact, float(measured.levels[-1]), 1, measured.seating, effects, choices, numerics
-    )
+        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating, effects,
+        choices, numerics,
+    )  # fmt: skip
     for strength, (_, later) in ((end, later) for end in ends for later in laters):
         _changed(conditions, strength, later).checked()
-    check_usual((), roll_off=roll_off)
-    check_roll_off(roll_off, max(shape) * spacing)
-    wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
-    walls = Walls(jrcs, (shape[0], shape[1]), spacing, seed, hurst, roll_off)
-    arrays = None
-    if pair is not None:
-        wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
-        arrays = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
-        content = hashlib.sha256(b"".join(wall.tobytes() for wall in arrays)).hexdigest()
-        walls = walls._replace(digest=content, jrc=(0.0, 0.0))
-    walls.pair(1, float(wavelengths[0]), arrays)  # refuses what walls cannot be made of
+    given.walls.pair(1, float(wavelengths[0]), given.scans)  # refuses what walls cannot be made of
     nodes = wavelengths.size, tried.size
-    needed = joints_needed(nodes, measured.values.size)
-    if surfaces * math.prod(nodes) < needed:
-        least = math.ceil(needed / math.prod(nodes))
-        raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
-    assumed = assumptions(intact, jrcs, shape, spacing, roll_off, ends)
+    check_surfaces(surfaces, nodes, measured)
+    assumed = given.assumed(ends)
     assumed += f"; closures measured to {percent(closure_error)}, 95 % confidence"
     for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
         report(line)
@@ -429,9 +385,7 @@ def validate(
         conditions, measured.cycles, tuple(tried.tolist()), tuple(later for _, later in laters),
         tuple(stresses.tolist()),
     )  # fmt: skip
-    closures = _closed(
-        asked, walls, wavelengths, surfaces, arrays, cache, number_of_workers(workers), report
-    )
+    closures = _closed(asked, given, surfaces, cache, number_of_workers(workers), report)
     with np.errstate(invalid="ignore"):
         values = readings_of_closures(closures, stresses, measured)
         logs = np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))
@@ -447,11 +401,14 @@ def validate(
         else:
             compared.append(Compared(mechanism, later, found))
     if not compared or compared[0].mechanism != NEITHER:
+        name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
         raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
     kept = [laters.index((one.mechanism, one.later)) for one in compared]
     seated = closures - closures[..., :1, :1]
     scanned = pair is not None
-    return Region(measured, curve, compared, seated[kept], stresses, assumed, scanned, left_out)
+    return Region(
+        measured, given.curve, compared, seated[kept], stresses, assumed, scanned, left_out
+    )
 
 
 class _Asked(NamedTuple):
@@ -474,21 +431,19 @@ def _changed(conditions: Conditions, strength: float, later: Later) -> Condition
 
 def _closed(
     asked: _Asked,
-    walls: Walls,
-    wavelengths: np.ndarray,
+    joints: AskedJoints,
     surfaces: int,
-    scans: Any,
     cache: str | Path | None,
     workers: int,
     report: Callable[[str], None],
 ) -> np.ndarray:
     """Close what is not kept; closures (laters, wavelengths, strengths, joints, cycles, 2, n)."""
-    count = len(asked.strengths)
+    count, wavelengths = len(asked.strengths), joints.wavelengths
     entries = {
         (i, k): Entry(
             f"wavelength_{i}_surface_{k}", close_surface,
-            (asked, walls, 1 + count * (k * wavelengths.size + i), float(wavelengths[i])),
-            options={"scans": scans}, joints=count,
+            (asked, joints.walls, 1 + count * (k * wavelengths.size + i), float(wavelengths[i])),
+            options={"scans": joints.scans}, joints=count,
         )
         for k in range(surfaces) for i in range(wavelengths.size)
     }  # fmt: skip
@@ -518,7 +473,7 @@ def _folder(cache: str | Path | None) -> Iterator[Path]:
 
 
 def close_surface(
-    asked: _Asked, walls: Walls, first: int, wavelength: float, *, scans: Any, report: Any
+    asked: _Asked, walls: SimulatedWalls, first: int, wavelength: float, *, scans: Any, report: Any
 ) -> xr.Dataset:
     """Close a surface at each strength, and all that may follow its first loading; NaN if failed.
 
@@ -538,10 +493,7 @@ def close_surface(
         for place, later in enumerate(asked.laters if asked.cycles > 1 else ()):
             conditions = _changed(asked.conditions, strength, later)
             conditions = conditions._replace(cycles=asked.cycles - 1)
-            seated, pristine = (
-                (upper[:, later.shift :], lower[:, : lower.shape[1] - later.shift])
-                for upper, lower in (crushed, pair)
-            )
+            seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
             again = close_walls(*seated, conditions, pristine=pristine)
             if again.status < FAILURE:
                 closures[place, number, 1:] = closures_at(again, stresses)

@@ -103,8 +103,10 @@ class Joint:
         self.first_touch = float((self.upper + self.lower).max())
         tie = choices.tie_tolerance * roughness(self.upper, self.lower)
         self.tie_tolerance = max(tie, _LEAST_DROP)
-        self.pristine = pristine or (self.upper.copy(), self.lower.copy())
-        self.peaks = peak_map(*self.pristine)
+        intact = pristine or (self.upper, self.lower)
+        self.peaks = peak_map(*intact)
+        weakens = choices.crushed_strength_ratio < 1.0
+        self.pristine = tuple(wall.copy() for wall in intact) if weakens else ()
         self.weaken_crushed()
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
@@ -135,7 +137,7 @@ class Joint:
 
         They have the strength of crushed rock, `Choices.crushed_strength_ratio`.
         """
-        if self.choices.crushed_strength_ratio == 1.0:
+        if not self.pristine:
             return False
         walls = zip((self.upper, self.lower), self.pristine, strict=True)
         lost = [pristine - wall > self.tie_tolerance for wall, pristine in walls]

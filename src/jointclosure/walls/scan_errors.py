@@ -54,17 +54,18 @@ class ScanErrors(NamedTuple):
         """Draw walls (y, x) [m] with another noise, of a size between both estimates."""
         random = generator(seed_of(1, "noise", number))
         variance, part, drawn = random.uniform(*self.noise) ** 2, random.random(), []
-        ring, fields = _ring_numbers(upper.shape), (upper + lower, upper - lower)
-        powers = [_ring_means(_waves(field) ** 2) for field in fields]
+        ring = _ring_numbers(upper.shape)
+        scanned = [_waves(field) for field in (upper + lower, upper - lower)]
+        powers = [_ring_means(waves**2) for waves in scanned]
         coherence, lost = _coherence(powers[0], powers[1], variance), _lost(upper, lower)
-        for field, power, sign in zip(fields, powers, (-1.0, 1.0), strict=True):
-            scanned, noise = np.where(power > 0.0, power, 1.0), np.minimum(variance, power)
+        for waves, power, sign in zip(scanned, powers, (-1.0, 1.0), strict=True):
+            divisor, noise = np.where(power > 0.0, power, 1.0), np.minimum(variance, power)
             true = np.maximum(power + (1.0 + sign * coherence) * lost - part * noise, 0.0)
             # of true waves with this power that depart from the scanned ones by the noise
-            kept = np.clip(0.5 * (true + power - noise) / scanned, 0.0, np.sqrt(true / scanned))
+            kept = np.clip(0.5 * (true + power - noise) / divisor, 0.0, np.sqrt(true / divisor))
             scatter = np.sqrt(np.maximum(true - kept**2 * power, 0.0))
-            waves = kept[ring] * _waves(field) + scatter[ring] * random.standard_normal(ring.shape)
-            drawn.append(scipy.fft.idctn(waves, norm="ortho"))
+            other = kept[ring] * waves + scatter[ring] * random.standard_normal(ring.shape)
+            drawn.append(scipy.fft.idctn(other, norm="ortho"))
         walls = (0.5 * (drawn[0] + drawn[1]), 0.5 * (drawn[0] - drawn[1]))
         if not (upper.any() and lower.any()):  # a flat wall has no noise
             walls = (drawn[0] * upper.any(), drawn[0] * lower.any())
