@@ -4,6 +4,7 @@ import functools
 import inspect
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pandas as pd
@@ -33,7 +34,7 @@ from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.progress import Countdown
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.engine.uncertainty import sources_of, variants_of
-from jointclosure.engine.workers import Failed, shared
+from jointclosure.engine.workers import Failed, in_threads, shared
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
@@ -109,6 +110,24 @@ def test_a_worker_that_is_killed_loses_its_task_alone():
     assert isinstance(found[1], Failed)
     assert "before it was done" in str(found[1].error)
     assert [found[i] for i in (0, 2, 3)] == [2, 4, 6]
+
+
+def test_threads_end_with_the_work_that_wanted_them():
+    waiting, ended = threading.Barrier(2), []
+
+    def work(task, going_on):
+        waiting.wait(timeout=30.0)  # both have begun
+        while task:
+            try:
+                going_on()
+            except InterruptedError:
+                return ended.append(task)
+        return task
+
+    for place, result in in_threads(work, [0, 1], 2):
+        assert (place, result) == (0, 0)
+        break  # as by an interruption
+    assert ended == [1]
 
 
 def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkeypatch, tmp_path):

@@ -140,7 +140,9 @@ def test_a_stated_source_and_a_wider_one_widen_the_range():
 
 
 def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
-    budget = uncertainty_budget(*small_joint, CONDITIONS)
+    budget, alone = (uncertainty_budget(*small_joint, CONDITIONS, workers=n) for n in (2, 1))
+    pd.testing.assert_frame_equal(budget.results, alone.results, check_exact=True)
+    pd.testing.assert_frame_equal(budget.curves, alone.curves, check_exact=True)
     drawn = budget.results[budget.results.source == ALL]
     assert len(drawn) == DRAWS
     assert drawn.value.is_unique

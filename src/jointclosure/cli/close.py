@@ -40,7 +40,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     )
     known.add_argument("--range", nargs=3, action="append", default=[], help=what,
                        metavar=("KEY", "LOW", "HIGH"))  # fmt: skip
-    options.add_keywords(known, close, "single")
+    options.add_keywords(known, close, "single", "workers")
     text = "folder of the results (default closed_joint)"
     options.add_file(command, "--output", text, default="closed_joint")
 
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
     rock = options.rock_of(arguments, "max_normal_stress")
-    further = options.given(arguments, (*options.SCANS, *options.PLACES, "single"))
+    further = options.given(arguments, (*options.SCANS, *options.PLACES, "single", "workers"))
     further |= {"ranges": _ranges(arguments.range)}
     stated = options.conditions_of(arguments, rock, RESOLVED) | further
     scans = {"upper": arguments.upper, "lower": arguments.lower}

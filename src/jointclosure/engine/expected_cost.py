@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.engine.uncertainty import sources_of, variants_of
+from jointclosure.engine.uncertainty import sources_of, threads_for, variants_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls
@@ -93,7 +93,8 @@ def expected_cost(
         factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
         for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
     )
-    return Cost((least, most), BASE_BYTES + BYTES * upper.size)
+    joints = 1 if single else threads_for(upper.size)
+    return Cost((least, most), BASE_BYTES + BYTES * upper.size * joints)
 
 
 def _time_of_window(

@@ -13,6 +13,7 @@ from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
 from jointclosure.engine.expected_cost import check_cells, expected_cost
 from jointclosure.engine.progress import bar, closing_bar
 from jointclosure.engine.uncertainty import uncertainty_budget
+from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.barton_bandis import JointLaws, laws_of_joint
@@ -112,6 +113,7 @@ def close(
     spikes: str = "cut",
     single: bool = False,
     ranges: Mapping[str, tuple[float, float]] = {},
+    workers: int | None = None,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
     rock_name: str | None = None,
@@ -140,6 +142,9 @@ def close(
         Lowest and highest value [SI] of what is known to a range only: a property of the rock,
         ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
         (`jointclosure.engine.uncertainty`).
+    workers : int, optional
+        Number of joints of the range that are closed at the same time, by default that of the
+        processors available to this process.
     report, snapshots
         As for `jointclosure.simulate`.
     rock_name : str, optional
@@ -166,6 +171,7 @@ def close(
     """
     if conditions is None:
         changes = {"numerics": RESOLVED} | changes
+    number_of_workers(workers)
     stated = conditions_from(conditions, changes, "close")
     checked = stated.checked(snapshots)
     scans = {"units": units, "scan_spacing": scan_spacing, "variable": variable}
@@ -211,7 +217,7 @@ def close(
         return joint
     with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
         walls = pair.upper, pair.lower
-        budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors)
+        budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers)
     return joint._replace(budget=budget)
 
 

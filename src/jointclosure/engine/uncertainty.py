@@ -27,10 +27,11 @@ from jointclosure.engine.budget import (
     results_of,
 )
 from jointclosure.engine.settings import Walls
+from jointclosure.engine.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import stress_levels, stress_table
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
 from jointclosure.statistics.randomness import generator, seed_of
@@ -52,6 +53,8 @@ sources that are always there, 0.35 with those of the rock; medians of all seeds
 that sources are not confounded."""
 FURTHER = 10_000
 """Number of further joints with random values whose results are estimated for the range."""
+CELLS = 2_000_000
+"""Number of cells of all joints that are closed at the same time; each takes 1 kB."""
 FEWER = 10
 """Part of the further joints that bands of curves are estimated from."""
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -213,36 +216,52 @@ def uncertainty_budget(
     closed: xr.Dataset | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
     errors: ScanErrors | None = None,
+    workers: int | None = None,
 ) -> Budget:
     """Close walls (y, x) [m] with each source of uncertainty changed alone, and all at random.
 
     ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
-    and the name of the next variant; ``errors`` are those of scanned walls.
+    and the name of the variant; ``errors`` are those of scanned walls. Joints are closed in
+    ``workers`` threads, by default one for each processor available to this process.
     """
     conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges, errors)
     variants = list(variants_of(conditions, sources))
     closed = close_walls(upper, lower, conditions) if closed is None else closed
-    parts = [result_rows(Variant("", "", conditions), closed)]
     levels = stress_levels(closed)
-    curves = [stress_table(closed, levels).assign(source="")]
-    for number, variant in enumerate(variants):
-        report(number / len(variants), TITLES.get(variant.source, variant.source))
+    first = result_rows(Variant("", "", conditions), closed), stress_table(closed, levels)
+
+    def results_of_variant(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, ...]:
+        """Return the rows of a variant, and its curves; values are unknown if it fails."""
         try:
-            joint = close_walls(*variant.walls(upper, lower, errors), variant.conditions)
+            walls = variant.walls(upper, lower, errors)
+            joint = close_walls(*walls, variant.conditions, going_on)
         except InputError:  # such as more steps than the numerics allow
             joint = None
-        parts.append(result_rows(variant, joint, parts[0].cycle))
-        table = curves[0][["cycle", "branch", "normal_stress_MPa"]]
-        if joint is not None and int(joint.status) < FAILURE:
-            table = stress_table(joint, levels)
-        curves.append(table.assign(source=variant.source))
-    results = pd.concat(parts, ignore_index=True)
+        rows = result_rows(variant, joint, first[0].cycle)
+        if joint is None or int(joint.status) >= FAILURE:
+            return rows, first[1][["cycle", "branch", "normal_stress_MPa"]]
+        return rows, stress_table(joint, levels)
+
+    answers, threads = {-1: first}, threads_for(upper.size, workers)
+    for at, answer in in_threads(results_of_variant, variants, threads):
+        answers[at] = answer
+        name = variants[at].source
+        report((len(answers) - 1) / len(variants), TITLES.get(name, name))
+    rows, tables = zip(*(answers[at] for at in sorted(answers)), strict=True)
+    names = "", *(variant.source for variant in variants)
+    curves = [table.assign(source=name) for table, name in zip(tables, names, strict=True)]
+    results = pd.concat(rows, ignore_index=True)
     omitted = tuple(name for name in ("registration", *OF_ROCK) if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.0
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
     return Budget(results, ranges_of(results, sources, shares, further), omitted, bands)
+
+
+def threads_for(cells: int, workers: int | None = None) -> int:
+    """Return the number of joints of so many cells that are closed at the same time."""
+    return max(1, min(number_of_workers(workers), CELLS // cells))
 
 
 def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:

@@ -65,6 +65,30 @@ def shared(
             pool.stop()
 
 
+def in_threads(
+    function: Callable[..., Any], tasks: Sequence[Any], threads: int
+) -> Iterator[tuple[int, Any]]:
+    """Call a function of kernels for each task in threads: (place, result), as finished.
+
+    ``function`` receives a task, and what it must call now and then: that raises
+    `InterruptedError` once the results are no longer wanted.
+    """
+    ended = threading.Event()
+
+    def going_on(*_: Any) -> None:
+        if ended.is_set():
+            raise InterruptedError
+
+    with ThreadPoolExecutor(threads) as pool:
+        waiting = {pool.submit(function, task, going_on): at for at, task in enumerate(tasks)}
+        try:
+            for done in as_completed(waiting):
+                yield waiting[done], done.result()
+        finally:
+            ended.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
 class _Workers:
     """One worker for each thread that uses it, started when needed."""
 
