@@ -5,12 +5,21 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
-from jointclosure.measured.region import NEITHER, NUMERICS, Later, validate
+from jointclosure.measured.region import (
+    CHECKED,
+    FINER,
+    NEITHER,
+    NUMERICS,
+    STRENGTHS,
+    Later,
+    validate,
+)
 from jointclosure.plotting.region import region_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
@@ -82,6 +91,27 @@ def test_the_constants_that_a_curve_was_made_with_lie_in_the_region(region):
     assert region_figure(region, "a joint").axes
 
 
+def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(region, asked, pair):
+    _, _, j = region.place(max(region.mechanisms, key=region.p_value))
+    strength = np.geomspace(*asked["strengths"], STRENGTHS)[j]
+    rock = ROCK._replace(compressive_strength=strength)
+    walls = SimulatedWalls((0.0, 0.0), pair.upper.shape, SPACING, 1, 0.8, None, digest="scans")
+    closures, ends = [], np.array([SEATING, STRESS])
+    for factor in (1.0, 1.0 / FINER):
+        numerics = coarser(NUMERICS, factor)
+        given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=numerics)
+        scans = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
+        joints = [walls.pair(1 + STRENGTHS * k + j, 1.0, scans) for k in range(CHECKED)]
+        net = [closures_at(close_walls(*joint, given), ends) for joint in joints]
+        closures.append(np.array([joint[0, 0, 1] - joint[0, 0, 0] for joint in net]))
+    ratios = closures[0] / closures[1] - 1.0
+    error = ratios.std(ddof=1) / np.sqrt(CHECKED)
+    assert region.numerical["closure of cycle 1"] == pytest.approx((ratios.mean(), error), rel=1e-6)
+    stiffnesses = [name for name in region.numerical if name.startswith("stiffness")]
+    assert len(stiffnesses) == 3  # of both cycles, and later over first
+    assert any(line.startswith("numerical error, 4 nearest") for line in region.sentences())
+
+
 def test_a_mechanism_that_leaves_less_closure_is_not_compatible_and_says_what_it_misses(region):
     assert not region.compatible(NEITHER)
     row = constants(region, NEITHER).loc["strength"]
@@ -94,7 +124,9 @@ def test_a_mechanism_that_leaves_less_closure_is_not_compatible_and_says_what_it
 def test_joints_that_were_closed_are_kept_and_other_curves_read_from_them(asked, pair, region):
     lines = []
     plain = validate(measured_curve(pair), **asked, report=lines.append)
-    assert not any(line.startswith("closed") for line in lines)
+    closed = [line for line in lines if "closed: " in line]
+
+    assert all(f"of {CHECKED}" in line for line in closed)  # the nearest, by a finer tolerance
     np.testing.assert_array_equal(plain.closures, region.closures)
     assert plain.compatible(NEITHER)
 

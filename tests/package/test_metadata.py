@@ -12,6 +12,7 @@ import jointclosure as jc
 from jointclosure.cli.options import documented
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, needs
+from jointclosure.measured.joints import MeasuredJoint
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -54,4 +55,7 @@ def test_each_argument_of_a_public_function_is_documented(name):
     if "conditions" in arguments:
         assert {"conditions", *jc.Conditions._fields} <= arguments
         arguments -= set(jc.Conditions._fields)
+    if "curve" in arguments:
+        assert {*MeasuredJoint._fields} <= arguments & documented(MeasuredJoint).keys()
+        arguments -= set(MeasuredJoint._fields)
     assert arguments <= documented(function).keys()

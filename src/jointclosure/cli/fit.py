@@ -21,8 +21,9 @@ from jointclosure.measured.fit import Fit, fit
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    options.add_measured_curve(command, fit, "first_loading")
-    options.add_measured_joint(command, fit, RESOLVED, "fit_strength", "surfaces", "seed")
+    options.add_measured_curve(command)
+    options.add_keywords(command.add_argument_group("fit"), fit, "first_loading", "fit_strength")
+    options.add_measured_joint(command, RESOLVED)
     options.add_file(command, "--output", "folder of the results and a figure")
 
 

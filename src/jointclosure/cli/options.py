@@ -210,29 +210,30 @@ def add_conditions(
     add_keywords(numerics, Numerics, *Numerics._fields, usual=usual._asdict())
 
 
-def add_measured_curve(command: argparse.ArgumentParser, function: Callable, *more: str) -> None:
+def add_measured_curve(command: argparse.ArgumentParser) -> None:
     """Declare the curve that a function of `jointclosure.measured` compares joints with."""
     from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+    from jointclosure.measured.joints import MeasuredJoint
 
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     add_keywords(
-        command.add_argument_group("curve"), function, "seating_stress", *more,
+        command.add_argument_group("curve"), MeasuredJoint, "seating_stress",
         stress_unit={"choices": STRESS_UNITS}, closure_unit={"choices": CLOSURE_UNITS},
         columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
         closure_error={"type": float, "metavar": "%", "default": 2.0},
     )  # fmt: skip
 
 
-def add_measured_joint(
-    command: argparse.ArgumentParser, function: Callable, usual: Numerics, *more: str
-) -> None:
+def add_measured_joint(command: argparse.ArgumentParser, usual: Numerics) -> None:
     """Declare the joints that are closed beside a curve, with usual numerics."""
+    from jointclosure.measured.joints import MeasuredJoint
+
     joint = command.add_argument_group("joint")
     scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
-    add_keywords(joint, function, "units", "orientation", scans=scans)
+    add_keywords(joint, MeasuredJoint, "units", "orientation", scans=scans)
     sides = joint.add_mutually_exclusive_group()
-    add_keywords(sides, function, "size", shape=CELLS)
-    add_keywords(joint, function, "jrc", "spacing", *more, "hurst", "roll_off")
+    add_keywords(sides, MeasuredJoint, "size", shape=CELLS)
+    add_keywords(joint, MeasuredJoint, "jrc", "spacing", "hurst", "roll_off", "surfaces", "seed")
     add_conditions(command, usual, load=False)
 
 

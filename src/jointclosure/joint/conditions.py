@@ -1,15 +1,14 @@
 """Conditions of a closure: rock, load and model, which every function that closes joints takes."""
 
-import difflib
-import inspect
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, TypedDict, TypeVar, cast
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number
+from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.rocks import ROCKS, rock_record, rocks_of_walls
 from jointclosure.parameters import (
     Choices,
@@ -99,9 +98,6 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
     if many or (isinstance(stress, np.ndarray) and stress.ndim == 1):
         return [*cast(Sequence[float], stress)]
     return None
-
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Changes(TypedDict, total=False):
@@ -251,27 +247,17 @@ def model_attributes(
     }
 
 
-def takes_conditions(function: Function) -> Function:
-    """Show the fields of `Conditions` in the signature of a function with ``**changes``."""
-    signature = inspect.signature(function)
-    shown = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    fields = inspect.signature(Conditions).parameters.values()
-    keywords = [field.replace(kind=field.KEYWORD_ONLY) for field in fields]
-    function.__signature__ = signature.replace(parameters=shown + keywords)  # type: ignore[attr-defined]
-    return function
+takes_conditions = takes(Conditions)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``."""
 
 
 def conditions_from(
     conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
 ) -> Conditions:
     """Return conditions with changed fields."""
-    for name in changes.keys() - set(Conditions._fields):
-        near = difflib.get_close_matches(name, Conditions._fields, 1, 0.7)
-        meant = f"; did you mean {near[0]}?" if near else ""
-        raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
+    needed = () if conditions else (*required, "rock", "max_normal_stress")
+    inside = {"effects": Effects._fields, "choices": Choices._fields, "numerics": Numerics._fields}
+    check_keywords(function, changes, Conditions._fields, needed, inside)
     if conditions is not None:
         return conditions._replace(**changes)
-    missing = [name for name in (*required, "rock", "max_normal_stress") if name not in changes]
-    if missing:
-        raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
     return Conditions(**{"spacing": None, **changes})

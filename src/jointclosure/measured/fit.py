@@ -2,16 +2,16 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 
 from jointclosure.engine.progress import bar, duration
-from jointclosure.engine.scanned_joint import RESOLVED, Wall
+from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
@@ -26,15 +26,14 @@ from jointclosure.measured.calibration import (
     simulated_readings,
 )
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.joints import asked_joints, check_surfaces
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
+from jointclosure.measured.joints import (
+    JointKeywords,
+    asked_joints,
+    check_surfaces,
+    takes_joint,
 )
+from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
-from jointclosure.walls.registration import RegisteredPair
 
 WAVELENGTHS, STRENGTHS = 8, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
@@ -163,35 +162,17 @@ class Fit(NamedTuple):
         return f"<Fit: {'; '.join(self.sentences())}>"
 
 
+@takes_joint
 def fit(
     curve: str | Path | MeasuredCurve,
     *,
-    rock: str | Rock,
-    jrc: float | tuple[float, float] | None = None,
-    scans: tuple[Wall, Wall] | None = None,
-    units: str | None = None,
-    orientation: str | None = None,
-    pair: RegisteredPair | None = None,
-    size: float | None = None,
-    shape: tuple[int, int] | None = None,
-    spacing: float | None = None,
-    seating_stress: float | None = None,
     fit_strength: bool = False,
-    stress_unit: str | None = None,
-    closure_unit: str | None = None,
-    columns: Sequence[str] | None = None,
     first_loading: bool = False,
-    surfaces: int = 12,
-    closure_error: float = 0.02,
-    seed: int = 1,
-    hurst: float = 0.8,
-    roll_off: float | None = None,
-    effects: Effects = Effects(),
-    choices: Choices = Choices(),
     numerics: Numerics = RESOLVED,
     simulated: Simulated | None = None,
     workers: int | None = None,
     progress: bool = False,
+    **joint: Unpack[JointKeywords],
 ) -> Fit:
     """Estimate the mismatch wavelength of a joint from its measured closure, or its strength.
 
@@ -201,48 +182,14 @@ def fit(
         CSV with columns stress and closure, in the units of their names (stress_MPa, closure_mm)
         or in those given here, in the order of measurement; and cycle, if there are several, all to
         one largest stress. Closures are those of the joint, without the intact rock's deformation.
-    rock : str or Rock
-        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
-    jrc : float or (float, float)
-        Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
-        joint has a random one, so that intervals include it. Not needed for scanned walls.
-    scans : (upper, lower), optional
-        Scans of the walls, if there are any: the strength is then fitted. The simulated joints
-        differ in the position of the walls, which is known to one cell along x and y. Without
-        ``jrc``, ``size`` and ``shape``.
-    units, orientation : str, optional
-        As for `jointclosure.close`.
-    pair : RegisteredPair, optional
-        Scanned walls that are registered already, in place of ``scans``.
-    size : float, optional
-        Side of the measured joint [m], on which closure depends.
-    shape : (ny, nx), optional
-        Cells along the sides of a smaller joint, which takes less time and closes less far.
-    spacing : float, optional
-        Grid spacing [m]: by default 0.25 mm, or for scans as for `jointclosure.close`.
-    seating_stress : float, optional
-        Stress from which closures count [Pa]; the curve must start at or below it. By default as
-        for `jointclosure.Conditions`.
     fit_strength : bool
-        Whether to fit the compressive strength too, from half to twice that of the rock.
-    stress_unit, closure_unit : str, optional
-        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
-    columns : sequence of str, optional
-        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
+        Whether to fit the compressive strength too, from half to twice that of the rock. Joints are
+        closed at 8 wavelengths from two spacings to the shorter side, and at 4 strengths if these
+        are fitted. Of scanned walls the strength alone is fitted.
     first_loading : bool
         Whether to fit the loading of the first cycle alone. Many joints lose more closure than the
         model lets them, which their unloading and later cycles show.
-    surfaces : int
-        Number of joints at each mismatch wavelength, of which there are 8 from two spacings to the
-        shorter side, and at each of 4 strengths if these are fitted.
-    closure_error : float
-        Relative error of measured closures, one standard deviation. At most 1.
-    seed : int
-        Seed of the joints.
-    hurst, roll_off
-        As for `jointclosure.wall_pair`, whose default roll-off of 3 mm is for walls as in the
-        paper's study. Here walls have waves of all lengths by default, as natural walls have.
-    effects, choices, numerics
+    numerics
         As for `jointclosure.simulate`; by default breakage is resolved, as by `jointclosure.close`.
     simulated : Simulated, optional
         Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
@@ -252,6 +199,8 @@ def fit(
         not affect the result.
     progress : bool
         Whether to print what is assumed before joints are closed, and to show the progress.
+    **joint
+        Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
 
     Raises
     ------
@@ -265,13 +214,7 @@ def fit(
     model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.read_along`).
     """
-    given = asked_joints(
-        curve, rock=rock, jrc=jrc, scans=scans, units=units, orientation=orientation, pair=pair,
-        size=size, shape=shape, spacing=spacing, seating_stress=seating_stress,
-        stress_unit=stress_unit, closure_unit=closure_unit, columns=columns, surfaces=surfaces,
-        closure_error=closure_error, seed=seed, hurst=hurst, roll_off=roll_off,
-        wavelengths=WAVELENGTHS, first_loading=first_loading,
-    )  # fmt: skip
+    given = asked_joints(curve, joint, "fit", WAVELENGTHS, first_loading)
     measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
     fit_strength = fit_strength or pair is not None
     usual = given.rock.compressive_strength
@@ -283,12 +226,12 @@ def fit(
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
     conditions = Conditions(
         given.walls.spacing, given.rock, float(measured.levels[-1]), measured.cycles,
-        measured.seating, effects, choices, numerics,
+        measured.seating, given.joint.effects, given.joint.choices, numerics,
     ).checked()  # fmt: skip
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = usual * factors
-    nodes = wavelengths.size, strengths.size
-    check_surfaces(surfaces, nodes, measured)
+    surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
+    check_surfaces(given, strengths.size)
     walls = partial(given.walls.pair, scans=given.scans)
     if simulated is None:
         with _shown(surfaces) if progress else nullcontext(lambda share: None) as report:
@@ -296,7 +239,7 @@ def fit(
                 walls, conditions, measured, wavelengths, strengths, surfaces,
                 number_of_workers(workers), report,
             )  # fmt: skip
-    expected = (*nodes, surfaces, measured.values.size)
+    expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)

@@ -2,20 +2,21 @@
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Required, TypedDict
 
 import numpy as np
 
 from jointclosure.engine.scanned_joint import Wall, registered_walls
 from jointclosure.engine.settings import shifted
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
+from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.conditions import usual_seating
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.calibration import Readings, joints_needed, readings_of_curve
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from jointclosure.parameters import PROPERTIES, Rock, check_rock, check_usual
+from jointclosure.parameters import PROPERTIES, Choices, Effects, Rock, check_rock, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
 from jointclosure.walls.registration import RegisteredPair
@@ -52,6 +53,102 @@ class SimulatedWalls(NamedTuple):
         )  # fmt: skip
 
 
+class MeasuredJoint(NamedTuple):
+    """Joint of a measured curve, and the joints that are closed beside it.
+
+    Functions that compare a curve with simulated joints take these fields as keywords.
+
+    Attributes
+    ----------
+    rock : str or Rock
+        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
+    jrc : float or (float, float)
+        Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
+        joint has a random one, so that results include it. Not needed for scanned walls.
+    scans : (upper, lower), optional
+        Scans of the walls, if there are any. The simulated joints differ in the position of the
+        walls, which is known to one cell along x and y. Without ``jrc``, ``size`` and ``shape``.
+    units, orientation : str, optional
+        As for `jointclosure.close`.
+    pair : RegisteredPair, optional
+        Scanned walls that are registered already, in place of ``scans``.
+    size : float, optional
+        Side of the measured joint [m], on which closure depends.
+    shape : (ny, nx), optional
+        Cells along the sides of a smaller joint, which takes less time and closes less far.
+    spacing : float, optional
+        Grid spacing [m]: by default 0.25 mm, or for scans as for `jointclosure.close`.
+    seating_stress : float, optional
+        Stress from which closures count [Pa]; the curve must start at or below it. By default as
+        for `jointclosure.Conditions`.
+    stress_unit, closure_unit : str, optional
+        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
+    columns : sequence of str, optional
+        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
+    closure_error : float
+        Relative error of measured closures, one standard deviation. At most 1.
+    surfaces : int
+        Number of joints at each mismatch wavelength and strength that is tried.
+    seed : int
+        Seed of the joints.
+    hurst, roll_off
+        As for `jointclosure.wall_pair`, whose default roll-off of 3 mm is for walls as in the
+        paper's study. Here walls have waves of all lengths by default, as natural walls have.
+    effects, choices
+        As for `jointclosure.simulate`.
+    """
+
+    rock: str | Rock
+    jrc: float | tuple[float, float] | None = None
+    scans: tuple[Wall, Wall] | None = None
+    units: str | None = None
+    orientation: str | None = None
+    pair: RegisteredPair | None = None
+    size: float | None = None
+    shape: tuple[int, int] | None = None
+    spacing: float | None = None
+    seating_stress: float | None = None
+    stress_unit: str | None = None
+    closure_unit: str | None = None
+    columns: Sequence[str] | None = None
+    closure_error: float = 0.02
+    surfaces: int = 12
+    seed: int = 1
+    hurst: float = 0.8
+    roll_off: float | None = None
+    effects: Effects = Effects()
+    choices: Choices = Choices()
+
+
+class JointKeywords(TypedDict, total=False):
+    """Fields of `MeasuredJoint` as keywords, for checkers of types and editors."""
+
+    rock: Required[str | Rock]
+    jrc: float | tuple[float, float] | None
+    scans: tuple[Wall, Wall] | None
+    units: str | None
+    orientation: str | None
+    pair: RegisteredPair | None
+    size: float | None
+    shape: tuple[int, int] | None
+    spacing: float | None
+    seating_stress: float | None
+    stress_unit: str | None
+    closure_unit: str | None
+    columns: Sequence[str] | None
+    closure_error: float
+    surfaces: int
+    seed: int
+    hurst: float
+    roll_off: float | None
+    effects: Effects
+    choices: Choices
+
+
+takes_joint = takes(MeasuredJoint)
+"""Decorator of functions with the fields of `MeasuredJoint` as keywords."""
+
+
 class AskedJoints(NamedTuple):
     """A measured curve, and the joints that are closed beside it.
 
@@ -59,6 +156,7 @@ class AskedJoints(NamedTuple):
     whose walls are ``scans``.
     """
 
+    joint: MeasuredJoint
     rock: Rock
     curve: MeasuredCurve
     measured: Readings
@@ -88,60 +186,48 @@ class AskedJoints(NamedTuple):
 
 def asked_joints(
     curve: str | Path | MeasuredCurve,
-    *,
-    rock: str | Rock,
-    jrc: float | tuple[float, float] | None,
-    scans: tuple[Wall, Wall] | None,
-    units: str | None,
-    orientation: str | None,
-    pair: RegisteredPair | None,
-    size: float | None,
-    shape: tuple[int, int] | None,
-    spacing: float | None,
-    seating_stress: float | None,
-    stress_unit: str | None,
-    closure_unit: str | None,
-    columns: Sequence[str] | None,
-    surfaces: int,
-    closure_error: float,
-    seed: int,
-    hurst: float,
-    roll_off: float | None,
+    stated: Mapping[str, Any],
+    function: str,
     wavelengths: int,
     first_loading: bool = False,
 ) -> AskedJoints:
-    """Read a curve and check the joint, with arguments and errors as for `jointclosure.fit`."""
-    intact = named_rock(rock)
+    """Read a curve and check the joint that is stated by `JointKeywords` of a function."""
+    check_keywords(function, stated, MeasuredJoint._fields, ["rock"])
+    given = MeasuredJoint(**stated)
+    pair, shape, spacing = given.pair, given.shape, given.spacing
+    intact = named_rock(given.rock)
     check_rock(intact)
     name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, stress_unit, closure_unit, columns)
+    curve = read_curve(curve, given.stress_unit, given.closure_unit, given.columns)
     curve = curve.first_loading() if first_loading else curve
-    if scans is not None:
-        for keyword, value in (("jrc", jrc), ("size", size), ("shape", shape), ("pair", pair)):
-            if value is not None:
+    if given.scans is not None:
+        for keyword in ("jrc", "size", "shape", "pair"):
+            if (value := getattr(given, keyword)) is not None:
                 raise InputError(f"{keyword} = {value!r}: must be left out with scans")
-        pair = registered_walls(*scans, {"units": units}, spacing, orientation=orientation)
+        units = {"units": given.units}
+        pair = registered_walls(*given.scans, units, spacing, orientation=given.orientation)
     if pair is not None:
         shape, spacing = pair.upper.shape, pair.spacing
-    jrcs = (0.0, 0.0) if pair is not None else _jrc_range(jrc)
+    jrcs = (0.0, 0.0) if pair is not None else _jrc_range(given.jrc)
     spacing = SPACING if spacing is None else spacing
-    ny, nx = _checked(_shape(size, shape, spacing), surfaces, closure_error, seed)
-    measured = _readings(curve, name, seating_stress)
-    check_usual((), roll_off=roll_off)
-    check_roll_off(roll_off, max(ny, nx) * spacing)
+    ny, nx = _checked(_shape(given.size, shape, spacing), given)
+    measured = _readings(curve, name, given.seating_stress)
+    check_usual((), roll_off=given.roll_off)
+    check_roll_off(given.roll_off, max(ny, nx) * spacing)
     lengths = np.geomspace(2.0 * spacing, min(ny, nx) * spacing, wavelengths)
-    walls = SimulatedWalls(jrcs, (ny, nx), spacing, seed, hurst, roll_off)
+    walls = SimulatedWalls(jrcs, (ny, nx), spacing, given.seed, given.hurst, given.roll_off)
     if pair is None:
-        return AskedJoints(intact, curve, measured, walls, lengths, None, None)
+        return AskedJoints(given, intact, curve, measured, walls, lengths, None, None)
     lengths = np.array([np.clip(pair.mismatch.wavelength, *lengths[[0, -1]])])
     arrays = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
     walls = walls._replace(digest=hashlib.sha256(b"".join(w.tobytes() for w in arrays)).hexdigest())
-    return AskedJoints(intact, curve, measured, walls, lengths, pair, arrays)
+    return AskedJoints(given, intact, curve, measured, walls, lengths, pair, arrays)
 
 
-def check_surfaces(surfaces: int, nodes: tuple[int, int], measured: Readings) -> None:
+def check_surfaces(asked: AskedJoints, strengths: int) -> None:
     """Raise `InputError` for fewer joints than readings at all wavelengths and strengths take."""
-    needed, count = joints_needed(nodes, measured.values.size), math.prod(nodes)
+    nodes, surfaces = (asked.wavelengths.size, strengths), asked.joint.surfaces
+    needed, count = joints_needed(nodes, asked.measured.values.size), math.prod(nodes)
     if surfaces * count < needed:
         least = math.ceil(needed / count)
         raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
@@ -203,10 +289,9 @@ def _shape(
     return cells, cells
 
 
-def _checked(
-    shape: tuple[int, int] | None, surfaces: int, closure_error: float, seed: int
-) -> tuple[int, int]:
+def _checked(shape: tuple[int, int] | None, given: MeasuredJoint) -> tuple[int, int]:
     """Return the shape, or raise `InputError` for it or a number."""
+    surfaces, closure_error = given.surfaces, given.closure_error
     if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
         raise InputError(
             f"shape = {shape!r}: must be (cells along y, along x), at least 8 each, so that the "
@@ -218,5 +303,5 @@ def _checked(
     check_number("closure_error", closure_error)
     if not 0.0 < closure_error <= 1.0:
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
-    check_seed("seed", seed)
+    check_seed("seed", given.seed)
     return shape

@@ -10,18 +10,19 @@ of the surfaces, of the measurement and of the numerical error
 
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
-from jointclosure.engine.scanned_joint import RESOLVED, Wall
+from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.settings import shifted
+from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
@@ -42,15 +43,16 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import (
     AskedJoints,
+    JointKeywords,
     SimulatedWalls,
     asked_joints,
     check_surfaces,
+    takes_joint,
 )
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import Choices, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.statistics.standard_errors import mean_of, percent, rounded, significant
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.walls.registration import RegisteredPair
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
@@ -58,6 +60,8 @@ WAVELENGTHS, STRENGTHS = 6, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
+CHECKED, FINER = 4, 5.0
+"""Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""
 SAMPLES = 4000
 """Random joints of which intervals of a quantity are computed."""
 NEITHER = "neither"
@@ -103,6 +107,8 @@ class Region(NamedTuple):
     ``compared`` has the p-values by mechanism and its constant, over fine wavelengths and
     strengths; ``closures`` (laters, wavelengths, strengths, joints, cycles, 2, stresses) [m] are
     net since seating. ``assumed`` describes the joints, for which alone the region is valid.
+    ``numerical`` are the relative changes by a finer tolerance, with standard errors, of quantities
+    of nearest joints.
     """
 
     measured: Readings
@@ -113,6 +119,7 @@ class Region(NamedTuple):
     assumed: str
     scanned: bool
     left_out: list[str]
+    numerical: Mapping[str, tuple[float, float]] = {}
 
     def of(self, mechanism: str) -> list[Compared]:
         """Return the joints of a mechanism, by its constant: first those without any."""
@@ -180,18 +187,17 @@ class Region(NamedTuple):
         """Return whether any tried constants of a mechanism are compatible with the curve."""
         return self.p_value(mechanism) >= 1.0 - CONFIDENCE
 
-    def nearest_closures(self, mechanism: str) -> np.ndarray:
-        """Return closures (joints, cycles, 2, stresses) [m] of the nearest constants tried."""
+    def place(self, mechanism: str) -> tuple[int, int, int]:
+        """Return the tried constants next to `nearest`: place in `closures` of the first axes."""
         number, *places = self.nearest(mechanism)
         kinds = [kind for kind, one in enumerate(self.compared) if one.mechanism in
                  (NEITHER, mechanism)]  # fmt: skip
-        here = self.closures[kinds[number]]
-        fine = self.compared[0].likelihood.log.shape
+        fine, tried = self.compared[0].likelihood.log.shape, self.closures.shape[1:3]
         i, j = (
-            round(at / max(count - 1, 1) * (tried - 1))
-            for at, count, tried in zip(places, fine, here.shape, strict=False)
+            round(at / max(count - 1, 1) * (nodes - 1))
+            for at, count, nodes in zip(places, fine, tried, strict=True)
         )
-        return here[i, j]
+        return kinds[number], i, j
 
     def sentences(self) -> list[str]:
         """Describe what is compatible, by mechanism, what is not, and what was assumed."""
@@ -220,6 +226,15 @@ class Region(NamedTuple):
             )
             where = "; ".join(texts) or "each quantity is met by itself, but not all together"
             lines.append(f"{text}: {where}")
+        if self.numerical:
+            changes = (
+                f"{name} {rounded(100.0 * value, 100.0 * error)} %"
+                for name, (value, error) in self.numerical.items()
+            )
+            lines.append(
+                f"numerical error, {CHECKED} nearest joints against {1.0 / FINER:g} of their "
+                f"tolerance: {'; '.join(changes)}"
+            )
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
 
     def __repr__(self) -> str:
@@ -246,92 +261,38 @@ def quantities(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, n
     return found
 
 
+@takes_joint
 def validate(
     curve: str | Path | MeasuredCurve,
     *,
-    rock: str | Rock,
-    jrc: float | tuple[float, float] | None = None,
-    scans: tuple[Wall, Wall] | None = None,
-    units: str | None = None,
-    orientation: str | None = None,
-    pair: RegisteredPair | None = None,
-    size: float | None = None,
-    shape: tuple[int, int] | None = None,
-    spacing: float | None = None,
-    seating_stress: float | None = None,
     strengths: Sequence[float] | None = None,
     shifts: Sequence[float] | None = (1, 2, 4),
     crushed_strength_ratios: Sequence[float] | None = (0.9, 0.8, 0.6),
-    stress_unit: str | None = None,
-    closure_unit: str | None = None,
-    columns: Sequence[str] | None = None,
-    surfaces: int = 12,
-    closure_error: float = 0.02,
-    seed: int = 1,
-    hurst: float = 0.8,
-    roll_off: float | None = None,
-    effects: Effects = Effects(),
-    choices: Choices = Choices(),
     numerics: Numerics = NUMERICS,
     cache: str | Path | None = None,
     workers: int | None = None,
     report: Callable[[str], None] = lambda line: None,
+    **joint: Unpack[JointKeywords],
 ) -> Region:
     """Determine which mechanisms and constants are compatible with all loadings of a joint.
 
     Parameters
     ----------
     curve : path or MeasuredCurve
-        CSV with columns stress and closure, in the units of their names (stress_MPa, closure_mm)
-        or in those given here, in the order of measurement; and cycle, if there are several, all to
-        one largest stress. Closures are those of the joint, without the intact rock's deformation.
-    rock : str or Rock
-        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
-    jrc : float or (float, float)
-        Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
-        joint has a random one, so that the region includes it. Not needed for scanned walls.
-    scans : (upper, lower), optional
-        Scans of the walls, if there are any. The simulated joints differ in the position of the
-        walls, which is known to one cell along x and y. Without ``jrc``, ``size`` and ``shape``.
-    units, orientation : str, optional
-        As for `jointclosure.close`.
-    pair : RegisteredPair, optional
-        Scanned walls that are registered already, in place of ``scans``.
-    size : float, optional
-        Side of the measured joint [m], on which closure depends.
-    shape : (ny, nx), optional
-        Cells along the sides of a smaller joint, which takes less time and closes less far.
-    spacing : float, optional
-        Grid spacing [m]: by default 0.25 mm, or for scans as for `jointclosure.close`.
-    seating_stress : float, optional
-        Stress from which closures count [Pa]; the curve must start at or below it. By default as
-        for `jointclosure.Conditions`.
+        As for `jointclosure.fit`.
     strengths : (float, float), optional
         Ends of the range of compressive strengths [Pa], by default a third and twice that of the
-        rock.
+        rock. Joints are closed at 4 of them and, for random walls, at 6 mismatch wavelengths from
+        two spacings to the shorter side.
     shifts : sequence of int, optional
         Shifts of the upper wall along x between the first and the later loadings, in cells, besides
         0; none leaves this mechanism out.
     crushed_strength_ratios : sequence of float, optional
         Strengths of crushed rock over that of the rock in later loadings, besides 1; none leaves
         this mechanism out. See `jointclosure.Choices`.
-    stress_unit, closure_unit : str, optional
-        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
-    columns : sequence of str, optional
-        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
-    surfaces : int
-        Number of joints of each strength and mismatch wavelength. There are 4 strengths, and for
-        random walls 6 wavelengths from two spacings to the shorter side.
-    closure_error : float
-        Relative error of measured closures, one standard deviation. At most 1.
-    seed : int
-        Seed of the joints.
-    hurst, roll_off
-        As for `jointclosure.wall_pair`, whose default roll-off of 3 mm is for walls as in the
-        paper's study. Here walls have waves of all lengths by default, as natural walls have.
-    effects, choices, numerics
+    numerics
         As for `jointclosure.simulate`; by default breakage is resolved to a tolerance of 5 %, which
-        counts as an error of the joints.
+        counts as an error of the joints. What it is of the nearest joints is determined besides.
     cache : path, optional
         Folder where closed joints are kept; a run with the same joints closes only what is missing.
     workers : int, optional
@@ -339,6 +300,8 @@ def validate(
         not affect the result.
     report : callable, optional
         Receives lines on what is assumed, on progress and on the remaining time.
+    **joint
+        Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
 
     Raises
     ------
@@ -351,13 +314,9 @@ def validate(
     of the model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.read_along`).
     """
-    given = asked_joints(
-        curve, rock=rock, jrc=jrc, scans=scans, units=units, orientation=orientation, pair=pair,
-        size=size, shape=shape, spacing=spacing, seating_stress=seating_stress,
-        stress_unit=stress_unit, closure_unit=closure_unit, columns=columns, surfaces=surfaces,
-        closure_error=closure_error, seed=seed, hurst=hurst, roll_off=roll_off,
-        wavelengths=WAVELENGTHS,
-    )  # fmt: skip
+    given = asked_joints(curve, joint, "validate", WAVELENGTHS)
+    surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
+    choices = given.joint.choices
     measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
     laters = _laters(
         shifts or (), crushed_strength_ratios or (), given.walls.shape, choices, measured.cycles
@@ -365,14 +324,14 @@ def validate(
     ends = _strengths(strengths, given.rock)
     tried = np.geomspace(*ends, STRENGTHS)
     conditions = Conditions(
-        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating, effects,
-        choices, numerics,
+        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating,
+        given.joint.effects, choices, numerics,
     )  # fmt: skip
     for strength, (_, later) in ((end, later) for end in ends for later in laters):
         _changed(conditions, strength, later).checked()
     given.walls.pair(1, float(wavelengths[0]), given.scans)  # refuses what walls cannot be made of
     nodes = wavelengths.size, tried.size
-    check_surfaces(surfaces, nodes, measured)
+    check_surfaces(given, tried.size)
     assumed = given.assumed(ends)
     assumed += f"; closures measured to {percent(closure_error)}, 95 % confidence"
     for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
@@ -385,7 +344,16 @@ def validate(
         conditions, measured.cycles, tuple(tried.tolist()), tuple(later for _, later in laters),
         tuple(stresses.tolist()),
     )  # fmt: skip
-    closures = _closed(asked, given, surfaces, cache, number_of_workers(workers), report)
+    count = tried.size
+    firsts = {
+        (i, k): 1 + count * (k * wavelengths.size + i)
+        for k in range(surfaces)
+        for i in range(wavelengths.size)
+    }
+    how = cache, number_of_workers(workers), report
+    closures = _closed(asked, given, firsts, "", *how)
+    closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])
+    closures = closures.transpose(2, 1, 3, 0, 4, 5, 6)
     with np.errstate(invalid="ignore"):
         values = readings_of_closures(closures, stresses, measured)
         logs = np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))
@@ -406,9 +374,35 @@ def validate(
     kept = [laters.index((one.mechanism, one.later)) for one in compared]
     seated = closures - closures[..., :1, :1]
     scanned = pair is not None
-    return Region(
+    region = Region(
         measured, given.curve, compared, seated[kept], stresses, assumed, scanned, left_out
     )
+    if not given.joint.effects.breakage:
+        return region
+    kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
+    finer = coarser(numerics, 1.0 / FINER) if numerics.breakage == "resolved" else RESOLVED
+    asked = asked._replace(
+        conditions=conditions._replace(numerics=finer), strengths=(asked.strengths[j],),
+        laters=(compared[kind].later,),
+    )  # fmt: skip
+    fine = _closed(asked, given, {(i, k): firsts[i, k] + j for k in range(CHECKED)}, "finer_", *how)
+    both = region.closures[kind, i, j, :CHECKED], fine[:, 0, 0]
+    return region._replace(numerical=_changes(*both, stresses, measured))
+
+
+def _changes(
+    coarse: np.ndarray, fine: np.ndarray, stresses: np.ndarray, measured: Readings
+) -> dict[str, tuple[float, float]]:
+    """Return means of relative changes from fine closures (joints, cycles, 2, stresses) [m]."""
+    values = (readings_of_closures(closures, stresses, measured) for closures in (coarse, fine))
+    changes: dict[str, tuple[float, float]] = {}
+    for (name, (unit, one)), (_, two) in zip(
+        *(quantities(read, measured).items() for read in values), strict=True
+    ):
+        ratios = (one / two[1])[np.isfinite(one / two[1])] - 1.0
+        if unit != "%" and ratios.size:
+            changes[name] = mean_of(ratios)
+    return changes
 
 
 class _Asked(NamedTuple):
@@ -432,23 +426,24 @@ def _changed(conditions: Conditions, strength: float, later: Later) -> Condition
 def _closed(
     asked: _Asked,
     joints: AskedJoints,
-    surfaces: int,
+    firsts: Mapping[tuple[int, int], int],
+    name: str,
     cache: str | Path | None,
     workers: int,
     report: Callable[[str], None],
 ) -> np.ndarray:
-    """Close what is not kept; closures (laters, wavelengths, strengths, joints, cycles, 2, n)."""
-    count, wavelengths = len(asked.strengths), joints.wavelengths
-    entries = {
-        (i, k): Entry(
-            f"wavelength_{i}_surface_{k}", close_surface,
-            (asked, joints.walls, 1 + count * (k * wavelengths.size + i), float(wavelengths[i])),
-            options={"scans": joints.scans}, joints=count,
+    """Close what is not kept; closures (places, laters, strengths, cycles, 2, stresses) [m].
+
+    ``firsts`` are numbers of the joints of the first strength by place: of wavelength and surface.
+    """
+    entries = [
+        Entry(
+            f"{name}wavelength_{i}_surface_{k}", close_surface,
+            (asked, joints.walls, first, float(joints.wavelengths[i])),
+            options={"scans": joints.scans}, joints=len(asked.strengths),
         )
-        for k in range(surfaces) for i in range(wavelengths.size)
-    }  # fmt: skip
-    shape = len(asked.laters), wavelengths.size, count, surfaces
-    closures = np.full((*shape, asked.cycles, 2, len(asked.stresses)), np.nan)
+        for (i, k), first in firsts.items()
+    ]  # fmt: skip
     given = asked.conditions
 
     def compile_first() -> None:
@@ -456,10 +451,8 @@ def _closed(
         compile_kernels(*kernels)
 
     with _folder(cache) as folder:
-        make_missing(entries.values(), folder, workers, report, prepare=compile_first)
-        for (i, k), entry in entries.items():
-            closures[:, i, :, k] = read_netcdf(entry.file(folder)).closure.values
-    return closures
+        make_missing(entries, folder, workers, report, prepare=compile_first)
+        return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
 
 
 @contextmanager

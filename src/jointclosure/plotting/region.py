@@ -27,7 +27,7 @@ def region_figure(region: Region, title: str) -> Figure:
         width_ratios=[1.4, *[1.0] * len(mechanisms)],
     )  # fmt: skip
     nearest = max(region.mechanisms, key=region.p_value)
-    closures = region.nearest_closures(nearest)
+    closures = region.closures[region.place(nearest)]
     draw_measured(panels[0], region, closures, region.stresses, "of the nearest")
     panels[0].set_title(f"nearest: {nearest}")
     for axes, name in zip(panels[1:], mechanisms, strict=True):

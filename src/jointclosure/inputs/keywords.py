@@ -1,0 +1,44 @@
+"""Keywords of functions that are the fields of a named tuple."""
+
+import difflib
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def takes(fields_of: Callable[..., Any]) -> Callable[[Function], Function]:
+    """Show the fields of a named tuple in the signature of a function with other keywords."""
+
+    def decorate(function: Function) -> Function:
+        signature = inspect.signature(function)
+        shown = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        fields = inspect.signature(fields_of).parameters.values()
+        keywords = [field.replace(kind=field.KEYWORD_ONLY) for field in fields]
+        function.__signature__ = signature.replace(parameters=shown + keywords)  # type: ignore[attr-defined]
+        return function
+
+    return decorate
+
+
+def check_keywords(
+    function: str, stated: Iterable[str], allowed: Iterable[str], required: Iterable[str] = (),
+    inside: Mapping[str, Iterable[str]] = {},
+) -> None:  # fmt: skip
+    """Raise `TypeError` as Python does for keywords, naming a similar one.
+
+    ``inside`` are the fields of keywords that are named tuples.
+    """
+    stated, allowed = list(stated), list(allowed)
+    for name in stated:
+        if name in allowed:
+            continue
+        near = difflib.get_close_matches(name, allowed, 1, 0.7)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        for keyword, fields in inside.items():
+            if name in fields:
+                meant = f"; it is a field of jointclosure.{keyword.capitalize()}, for {keyword}"
+        raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
+    if missing := [name for name in required if name not in stated]:
+        raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
