@@ -20,14 +20,15 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.engine.joints import Reading, read_joint
-from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.walls.pairs import Walls
 from studies.frame.configuration import configured, merged_study
+from studies.frame.settings import ClosureSettings, walls_of
 from studies.measured_joints.study import EXPERIMENT
 
 STUDY = Path("studies/measured_joints/measured_joints.yaml")

@@ -21,7 +21,6 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.engine.settings import Walls
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
@@ -37,6 +36,7 @@ from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
+from jointclosure.walls.pairs import Walls
 
 CLOSURE = "max_closure_seated_net"
 """Closure by which copies of a joint are compared."""

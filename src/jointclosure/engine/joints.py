@@ -1,17 +1,17 @@
 """Joints closed, timed and read: one, and all of a case."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
-from jointclosure.engine.settings import ClosureSettings, CrushedWalls, Walls, seeds_of, walls_of
+from jointclosure.engine.quantities import QUANTITIES, ClosedWalls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
+from jointclosure.walls.pairs import CrushedWalls, Walls
 
 Row = dict[str, Any]
 """Quantities of a joint by name; a failed joint has only those of effort."""
@@ -23,12 +23,6 @@ class Reading(NamedTuple):
     conditions: Conditions
     names: tuple[str, ...]
     stresses: np.ndarray = np.empty(0)
-
-
-def reading_of_case(settings: ClosureSettings) -> Reading:
-    """Return what is stored of the joints of a case."""
-    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
-    return Reading(settings.conditions(), names_of_case(settings.flow), stresses)
 
 
 def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
@@ -77,52 +71,3 @@ def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading
         values = np.stack([row.get(name, missing) for row in rows])
         joined[name] = ("realization", *quantity.dims), values, quantity.attributes
     return joined
-
-
-def close_case(
-    settings: ClosureSettings,
-    walls: Iterable[Walls] | None = None,
-    *,
-    known: Mapping[str, Row] = {},
-    report: Callable[[str], None] = lambda line: None,
-    again: str = "",
-) -> xr.Dataset:
-    """Close the walls of a case's block, over (realization, cycle, branch, stress).
-
-    Walls are made from their seeds unless given. ``known`` has the quantities of joints that were
-    closed with these settings before, by seed (`rows_by_seed`). ``report`` receives a line for each
-    realisation, in which ``again`` is the command that repeats a failed one, without its number. A
-    failed realisation has a status of 16 or more, counts, and otherwise NaN.
-    """
-    reading, first = reading_of_case(settings), settings.surfaces.first_realization
-    pairs = walls_of(settings.surfaces) if walls is None else walls
-    seeds = [f"{seed:032x}" for seed in seeds_of(settings.surfaces)]
-    rows: list[Row] = []
-    for realization, (seed, pair) in enumerate(zip(seeds, pairs, strict=True), start=first):
-        repeat = f"; to repeat it: {again} {realization}" if again else ""
-        try:
-            row = known.get(seed) or close_joint(pair, reading)
-        except Exception as error:
-            error.add_note(f"realisation {realization}{repeat}")
-            raise
-        report(f"realisation {realization}: {_described(row, repeat)}")
-        rows.append(row)
-    numbers = np.arange(first, first + len(rows))
-    return stacked(rows, numbers, np.array(seeds, dtype=object), reading)
-
-
-def rows_by_seed(closed: xr.Dataset) -> dict[str, Row]:
-    """Return the quantities of joints of `close_case` by the seeds of their walls."""
-    joints = (closed.isel(realization=number) for number in range(closed.sizes["realization"]))
-    return {
-        str(joint.seed.values): {str(name): array.values for name, array in joint.data_vars.items()}
-        for joint in joints
-    }
-
-
-def _described(row: Row, again: str) -> str:
-    words = [f"status {int(row['status'])}", f"{row['timing_simulation']:.2f} s"]
-    if row["status"] >= FAILURE:
-        return ", ".join([*words, f"failed{again}"])
-    closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"])
-    return ", ".join([words[0], f"maximum closure {closures} mm", words[1]])

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine import oracle
-from jointclosure.engine.settings import Walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import LOADING
 from jointclosure.joint.simulation import height_datum
@@ -14,6 +13,7 @@ from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, CRUSHED, Joint, Settled
 from jointclosure.solvers.registry import solver_named
+from jointclosure.walls.pairs import Walls
 
 VOLUME_TOLERANCE = 1e-12
 STRENGTH_TOLERANCE = 1e-6

@@ -26,7 +26,6 @@ import xarray as xr
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
 from jointclosure.engine.joints import Reading, read_joint
 from jointclosure.engine.quantities import broken_share
-from jointclosure.engine.settings import Walls
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
     Changes,
@@ -39,6 +38,7 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
+from jointclosure.walls.pairs import Walls
 
 PRIORS = {
     "max_closure": (0.0, 0.094, 0.08),

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure.engine.scanned_joint import Wall, registered_walls
-from jointclosure.engine.settings import shifted
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.joint.conditions import usual_seating
 from jointclosure.joint.rocks import named_rock
@@ -18,6 +17,7 @@ from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_c
 from jointclosure.parameters import PROPERTIES, Rock, check_rock, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
+from jointclosure.walls.pairs import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
 

@@ -21,7 +21,6 @@ import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.scanned_joint import RESOLVED, Wall
-from jointclosure.engine.settings import shifted
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
@@ -50,6 +49,7 @@ from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls.pairs import shifted
 from jointclosure.walls.registration import RegisteredPair
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
