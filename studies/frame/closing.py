@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -131,8 +132,8 @@ def choose_for_rock(
     choice = choose_among(pilot, tolerance or 0.0, report)
     reading = reading_of_case(examined.with_effects(choice.effects))
     rows = [
-        read_joint(pair, closed.dataset, closed.seconds, reading)
-        for pair, closed in zip(pairs, choice.closed, strict=False)
+        read_joint(replace(closed.joint, stresses=reading.stresses), reading.names)
+        for closed in choice.closed
     ]
     numbers = examined.surfaces.first_realization + np.arange(len(rows))
     seeds = [f"{seed:032x}" for seed in seeds_of(examined.surfaces)[: len(rows)]]

@@ -1,7 +1,7 @@
 """Joints closed, timed and read: one, and all of a case."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,22 +25,32 @@ class Reading(NamedTuple):
     stresses: np.ndarray = np.empty(0)
 
 
+def closed_walls(
+    walls: Walls | CrushedWalls,
+    conditions: Conditions,
+    stresses: np.ndarray = np.empty(0),
+    snapshots: Sequence[float] = (),
+) -> ClosedWalls:
+    """Close two walls (y, x) [m], and measure the processor time."""
+    pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
+    start = time.process_time()
+    closed = close_walls(*pair, conditions, snapshots=tuple(snapshots), pristine=pristine)
+    return ClosedWalls(pair, closed, conditions, time.process_time() - start, stresses)
+
+
 def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
     """Close two walls (y, x) [m], and read quantities of the joint."""
-    judged, start = "oracle_ratio" in reading.names, time.process_time()
-    kept = (float(reading.conditions.largest_stress),) if judged else ()
-    pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
-    if judged and pristine:
+    judged, conditions = "oracle_ratio" in reading.names, reading.conditions
+    if judged and isinstance(walls, CrushedWalls):
         raise ValueError("oracle_ratio: not of walls that were crushed before")
-    closed = close_walls(*pair, reading.conditions, snapshots=kept, pristine=pristine)
-    return read_joint(pair, closed, time.process_time() - start, reading)
+    kept = (float(conditions.largest_stress),) if judged else ()
+    return read_joint(closed_walls(walls, conditions, reading.stresses, kept), reading.names)
 
 
-def read_joint(walls: Walls, closed: xr.Dataset, seconds: float, reading: Reading) -> Row:
+def read_joint(joint: ClosedWalls, names: Iterable[str]) -> Row:
     """Read quantities of a closed joint; of one that failed only those of effort."""
-    joint = ClosedWalls(walls, closed, reading.conditions, seconds, reading.stresses)
-    failed = int(closed.status) >= FAILURE
-    read = {name: QUANTITIES[name] for name in reading.names}
+    failed = int(joint.closed.status) >= FAILURE
+    read = {name: QUANTITIES[name] for name in names}
     return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not failed}
 
 
