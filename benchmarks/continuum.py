@@ -28,12 +28,12 @@ import pandas as pd
 import peers
 from matplotlib.figure import Figure
 
-from jointclosure.engine.settings import walls_of
 from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.files import save_figure, write_csv
+from studies.frame.settings import walls_of
 
 BRANCHES = ("loading", "unloading", "reloading")
 LEVELS = np.array([0.05, 0.1, 0.25, 0.5, 0.75, 1.0])

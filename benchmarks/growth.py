@@ -26,9 +26,9 @@ import scipy.stats
 import seaborn as sns
 
 import jointclosure as jc
-from jointclosure.engine.joints import close_case
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.walls.synthesis import ROLL_OFF
+from studies.frame.closing import close_block
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {
@@ -64,7 +64,7 @@ def case_of(scene: str, seed: int, realisations: int):
     )  # fmt: skip
     case = settings.case._replace(jrc=BASE["jrc"])
     surfaces = settings.surfaces._replace(jrc=case.jrc)
-    return partial(close_case, settings._replace(case=case, surfaces=surfaces, seating_stress=0.0))
+    return partial(close_block, settings._replace(case=case, surfaces=surfaces, seating_stress=0.0))
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:

@@ -19,15 +19,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from jointclosure.engine.joints import Reading, read_joint
-from jointclosure.engine.settings import ClosureSettings, Walls, walls_of
+from jointclosure.engine.joints import closed_walls, read_joint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.walls.pairs import CrushedWalls, Walls
 from studies.frame.configuration import configured, merged_study
+from studies.frame.settings import ClosureSettings, walls_of
 from studies.measured_joints.study import EXPERIMENT
 
 STUDY = Path("studies/measured_joints/measured_joints.yaml")
@@ -76,12 +76,11 @@ def loadings(pristine: Walls, settings: ClosureSettings) -> Iterator[dict]:
 
 def loaded(pair: Walls, pristine: Walls, once: Conditions) -> tuple[dict[str, float], Walls]:
     """Load walls (y, x) [m] once, and return quantities and the walls that are left."""
-    closed = close_walls(*pair, once, pristine=pristine)
-    if closed.status >= FAILURE:
-        raise RuntimeError(f"a loading failed with status {int(closed.status)}")
-    row = read_joint(pair, closed, 0.0, Reading(once, NAMES))
+    joint = closed_walls(CrushedWalls(pair, pristine), once)
+    if joint.closed.status >= FAILURE:
+        raise RuntimeError(f"a loading failed with status {int(joint.closed.status)}")
+    row, left = read_joint(joint, NAMES), joint.final
     read = {name: float(np.ravel(row[name])[0]) for name in NAMES}
-    left = closed.upper_final.values, closed.lower_final.values
     read["stays"] = read["residual_closure_seated_net"] / read["max_closure_seated_net"]
     read["volume"] = float(np.maximum(np.array(pair) - left, 0.0).mean())  # over the area
     return read, left

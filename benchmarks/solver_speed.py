@@ -26,8 +26,8 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.closing import close_block
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 TARGETS = {
@@ -176,7 +176,7 @@ def ensemble_memory(realizations: int) -> dict:
     row = {"realisations": realizations, "imported": yardstick.peak_memory()}
     settings = yardstick.case_settings(realizations, 100, 1e6, yardstick.FULL)
     with tempfile.TemporaryDirectory() as folder:
-        write_netcdf(close_case(settings), f"{folder}/closures.nc")
+        write_netcdf(close_block(settings), f"{folder}/closures.nc")
         return row | {"closed": yardstick.peak_memory()}
 
 

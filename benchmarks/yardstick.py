@@ -27,12 +27,12 @@ import pandas as pd
 import scipy.fft
 
 import jointclosure as jc
-from jointclosure.engine.settings import BASE, Case, ClosureSettings, walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.provenance import processor, versions_of
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, configured, merged, merged_study
 from studies.frame.files import ConfigurationError
+from studies.frame.settings import BASE, Case, ClosureSettings, walls_of
 
 
 def options(text: str, **defaults: object) -> argparse.Namespace:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointclosure.engine.ensembles import close_points
+from studies.frame.points import close_points
 from tests.studied import checked_study
 
 

@@ -10,11 +10,11 @@ import numpy as np
 
 import jointclosure as jc
 from jointclosure.engine import oracle
-from jointclosure.engine.judging import JudgedSolver
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import height_datum, simulate_by
 from jointclosure.solvers.registry import solver_named
+from studies.verification.judged import JudgedSolver
 
 EPSILON = np.finfo(float).eps
 

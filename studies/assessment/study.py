@@ -20,17 +20,18 @@ from jointclosure.engine.assess import (
     variants_of,
     worst_first,
 )
-from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import Case, ClosureSettings, Walls, walls_of
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from jointclosure.storage.files import read_csv
+from jointclosure.walls.pairs import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration, Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.frame.points import Point
+from studies.frame.settings import Case, ClosureSettings, walls_of
 from studies.frame.summary import grouped
 from studies.frame.walls import cut_walls, walls_of_files
 

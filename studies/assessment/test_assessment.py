@@ -5,10 +5,10 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.engine.assess import COPIES, LADDER
-from jointclosure.engine.ensembles import close_points
-from jointclosure.engine.settings import walls_of
 from studies.assessment.study import EXPERIMENT
 from studies.frame.files import read_plain
+from studies.frame.points import close_points
+from studies.frame.settings import walls_of
 from tests.studied import ROOT, checked_study, tiny
 
 TINY = tiny("assessment")

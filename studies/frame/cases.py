@@ -5,12 +5,12 @@ are fields of `Case`, and coordinates of every dataset.
 """
 
 from jointclosure.engine.assess import FINEST
-from jointclosure.engine.settings import BASE, Case, ClosureSettings, SurfaceSettings
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Accuracy, Study
 from studies.frame.rocks import ScannedWalls, StudyRock, wall_files
+from studies.frame.settings import BASE, Case, ClosureSettings, SurfaceSettings
 
 BLOCK, FEW = 10, 4
 """Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -12,22 +13,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
-from jointclosure.engine.joints import (
-    close_case,
-    read_joint,
-    reading_of_case,
-    rows_by_seed,
-    stacked,
-)
+from jointclosure.engine.joints import Reading, Row, close_joint, read_joint, stacked
+from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
-from jointclosure.engine.settings import (
-    BASE,
-    ClosureSettings,
-    SurfaceSettings,
-    Walls,
-    seeds_of,
-    walls_of,
-)
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
@@ -37,10 +26,12 @@ from jointclosure.storage.netcdf import (
     write_netcdf,
     write_netcdf_regions,
 )
+from jointclosure.walls.pairs import Walls
 from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
+from studies.frame.settings import BASE, ClosureSettings, SurfaceSettings, seeds_of, walls_of
 from studies.frame.tables import join_cases, succeeded
 from studies.frame.walls import cut_walls, described
 
@@ -48,27 +39,71 @@ ROWS = 256
 """Realisations in memory at a time, and compressed together."""
 
 
+def reading_of_case(settings: ClosureSettings) -> Reading:
+    """Return what is stored of the joints of a case."""
+    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
+    return Reading(settings.conditions(), names_of_case(settings.flow), stresses)
+
+
 def close_block(
     settings: ClosureSettings,
+    walls: Path | Iterable[Walls] | None = None,
     *,
-    report: Callable[[str], None],
+    report: Callable[[str], None] = lambda line: None,
     again: str = "",
-    walls: Path | None = None,
     pilot: Path | None = None,
 ) -> xr.Dataset:
-    """Close the joints of a case's block; ``pilot`` is the file of the choice of its effects."""
-    known = {}
-    if pilot is not None:
-        by_pilot = read_netcdf(pilot)
-        known = rows_by_seed(by_pilot) if by_pilot.attrs["case"] == settings.case.label else {}
-    pairs = _pairs(settings.surfaces, walls)
-    closed = close_case(settings, pairs, known=known, report=report, again=again)
+    """Close the joints of a case's block, over (realization, cycle, branch, stress).
+
+    Walls are made from their seeds unless given, or cut out of the file of scanned ones. ``pilot``
+    is the file of the choice of effects, with joints that are closed. ``report`` receives a line
+    for each realisation, in which ``again`` is the command that repeats a failed one, without its
+    number. A failed realisation has a status of 16 or more, counts, and otherwise NaN.
+    """
+    reading, first = reading_of_case(settings), settings.surfaces.first_realization
+    seeds = [f"{seed:032x}" for seed in seeds_of(settings.surfaces)]
+    known = _rows_by_seed(pilot, settings.case.label) if pilot else {}
+    rows: list[Row] = []
+    pairs = zip(seeds, _pairs(settings.surfaces, walls), strict=True)
+    for realization, (seed, pair) in enumerate(pairs, start=first):
+        repeat = f"; to repeat it: {again} {realization}" if again else ""
+        try:
+            row = known.get(seed) or close_joint(pair, reading)
+        except Exception as error:
+            error.add_note(f"realisation {realization}{repeat}")
+            raise
+        report(f"realisation {realization}: {_described(row, repeat)}")
+        rows.append(row)
+    numbers = np.arange(first, first + len(rows))
+    closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
     return closed.assign_attrs(scene=scene_name(settings.case.effects))
 
 
-def _pairs(surfaces: SurfaceSettings, walls: Path | None) -> Iterable[Walls]:
-    """Return the walls of a block, out of the file of scanned walls if there is one."""
-    return cut_walls(read_netcdf(walls), surfaces) if walls else walls_of(surfaces)
+def _pairs(surfaces: SurfaceSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
+    """Return the walls of a block: made from seeds, cut out of a file of scanned ones, or given."""
+    if walls is None:
+        return walls_of(surfaces)
+    return cut_walls(read_netcdf(walls), surfaces) if isinstance(walls, Path) else walls
+
+
+def _rows_by_seed(pilot: Path, label: str) -> dict[str, Row]:
+    """Return the quantities of joints that a pilot closed, if of this case, by their seeds."""
+    closed = read_netcdf(pilot)
+    if closed.attrs["case"] != label:
+        return {}
+    joints = (closed.isel(realization=number) for number in range(closed.sizes["realization"]))
+    return {
+        str(joint.seed.values): {str(name): array.values for name, array in joint.data_vars.items()}
+        for joint in joints
+    }
+
+
+def _described(row: Row, again: str) -> str:
+    words = [f"status {int(row['status'])}", f"{row['timing_simulation']:.2f} s"]
+    if row["status"] >= FAILURE:
+        return ", ".join([*words, f"failed{again}"])
+    closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"])
+    return ", ".join([words[0], f"maximum closure {closures} mm", words[1]])
 
 
 def choose_for_rock(
@@ -80,7 +115,7 @@ def choose_for_rock(
     """Select effects for all cases of a rock (settings by label), where they matter most.
 
     That is the one of the largest maximum stress over the compressive strength. Joints closed with
-    these effects are returned as from `close_case`, with attributes ``case`` and ``chosen`` (JSON).
+    these effects are returned as by `close_block`, with attributes ``case`` and ``chosen`` (JSON).
     """
 
     def order(label: str) -> tuple[float, bool]:
@@ -97,8 +132,8 @@ def choose_for_rock(
     choice = choose_among(pilot, tolerance or 0.0, report)
     reading = reading_of_case(examined.with_effects(choice.effects))
     rows = [
-        read_joint(pair, closed.dataset, closed.seconds, reading)
-        for pair, closed in zip(pairs, choice.closed, strict=False)
+        read_joint(replace(closed.joint, stresses=reading.stresses), reading.names)
+        for closed in choice.closed
     ]
     numbers = examined.surfaces.first_realization + np.arange(len(rows))
     seeds = [f"{seed:032x}" for seed in seeds_of(examined.surfaces)[: len(rows)]]

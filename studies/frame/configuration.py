@@ -11,7 +11,6 @@ from typing import Annotated, ClassVar, NamedTuple, Self, TypeVar
 from pydantic import ValidationError, create_model, model_validator
 
 from jointclosure.engine.assess import FINEST
-from jointclosure.engine.settings import Grid, Surface
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters import (
@@ -46,6 +45,7 @@ from studies.frame.keys import (
     explained,
 )
 from studies.frame.rocks import CurveSettings, StudyRock
+from studies.frame.settings import Grid, Surface
 
 _Section = TypeVar("_Section", bound="StudySection")
 

@@ -1,8 +1,7 @@
 """Experiments: points at which joints are closed, and the tables and figures made of them.
 
 An experiment is a folder of `studies` with its section of the configuration (``section.py``) and a
-constant ``EXPERIMENT`` (``study.py``). Its points are closed by
-`jointclosure.engine.ensembles`.
+constant ``EXPERIMENT`` (``study.py``).
 """
 
 import math
@@ -16,16 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pandas as pd
 
 from jointclosure.engine.cache import Entry, digest, make_missing
-from jointclosure.engine.ensembles import (
-    Jobs,
-    Samples,
-    as_dataset,
-    as_table,
-    entries_of,
-    estimated_time,
-    samples_of,
-)
-from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.logs import Logbook
@@ -35,7 +24,17 @@ from studies.frame.closing import Ensemble
 from studies.frame.configuration import Configuration, Configured, resolved, sections
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
+from studies.frame.points import (
+    Jobs,
+    Samples,
+    as_dataset,
+    as_table,
+    entries_of,
+    estimated_time,
+    samples_of,
+)
 from studies.frame.products import Step, figure_files
+from studies.frame.settings import Case, ClosureSettings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

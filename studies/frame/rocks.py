@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
-from jointclosure.engine.settings import SIDES
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
@@ -17,6 +16,7 @@ from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
 from studies.frame.keys import Jrc, Made, OrNull, Section, Several, Text, entry
+from studies.frame.settings import SIDES
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or

@@ -8,10 +8,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.engine.settings import Case
 from jointclosure.joint.curves import KINDS
 from jointclosure.joint.protocol import FAILURE, LOADING
 from jointclosure.parameters import PROPERTIES, Numerics, Rock, scene_of
+from studies.frame.settings import Case
 
 CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""

@@ -10,15 +10,15 @@ import yaml
 
 import jointclosure as jc
 from jointclosure.compilation.sources import PACKAGE
-from jointclosure.engine.ensembles import close_points
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.engine.settings import seeds_of
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
 from studies.frame.experiments import checked_design, experiment_named, experiments_in
 from studies.frame.files import ConfigurationError, read_plain
+from studies.frame.points import close_points
+from studies.frame.settings import seeds_of
 from tests.studied import DEFAULT, ROOT, checked_study, study_of, tiny
 
 HARD_CASES = "studies/verification/hard_cases.yaml"

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.settings import Grid
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.files import ConfigurationError
 from studies.frame.rocks import check_files
+from studies.frame.settings import Grid
 from studies.frame.walls import (
     Cutter,
     cut_walls,

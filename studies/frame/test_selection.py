@@ -5,9 +5,9 @@ import json
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine import joints as engine
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.measured import Scan
+from studies.frame import closing as closing
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.closing import choose_for_rock, close_block
 from studies.frame.walls import prepared_walls
@@ -72,8 +72,8 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     used, pilot = settings.with_effects(effects), tmp_path / "pilot.nc"
     write_netcdf(before, pilot)
     plain = close_block(used, report=lambda line: None, walls=walls)
-    closed, close = [], engine.close_joint
-    monkeypatch.setattr(engine, "close_joint", lambda *given: closed.append(1) or close(*given))
+    closed, close = [], closing.close_joint
+    monkeypatch.setattr(closing, "close_joint", lambda *given: closed.append(1) or close(*given))
     taken = close_block(used, report=lambda line: None, walls=walls, pilot=pilot)
     assert len(closed) == 4 - before.sizes["realization"]
     times = "timing_simulation"

@@ -8,8 +8,6 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.joints import close_case
-from jointclosure.engine.settings import walls_of
 from jointclosure.joint.history import crossing
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
@@ -21,7 +19,9 @@ from studies.commands.compare import (
     surfaces_sentence,
 )
 from studies.frame.cases import block_settings, cases_of
+from studies.frame.closing import close_block
 from studies.frame.panels import Column, Row, panels
+from studies.frame.settings import walls_of
 from studies.frame.tables import band_table, check_results, flow_table, join_cases
 from tests.joints import DOLERITE, SPACING
 from tests.studied import study_of
@@ -112,7 +112,7 @@ def settings_of(label, flow=False):
 def tiny_study(flow: bool) -> xr.Dataset:
     """A study of the first two cases, put together."""
     first = cases_of(study_of(TINY, {"flow": flow}))[:2]
-    study = join_cases(first, [close_case(settings_of(case.label, flow)) for case in first])
+    study = join_cases(first, [close_block(settings_of(case.label, flow)) for case in first])
     return study.assign_coords(scene=("case", ["all"] * 2))
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.settings import Grid, SurfaceSettings, seeds_of
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
@@ -21,6 +20,7 @@ from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
 from studies.frame.rocks import ScannedWalls, wall_files
+from studies.frame.settings import Grid, SurfaceSettings, seeds_of
 
 
 def walls_of_files(

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.engine.settings import ClosureSettings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
@@ -23,6 +22,7 @@ from studies.frame.configuration import (
     refuse,
     resolved,
 )
+from studies.frame.settings import ClosureSettings
 from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity
 from studies.global_sensitivity.section import Input as Varied
 

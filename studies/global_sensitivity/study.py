@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import Point, Sample
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
+from studies.frame.points import Point, Sample
 from studies.global_sensitivity.design import (
     SURFACES,
     check_sampling,

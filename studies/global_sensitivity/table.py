@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.ensembles import gridded
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.randomness import generator, seed_of
@@ -27,6 +26,7 @@ from jointclosure.statistics.variance_indices import (
     variance_indices,
 )
 from jointclosure.statistics.verdicts import frequency, t_interval
+from studies.frame.points import gridded
 from studies.global_sensitivity.design import (
     SURFACES,
     Input,

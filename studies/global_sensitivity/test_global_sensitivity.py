@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.engine.ensembles import close_points
-from jointclosure.engine.settings import walls_of
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged, resolved
 from studies.frame.experiments import experiment_named
 from studies.frame.files import read_plain
+from studies.frame.points import close_points
+from studies.frame.settings import walls_of
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.table import (
     QUANTITIES,

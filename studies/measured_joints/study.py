@@ -14,15 +14,16 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import Point
-from jointclosure.engine.settings import ClosureSettings, CrushedWalls, shifted, walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
+from jointclosure.walls.pairs import CrushedWalls, shifted
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
 from studies.frame.panels import keys_of, legend_below, ticks_at
+from studies.frame.points import Point
+from studies.frame.settings import ClosureSettings, walls_of
 from studies.measured_joints.observables import (
     BASE,
     HEADINGS,

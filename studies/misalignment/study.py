@@ -10,15 +10,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import Point
 from jointclosure.engine.quantities import titles_of_cycles
-from jointclosure.engine.settings import ClosureSettings, Walls, seeds_of
+from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import z2_of_jrc
 from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
+from studies.frame.points import Point
+from studies.frame.settings import ClosureSettings, seeds_of
 from studies.frame.summary import summary
 from studies.misalignment.section import Misalignment
 

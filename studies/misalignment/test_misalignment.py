@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from jointclosure.engine.ensembles import gridded
-from jointclosure.engine.settings import seeds_of
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.synthesis import wall_pair
+from studies.frame.points import gridded
+from studies.frame.settings import seeds_of
 from studies.misalignment.study import EXPERIMENT
 from tests.studied import tiny
 

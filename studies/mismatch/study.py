@@ -13,7 +13,6 @@ import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import Point
 from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
@@ -22,6 +21,7 @@ from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
 from studies.frame.panels import Column, Row, panels
+from studies.frame.points import Point
 from studies.frame.summary import grouped, means
 from studies.mismatch.section import Mismatch
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.engine.ensembles import gridded
+from studies.frame.points import gridded
 from studies.mismatch.study import EXPERIMENT, independence_table
 from tests.studied import tiny
 

@@ -4,12 +4,12 @@ import re
 
 import pandas as pd
 
-from jointclosure.engine.settings import BASE, SIDES
 from jointclosure.parameters import PROPERTIES, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.statistics.standard_errors import rounded, significant
 from studies.frame.cases import base_case, level_names
 from studies.frame.rocks import StudyRock
+from studies.frame.settings import BASE, SIDES
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.settings import Grid, Surface
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, read_text
@@ -17,6 +16,7 @@ from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Statistics
 from studies.frame.products import PRODUCTS, figure_files, product
 from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
+from studies.frame.settings import Grid, Surface
 from studies.frame.tables import CURVES, flow_table
 from studies.frame.tables import check_results as check
 from studies.paper import closures as closure_tables

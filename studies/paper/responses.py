@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.settings import BASE, Grid, Surface, walls_of_seed
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.control_variates import Known, fewest_surfaces
 from jointclosure.statistics.indifference import (
@@ -23,6 +22,7 @@ from jointclosure.statistics.indifference import (
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
 from jointclosure.walls.roughness import bearing_depths, bearing_excess, z2_of_jrc
+from studies.frame.settings import BASE, Grid, Surface, walls_of_seed
 from studies.frame.tables import succeeded
 
 OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)

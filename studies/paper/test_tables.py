@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from jointclosure.engine.settings import walls_of
 from jointclosure.joint.barton_bandis import barton_bandis
 from jointclosure.measured.curves import parsed_curve
 from jointclosure.parameters import PROPERTIES
@@ -22,6 +21,7 @@ from studies.frame.configuration import model
 from studies.frame.keys import json_schema
 from studies.frame.plan import Plan
 from studies.frame.products import make_files
+from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
 from studies.paper.closures import fit_table
 from studies.paper.figures import Measurements, interval_figure

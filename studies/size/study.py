@@ -15,17 +15,18 @@ import scipy
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engine.ensembles import Point, gridded
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
-from jointclosure.engine.settings import ClosureSettings, Grid, Walls, walls_of
 from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
+from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.panels import Column, Row, panels
+from studies.frame.points import Point, gridded
+from studies.frame.settings import ClosureSettings, Grid, walls_of
 from studies.size.section import Size
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")

@@ -20,7 +20,6 @@ import xarray as xr
 
 from jointclosure.engine import judging, oracle
 from jointclosure.engine.assess import FEATURES, closures_of, features_of
-from jointclosure.engine.judging import Judge, JudgedSolver
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -32,6 +31,7 @@ from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
 from studies.frame.keys import problems
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
+from studies.verification.judged import Judge, JudgedSolver
 
 _LENGTHS = ("displacement_step", "breakage_step")
 

@@ -7,9 +7,10 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine import oracle
-from jointclosure.engine.judging import Judge
+from jointclosure.engine.judging import largest_ratio
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
+from studies.verification.judged import Judge
 from tests.joints import DOLERITE, SPACING
 
 NUMERICS = jc.Numerics(force_tolerance=1e-8)
@@ -122,12 +123,10 @@ def test_forces_of_another_model_are_noticed(settled, change):
 
 
 def test_a_number_that_is_only_reported_hides_no_other_beyond_its_limit():
-    judge = Judge(None, TOLERANCES)
-    judge.worst = {"rounding": np.inf, "load": 1e-12, "raised": 0.0}
-    judge.limits = {"rounding": np.inf, "load": 2e-12, "raised": 0.0}
-    assert judge.ratio == 0.5
-    judge.worst["raised"] = 1e-9
-    assert judge.ratio == np.inf
+    numbers = {"rounding": np.inf, "load": 1e-12, "raised": 0.0}
+    limits = {"rounding": np.inf, "load": 2e-12}
+    assert largest_ratio(numbers, limits) == 0.5
+    assert largest_ratio(numbers | {"raised": 1e-9}, limits) == np.inf
 
 
 def test_influence_agrees_near_and_far_and_with_the_printed_form():

@@ -11,10 +11,10 @@ import yaml
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.commands import COMMANDS
 from studies.frame.cases import block_settings, cases_of
+from studies.frame.closing import close_block
 from studies.frame.configuration import merged, written_out
 from studies.frame.tables import join_cases
 from tests.studied import DEFAULT, study_of
@@ -62,7 +62,7 @@ def smoke_study(project):
     study = study_of(small)
     case = cases_of(study)[0]
     settings = block_settings(study, {case.label: case}, case.label, range(2))
-    closed = close_case(settings)
+    closed = close_block(settings)
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
     write_netcdf(join_cases([case], [closed]), folder / "study.nc")

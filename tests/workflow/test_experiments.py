@@ -4,11 +4,11 @@ import shutil
 
 import pytest
 
-from jointclosure.engine.ensembles import as_table, joints_of
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiments_in
+from studies.frame.points import as_table, joints_of
 from tests.studied import checked_study, tiny
 from tests.workflow.runs import HERE, checkout, planned, snakemake
 

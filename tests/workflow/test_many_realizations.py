@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.engine.joints import close_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.cases import blocks_of, cases_of
-from studies.frame.closing import Ensemble
+from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration, resolved
-from tests.engine.test_settings import ELASTIC, settings_of
 from tests.studied import DEFAULT, checked_study
+from tests.workflow.test_settings import ELASTIC, settings_of
 
 ROOT = Path(__file__).parents[2]
 PER_JOB = 2500
@@ -45,7 +44,7 @@ def keys_of_study(realizations: int) -> dict:
 def case_files(configuration: Configuration, folder: Path) -> list[Path]:
     """Files of every block: one joint's numbers, and in two variables the realisation's own."""
     (case,) = cases_of(configuration)
-    one = close_case(settings_of(configuration, case.label, range(1)))
+    one = close_block(settings_of(configuration, case.label, range(1)))
     (folder / "cases").mkdir()
     paths = []
     for block in blocks_of(configuration.study):

@@ -21,7 +21,6 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.engine.settings import Walls
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
@@ -37,6 +36,7 @@ from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
+from jointclosure.walls.pairs import Walls
 
 CLOSURE = "max_closure_seated_net"
 """Closure by which copies of a joint are compared."""
@@ -72,16 +72,12 @@ READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio"
 """Quantities that are read of every closure; the last one only where states are judged."""
 
 
-def resolved(tolerance: float) -> Numerics:
-    """Return resolved numerics whose first steps shrink with the tolerance."""
-    return coarser(RESOLVED, tolerance / RESOLVED.tolerance)
-
-
 LADDER = {"the paper's steps": Numerics()} | {
-    f"tolerance {tolerance:g}": resolved(tolerance)
-    for tolerance in (RESOLVED.tolerance * REFINEMENT**power for power in (1, 0, -1))
+    f"tolerance {numerics.tolerance:g}": numerics
+    for numerics in (coarser(RESOLVED, REFINEMENT**power) for power in (1, 0, -1))
 }
-"""Settings of the numerics that are compared, from the cheapest to the finest."""
+"""Settings of the numerics that are compared, from the cheapest to the finest. First steps shrink
+with the tolerance."""
 FINEST = list(LADDER.values())[-1]
 
 
@@ -140,10 +136,8 @@ class Assessment(NamedTuple):
         if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
             return "needed: fails"
         rows = self.differences[self.differences.variant == variant]
-        inside = [
-            interval_of(row).within(self.within)
-            for row in rows[rows.quantity.isin(JUDGED)].dropna().itertuples()
-        ]
+        ends = rows.loc[rows.quantity.isin(JUDGED), list(Interval._fields)].dropna()
+        inside = [Interval(*row).within(self.within) for row in ends.to_numpy()]
         return (
             "needed" if False in inside else "not decided" if None in inside else "can be left out"
         )
@@ -358,23 +352,26 @@ def paired_differences(closures: pd.DataFrame, ladder: Sequence[str], stated: st
         for name, cycle in itertools.product(ASSESSED, sorted(closures.cycle.unique())):
             row = {"variant": variant, "reference": reference, "seconds": own.seconds.mean()}
             row |= {"quantity": name, "cycle": cycle}
-            rows.append(row | _apart(closures, variant, reference, cycle, name)._asdict())
+            rows.append(row | _apart(closures, (variant, reference), cycle, name)._asdict())
     return pd.DataFrame(rows)
 
 
-def _values(closures: pd.DataFrame, variant: str, cycle: int, quantity: str) -> np.ndarray:
-    """Return values (n,) of a variant in a cycle, by joint and copy."""
-    rows = closures[(closures.variant == variant) & (closures.cycle == cycle)]
-    return rows[quantity].to_numpy(dtype=float)
-
-
-def _apart(closures: pd.DataFrame, variant, reference, cycle: int, quantity: str) -> Interval:
-    """Return the relative difference of the means of two variants."""
-    one, two = (_values(closures, name, cycle, quantity) for name in (variant, reference))
+def _paired(
+    closures: pd.DataFrame, variants: Sequence[str], cycle: int, quantity: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return values (n,) of two variants in a cycle, of the joints and copies that both closed."""
+    rows = closures[closures.cycle == cycle]
+    one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
     known = np.isfinite(one) & np.isfinite(two)
-    if not known.any():
+    return one[known], two[known]
+
+
+def _apart(closures: pd.DataFrame, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
+    """Return the relative difference of the means of two variants."""
+    one, two = _paired(closures, variants, cycle, quantity)
+    if not one.size:
         return Interval(math.nan, -math.inf, math.inf)
-    return t_interval((one - two)[known] / two[known].mean())
+    return t_interval((one - two) / two.mean())
 
 
 def hardness_of(
@@ -460,10 +457,10 @@ def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) ->
     """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
     lines = []
     for cycle in sorted(closures.cycle.unique()) if len(ladder) > 2 else ():
-        lasts = {name: _apart(closures, ladder[-2], ladder[-1], cycle, name) for name in JUDGED}
+        lasts = {name: _apart(closures, ladder[-2:], cycle, name) for name in JUDGED}
         known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
         judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
-        coarse, last = _apart(closures, ladder[-3], ladder[-2], cycle, judged), lasts[judged]
+        coarse, last = _apart(closures, ladder[-3:-1], cycle, judged), lasts[judged]
         limit = {
             True: "it has a limit within the request",
             False: "no limit was reached",
@@ -472,9 +469,10 @@ def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) ->
         if coarse.within(0.0) is False and last.within(0.0) is False:
             order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
             limit += f" (observed order {order:.2g})"
-        change = f"{ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
-        change += f"{percent_of(last)} %"
-        lines.append(f"cycle {cycle}, {change}: {limit}")
+        lines.append(
+            f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
+            f"{percent_of(last)} %: {limit}"
+        )
     return lines
 
 
@@ -504,24 +502,22 @@ def _of_mean(
     closures: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
 ) -> str:
     """Say how many joints a mean takes to be within the request, or what the budget buys."""
-    plans: dict[str, Plan] = {}
-    seconds = closures.groupby("variant").seconds.mean()
-    finest = ladder[-1]
+    seconds, finest = closures.groupby("variant").seconds.mean(), ladder[-1]
+    cycles, plans = sorted(closures.cycle.unique()), dict[str, Plan]()
     for name in ladder:
         both = float(seconds[name] + seconds[finest]) if name != finest else 0.0
-        plans_of_closures: list[Plan | None] = []
-        for cycle, judged in itertools.product(closures.cycle.unique(), JUDGED):
-            cheap, best = (_values(closures, v, cycle, judged) for v in (name, finest))
-            known = np.isfinite(cheap) & np.isfinite(best)
-            cheap, best = cheap[known], best[known]
-            if best.size < 2:
-                continue
-            first, second = (float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap))
-            plan = best_plan((first, second), (float(seconds[name]), both), within, budget)
-            plans_of_closures.append(plan)
-        possible = [plan for plan in plans_of_closures if plan]
-        if possible and None not in plans_of_closures:
-            plans[name] = max(possible, key=lambda plan: (plan.seconds, plan.half_width))
+        possible: list[Plan | None] = []
+        for cycle, judged in itertools.product(cycles, JUDGED):
+            cheap, best = _paired(closures, (name, finest), cycle, judged)
+            if best.size > 1:
+                first, second = (
+                    float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)
+                )
+                times = float(seconds[name]), both
+                possible.append(best_plan((first, second), times, within, budget))
+        of_all = [plan for plan in possible if plan]
+        if of_all and len(of_all) == len(possible):
+            plans[name] = max(of_all, key=lambda plan: (plan.seconds, plan.half_width))
     if not plans and budget is None:
         return f"no mean can be planned, as fewer than two joints closed with {finest}"
     if not plans:
@@ -529,25 +525,18 @@ def _of_mean(
         return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
     of = "seconds" if budget is None else "half_width"
     name = min(plans, key=lambda name: getattr(plans[name], of))
-    plan = plans[name]
+    plan, halves = plans[name], []
     further = f", {plan.differences} of them with {finest} too" if name != finest else ""
-    halves = []
-    for cycle in sorted(closures.cycle.unique()):
-        of_cycle = (_values(closures, finest, cycle, name) for name in JUDGED)
-        means = [t_interval(known) for x in of_cycle if (known := x[np.isfinite(x)]).size]
+    for cycle in cycles:
+        closed = (_paired(closures, (finest, finest), cycle, judged)[0] for judged in JUDGED)
+        means = [t_interval(values) for values in closed if values.size]
         half = max(mean.high / mean.value - 1.0 for mean in means)
         halves.append(f"{100 * half:.2g} % on cycle {cycle}")
-    known = ", ".join(halves)
     return (
         f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes {plan.joints} "
         f"joints with {name}{further}: {plan.seconds:.3g} s of processor time (deviations of "
-        f"{len(closures.joint.unique())} joints; their mean is known to {known})"
+        f"{len(closures.joint.unique())} joints; their mean is known to {', '.join(halves)})"
     )
-
-
-def interval_of(row: Any) -> Interval:
-    """Return the interval of a row of `Assessment.differences`."""
-    return Interval(row.value, row.low, row.high)
 
 
 def percent_of(row: Any) -> str:

@@ -21,6 +21,7 @@ from jointclosure.joint.history import (
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING, unbreakable_share
 from jointclosure.parameters import both_walls
+from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 
 CYCLE = ("cycle",)
@@ -60,11 +61,16 @@ class ClosedWalls:
     ``closed`` is as from `jointclosure.simulate`; curves are read at ``stresses`` (n,) [Pa].
     """
 
-    walls: tuple[np.ndarray, np.ndarray]
+    walls: Walls
     closed: xr.Dataset
     conditions: Conditions
     seconds: float
     stresses: np.ndarray
+
+    @property
+    def final(self) -> Walls:
+        """Walls (y, x) [m] at the end."""
+        return self.closed.upper_final.values, self.closed.lower_final.values
 
     @property
     def summed(self) -> np.ndarray:
@@ -169,9 +175,9 @@ def _aperture_at_seating(joint: ClosedWalls) -> np.ndarray:
 def _volume_error(joint: ClosedWalls) -> float:
     """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
     errors = []
-    for before, name in zip(joint.walls, ("upper_final", "lower_final"), strict=True):
+    for before, after in zip(joint.walls, joint.final, strict=True):
         scale = float(np.sum(before - before.min()))
-        change = abs(float(np.sum(joint.closed[name].values - before)))
+        change = abs(float(np.sum(after - before)))
         errors.append(change / scale if scale > 0.0 else change)
     return max(errors)
 
@@ -194,12 +200,6 @@ def _largest_jump(joint: ClosedWalls) -> float:
 
 def _contacts_at_max(joint: ClosedWalls) -> float:
     return float(cycle_table(joint.closed).contact_at_max.max() * joint.walls[0].size)
-
-
-def broken_share(walls: tuple[np.ndarray, np.ndarray], closed: xr.Dataset) -> float:
-    """Return the share of the cells of both walls that are lower than before loading."""
-    final = np.array([closed.upper_final.values, closed.lower_final.values])
-    return float(np.mean(np.array(walls) - final > _ROUNDING))
 
 
 def _stress_over_strength(joint: ClosedWalls) -> float:
@@ -300,7 +300,7 @@ QUANTITIES: dict[str, Quantity] = {
         "largest number of cells in contact at the maximum stress", "1", (), _contacts_at_max),
     "broken_share": Quantity(
         "share of the cells of both walls that broke", "1", (),
-        lambda joint: broken_share(joint.walls, joint.closed)),
+        lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),
     "stress_over_strength": Quantity(
         "maximum stress over the compressive strength of the weaker rock", "1", (),
         _stress_over_strength),

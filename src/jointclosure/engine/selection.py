@@ -14,19 +14,16 @@ closure by more than the tolerance. The other quantities are reported.
 """
 
 import itertools
-import time
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
 import scipy
-import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
-from jointclosure.engine.joints import Reading, read_joint
-from jointclosure.engine.quantities import broken_share
-from jointclosure.engine.settings import Walls
+from jointclosure.engine.joints import closed_walls, read_joint
+from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import (
     Changes,
@@ -35,10 +32,10 @@ from jointclosure.joint.conditions import (
     takes_conditions,
 )
 from jointclosure.joint.given_walls import warn_of_doubts
-from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
+from jointclosure.walls.pairs import Walls
 
 PRIORS = {
     "max_closure": (0.0, 0.094, 0.08),
@@ -97,13 +94,12 @@ def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
 
 
 class Closed(NamedTuple):
-    """Result of `jointclosure.simulate`, its processor time [s], and `ASSESSED` (quantity, cycle).
+    """Closed joint, and its `ASSESSED` (quantity, cycle).
 
     The net stiffness is its inverse, as its mean over joints is harmonic. A failed joint has NaN.
     """
 
-    dataset: xr.Dataset
-    seconds: float
+    joint: ClosedWalls
     values: np.ndarray
 
 
@@ -164,23 +160,20 @@ class Pilot:
             upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
             close_walls(upper, lower, stated)
             self._loaded.add(effects)
-        start = time.process_time()
-        dataset = close_walls(*walls, stated)
-        seconds = time.process_time() - start
-        if int(dataset.status) >= FAILURE:
-            return Closed(dataset, seconds, np.full((len(ASSESSED), stated.cycle_count), np.nan))
-        row = read_joint(walls, dataset, seconds, Reading(stated, tuple(ASSESSED)))
+        joint = closed_walls(walls, stated)
+        row = dict.fromkeys(ASSESSED, np.full(stated.cycle_count, np.nan))
+        row |= read_joint(joint, ASSESSED)
         row["stiffness_net"] = 1.0 / row["stiffness_net"]
-        return Closed(dataset, seconds, np.array([row[name] for name in ASSESSED]))
+        return Closed(joint, np.array([row[name] for name in ASSESSED]))
 
     def predicted(self, fewer: Effects) -> Change:
         """Return the change without interaction, on the final walls of the first joint."""
         first = self.closed[self.effects][0]
-        final = first.dataset.upper_final.values, first.dataset.lower_final.values
+        final = first.joint.final
         scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
         few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
         with_it, without_it = (self._close(final, scene, **few) for scene in scenes)
-        self.frozen_seconds += with_it.seconds + without_it.seconds
+        self.frozen_seconds += with_it.joint.seconds + without_it.joint.seconds
         mean = (without_it.values - with_it.values) / first.values
         parts = np.array([PRIORS[name] for name in ASSESSED])
         parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, self.broken()))]
@@ -189,8 +182,8 @@ class Pilot:
 
     def broken(self) -> int:
         """Count the cells of both walls that broke in the first joint with all effects."""
-        share = broken_share(self._pairs[0], self.closed[self.effects][0].dataset)
-        return round(2 * self._pairs[0][0].size * share)
+        first = self.closed[self.effects][0].joint
+        return round(2 * first.walls[0].size * read_joint(first, ["broken_share"])["broken_share"])
 
     def changes(self, effects: Effects, count: int) -> np.ndarray:
         """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
@@ -200,12 +193,12 @@ class Pilot:
 
     def seconds(self, effects: Effects) -> float:
         """Return the mean time [s] of a joint with some effects."""
-        return float(np.mean([pair.seconds for pair in self.closed[effects]]))
+        return float(np.mean([pair.joint.seconds for pair in self.closed[effects]]))
 
     def lost(self, selected: Effects) -> float:
         """Return the time [s] of all closures but those of joints with the selected effects."""
         others = (pairs for effects, pairs in self.closed.items() if effects != selected)
-        return self.frozen_seconds + sum(pair.seconds for pairs in others for pair in pairs)
+        return self.frozen_seconds + sum(pair.joint.seconds for pairs in others for pair in pairs)
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
         """Return why effects are kept without a test, from the first joint; "" if they are not.
@@ -219,7 +212,7 @@ class Pilot:
         least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
         if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
             return f"changes by {percent(least)} or more, as it would be the same in all cycles"
-        bulk = self.closed[self.effects][0].dataset.max_bulk_indentation.values
+        bulk = self.closed[self.effects][0].joint.closed.max_bulk_indentation.values
         if "soft_peaks" in names and np.nanmax(bulk / gross) < CRUSHED:
             return "is not tested, as this saves little time"
         return ""

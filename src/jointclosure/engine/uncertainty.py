@@ -26,7 +26,6 @@ from jointclosure.engine.budget import (
     ranges_of,
     results_of,
 )
-from jointclosure.engine.settings import Walls
 from jointclosure.engine.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions
@@ -35,6 +34,7 @@ from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls.pairs import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
 COARSER = 2

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, Required, TypedDict
 import numpy as np
 
 from jointclosure.engine.scanned_joint import Wall, registered_walls
-from jointclosure.engine.settings import shifted
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.conditions import usual_seating
@@ -19,6 +18,7 @@ from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_c
 from jointclosure.parameters import PROPERTIES, Choices, Effects, Rock, check_rock, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
+from jointclosure.walls.pairs import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
 

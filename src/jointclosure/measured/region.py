@@ -21,7 +21,6 @@ import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.settings import shifted
 from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
@@ -53,6 +52,7 @@ from jointclosure.parameters import Choices, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import mean_of, percent, rounded, significant
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls.pairs import shifted
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""

@@ -1,36 +1,14 @@
 """Settings that the joints of a case depend on, and walls that are made of them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
-
-import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import seed_of
+from jointclosure.walls.pairs import Walls
 from jointclosure.walls.synthesis import wall_pair
-
-Walls = tuple[np.ndarray, np.ndarray]
-"""Upper and lower wall (y, x), heights towards the other [m]."""
-
-
-def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
-    """Move the upper wall by (y, x) cells towards the origin; the cells that meet are left."""
-    upper, lower = walls
-    for axis, count in enumerate(cells):
-        kept = np.arange(upper.shape[axis] - abs(count))
-        upper = upper.take(kept + max(count, 0), axis)
-        lower = lower.take(kept + max(-count, 0), axis)
-    return upper, lower
-
-
-class CrushedWalls(NamedTuple):
-    """Walls that were crushed before, and as they were before anything broke."""
-
-    walls: Walls
-    pristine: Walls
-
 
 SIDES = ("upper", "lower")
 BASE = "base"

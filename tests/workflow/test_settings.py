@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointclosure.engine.cache import digest
-from jointclosure.engine.joints import close_case
-from jointclosure.engine.settings import ClosureSettings, walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from studies.commands.compare import differences
 from studies.frame.cases import block_settings, blocks_of, cases_of
+from studies.frame.closing import close_block
 from studies.frame.configuration import Configuration
+from studies.frame.settings import ClosureSettings, walls_of
 from studies.frame.tables import join_cases
 from studies.paper.closures import max_closure_table
 from tests.studied import study_of
@@ -81,7 +81,7 @@ def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
     cases = cases_of(configuration)
     blocks = blocks_of(configuration.study)
     made = {
-        (number, block.start): close_case(settings_of(configuration, case.label, block))
+        (number, block.start): close_block(settings_of(configuration, case.label, block))
         for number, case in enumerate(cases)
         for block in blocks
     }
@@ -101,7 +101,7 @@ def test_a_split_over_jobs_changes_no_bit(configuration, tmp_path):
     parts = study_of(SMALL, {"study": {"realizations_per_job": 3}})
     assert differences(whole, whole_study(parts, tmp_path / "split.nc")) == []
     cases = cases_of(configuration)
-    at_once = [close_case(settings_of(configuration, c.label, range(7))) for c in cases]
+    at_once = [close_block(settings_of(configuration, c.label, range(7))) for c in cases]
     assert differences(whole, join_cases(cases, at_once)) == []
 
 
@@ -115,7 +115,7 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
         wall[:] = 0.0
     lines = []
     again = "python -m studies repeat r slate-base"
-    closed = close_case(settings, pairs, report=lines.append, again=again)
+    closed = close_block(settings, pairs, report=lines.append, again=again)
     assert closed.status.values.tolist() == [0, 0, 64, 0]
     for name, values in closed.isel(realization=2).data_vars.items():
         counted = name == "timing_simulation" or values.dtype.kind == "i"
@@ -131,7 +131,7 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
 
 def test_any_realisation_can_be_repeated_alone(configuration):
     settings = settings_of(configuration, "slate-jrc-low", range(3, 7))
-    block = close_case(settings)
+    block = close_block(settings)
     one = settings.surfaces._replace(first_realization=5, realizations=1)
-    again = close_case(settings._replace(surfaces=one))
+    again = close_block(settings._replace(surfaces=one))
     assert differences(block.sel(realization=[5]), again) == []

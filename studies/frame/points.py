@@ -1,0 +1,206 @@
+"""Points of an experiment: which joints are closed, and what is read of them.
+
+Joints are read into a table with one row per joint and cycle. Failed joints stay in it, with their
+status and without readings.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.cache import Entry
+from jointclosure.engine.joints import Reading, close_joint
+from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.statistics.standard_errors import Estimate, mean_of
+from jointclosure.walls.pairs import CrushedWalls, Walls
+from studies.frame.settings import ClosureSettings, walls_of
+
+
+class Point(NamedTuple):
+    """Joints of an experiment that are closed under the same conditions, one a realisation.
+
+    ``coordinates`` are columns of the table [SI]. ``maker`` names a function of a study, as
+    ``module:function``, that generates the walls from the settings and ``options``; without it they
+    are `walls_of` the settings.
+    """
+
+    coordinates: dict[str, Any]
+    settings: ClosureSettings
+    maker: str = ""
+    options: Mapping[str, Any] = {}
+
+    def walls(self) -> Iterator[Walls | CrushedWalls]:
+        """Generate the walls of each realisation."""
+        module, _, function = self.maker.partition(":")
+        if not function:
+            return walls_of(self.settings.surfaces)
+        return getattr(import_module(module), function)(self.settings, **self.options)
+
+
+Jobs = Mapping[str, Sequence[Point]]
+"""Points by the name of the job that closes them; names are never parsed."""
+
+
+class Sample(NamedTuple):
+    """Similar points whose mean time is that of a number of ``joints``."""
+
+    points: Sequence[Point]
+    joints: int
+
+
+Samples = Mapping[str, Sequence[Sample]]
+"""Samples by the row of the estimate to which they belong, usually a job."""
+
+
+def close_points(
+    points: Iterable[Point],
+    quantities: Sequence[str],
+    report: Callable[[str], None] = lambda line: None,
+) -> pd.DataFrame:
+    """Close all joints of points and read quantities of them (`QUANTITIES`).
+
+    One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
+    ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a failed
+    joint. ``report`` receives a line for each point.
+    """
+    parts = []
+    for point in points:
+        settings, rows = point.settings, []
+        reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
+        first = settings.surfaces.first_realization
+        for realization, walls in enumerate(point.walls(), first):
+            row = close_joint(walls, reading)
+            at = point.coordinates | {
+                "realization": realization,
+                "cycle": np.arange(1, settings.cycles + 1),
+                "status": int(row["status"]),
+                "seconds": row["timing_simulation"],
+            }
+            rows.append(pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities}))
+        parts.append(part := pd.concat(rows))
+        at_point = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
+        statuses = np.unique(part.status).tolist()
+        report(f"{at_point}: {part.seconds.mean():.2f} s a joint, statuses {statuses}")
+    return pd.concat(parts, ignore_index=True)
+
+
+def closed_table(
+    points: Sequence[Point], quantities: Sequence[str], report: Callable[[str], None]
+) -> xr.Dataset:
+    """Return `close_points` as a dataset (`as_dataset`)."""
+    return as_dataset(close_points(points, quantities, report))
+
+
+def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
+    """Sample the first point of every grid in each job."""
+    samples = {}
+    for job, points in jobs.items():
+        alike: dict[tuple, list[Point]] = {}
+        for point in points:
+            grid = point.settings.surfaces.grid, tuple(sorted(point.options))
+            alike.setdefault(grid, []).append(point)
+        samples[job] = [Sample(group[:1], joints_of(group)) for group in alike.values()]
+    return samples
+
+
+def estimated_time(
+    samples: Samples, report: Callable[[str], None] = lambda line: None
+) -> pd.DataFrame:
+    """Estimate processor time by closing one joint of each point of the samples.
+
+    A row has ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these,
+    NaN where a sample is a single point.
+    """
+    closed: dict[str, float] = {}
+
+    def seconds(point: Point) -> float:
+        key = repr(point)
+        if key not in closed:
+            if not closed:
+                _seconds_of_one(point)  # loads the kernels
+            closed[key] = _seconds_of_one(point)
+        return closed[key]
+
+    rows = []
+    for job, parts in samples.items():
+        times = [_mean([seconds(point) for point in part.points]) for part in parts]
+        counts = np.array([part.joints for part in parts], dtype=float)
+        means, errors = np.array(times).reshape(-1, 2).T
+        rows.append(
+            {
+                "job": job,
+                "joints": sum(part.joints for part in parts),
+                "seconds": float(counts @ means),
+                "error": float(np.hypot.reduce(counts * errors)),
+            }
+        )
+        report(f"{job}: about {rows[-1]['seconds']:.0f} s")
+    return pd.DataFrame(rows)
+
+
+def _mean(times: list[float]) -> Estimate:
+    return mean_of(times) if len(times) > 1 else Estimate(times[0], np.nan)
+
+
+def _seconds_of_one(point: Point) -> float:
+    """Measure the processor time of the first joint of a point [s]."""
+    return float(close_points([one_joint(point)], ()).seconds.iloc[0])
+
+
+def one_joint(point: Point) -> Point:
+    """Return the point with only its first realisation."""
+    surfaces = point.settings.surfaces._replace(realizations=1)
+    return point._replace(settings=point.settings._replace(surfaces=surfaces))
+
+
+def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
+    """Return the files of a cache with the joints of each job of an experiment."""
+    return [
+        Entry(
+            f"{name}/{job}",
+            closed_table,
+            (list(points), tuple(quantities)),
+            joints=joints_of(points),
+            uses=tuple(sorted({point.maker for point in points if point.maker})),
+        )
+        for job, points in jobs.items()
+    ]
+
+
+def joints_of(points: Iterable[Point]) -> int:
+    """Return the number of joints that are closed at some points."""
+    return sum(point.settings.surfaces.realizations for point in points)
+
+
+def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
+    """Arrange joints of `close_points` over columns, including ``realization``, and the cycle.
+
+    ``status`` and ``seconds`` do not depend on the cycle.
+    """
+    grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
+    for name in ("status", "seconds"):
+        grid[name] = grid[name].isel(cycle=0, drop=True)
+    return grid
+
+
+def as_dataset(table: pd.DataFrame) -> xr.Dataset:
+    """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
+    dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
+    for name in set(table) & set(QUANTITIES):
+        dataset[name].attrs = QUANTITIES[name].attributes
+    if "seconds" in dataset:
+        dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
+    return dataset
+
+
+def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
+    """Convert datasets of `as_dataset` back to one table; empty without any."""
+    tables = (
+        pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+        for dataset in datasets
+    )
+    return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()
