@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -17,9 +18,9 @@ HEADER = """# Configuration
 A study is a small file with what differs from `default.yaml`, the paper's study, which states the source of each number. Lists replace lists; everything else is merged.
 `make study CONFIG=config/mine.yaml` runs it and writes to `results/<study.name>/`. The merged configuration is checked first: an error names the key, its value and what is allowed. Editors can check YAML by `schema.json`.
 
-`smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of inquiries are in the folders of `studies/`.
+`smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of inquiries are in the folders of `studies/`, and `schema.json` describes the keys of their sections.
 
-`python workflow/scripts/key_table.py` writes this list from the sections in `studies`; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this list of the other keys; `<rock>` and `<name>` stand for any name.
 
 """
 
@@ -44,14 +45,16 @@ def _without_required(part: object) -> object:
     return {name: _without_required(part[name]) for name in part if name != "required"}
 
 
-def rows(schema: dict, default: object, path: str):
-    """Generate a row for each key below a path."""
+def rows(schema: dict, default: Any, path: str):
+    """Generate a row for each key below a path, of the sections that have defaults."""
     entries = dict(schema.get("properties", {}))
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
         entries["<rock>" if path == "rocks." else "<name>"] = extra
     before = ""
     for name, entry in entries.items():
+        if not path and name not in default:
+            continue  # the section of an inquiry
         value = default.get(name) if isinstance(default, dict) else None
         section = "properties" in entry or isinstance(entry.get("additionalProperties"), dict)
         if not section or "number" in entry.get("type", ""):  # a key may be either
