@@ -72,7 +72,11 @@ def above(cycle: int, branch: str) -> float:
 
 
 def decimal_ticks(axis: Axis, **locator) -> None:
-    """Label a logarithmic axis by decimal numbers, by default at 1, 2 and 5 of each decade."""
-    axis.set_major_locator(LogLocator(**({"subs": (1.0, 2.0, 5.0)} | locator)))
+    """Label a logarithmic axis by decimal numbers: at 1, 2 and 5, if it is long at 1 and 3."""
+    low, high = axis.get_view_interval()
+    places = (
+        {"subs": (1.0, 2.0, 5.0)} | locator | ({"subs": (1.0, 3.0)} if high > 100 * low else {})
+    )
+    axis.set_major_locator(LogLocator(**places))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
