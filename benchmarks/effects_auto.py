@@ -57,7 +57,7 @@ def pilot_of(seed: int, number: int, kind: str, count: int, asked, joints: int =
     """Make a pilot of new surfaces of a scene; each ``kind`` has its own."""
     conditions, walls = scene(seed, number, asked.cells)
     seeds = (seed_of(seed, kind, number, surface) for surface in range(count))
-    pairs = (jc.wall_pair(spacing=SPACING, seed=each, **walls) for each in seeds)
+    pairs = [jc.wall_pair(spacing=SPACING, seed=each, **walls) for each in seeds]
     return Pilot(pairs, conditions, joints)
 
 

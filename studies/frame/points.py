@@ -115,15 +115,17 @@ def estimated_time(
     A row has ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these,
     NaN where a sample is a single point.
     """
-    closed: dict[str, float] = {}
+    known: dict[str, float] = {}
 
     def seconds(point: Point) -> float:
-        key = repr(point)
-        if key not in closed:
-            if not closed:
-                _seconds_of_one(point)  # loads the kernels
-            closed[key] = _seconds_of_one(point)
-        return closed[key]
+        """Measure the processor time of the first joint of a point, once."""
+        key, surfaces = repr(point), point.settings.surfaces._replace(realizations=1)
+        one = point._replace(settings=point.settings._replace(surfaces=surfaces))
+        if not known:
+            close_points([one], ())  # loads the kernels
+        if key not in known:
+            known[key] = float(close_points([one], ()).seconds.iloc[0])
+        return known[key]
 
     rows = []
     for job, parts in samples.items():
@@ -144,17 +146,6 @@ def estimated_time(
 
 def _mean(times: list[float]) -> Estimate:
     return mean_of(times) if len(times) > 1 else Estimate(times[0], np.nan)
-
-
-def _seconds_of_one(point: Point) -> float:
-    """Measure the processor time of the first joint of a point [s]."""
-    return float(close_points([one_joint(point)], ()).seconds.iloc[0])
-
-
-def one_joint(point: Point) -> Point:
-    """Return the point with only its first realisation."""
-    surfaces = point.settings.surfaces._replace(realizations=1)
-    return point._replace(settings=point.settings._replace(surfaces=surfaces))
 
 
 def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:

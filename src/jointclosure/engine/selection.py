@@ -14,7 +14,7 @@ closure by more than the tolerance. The other quantities are reported.
 """
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -74,6 +74,7 @@ MOST_PAIRS = 20
 """Number of pairs of walls that are closed at most."""
 _CORNER, _POINTS = 16, 4
 _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
+_READ = ["compliance_net" if name == "stiffness_net" else name for name in ASSESSED]
 
 
 def without(scene: Effects, names: tuple[str, ...]) -> Effects | None:
@@ -94,9 +95,9 @@ def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
 
 
 class Closed(NamedTuple):
-    """Closed joint, and its `ASSESSED` (quantity, cycle).
+    """Closed joint, and its `ASSESSED` (quantity, cycle), NaN if it failed.
 
-    The net stiffness is its inverse, as its mean over joints is harmonic. A failed joint has NaN.
+    The net stiffness is its inverse, as its mean over joints is harmonic.
     """
 
     joint: ClosedWalls
@@ -135,12 +136,11 @@ class Pilot:
     ``conditions`` have all effects that may act; ``joints`` will be closed with the selected ones.
     """
 
-    def __init__(self, walls: Iterable[Walls], conditions: Conditions, joints: int):
+    def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
         self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
         self.closed: dict[Effects, list[Closed]] = {}
         self.frozen_seconds = 0.0
-        self._walls, self._pairs = iter(walls), list[Walls]()
-        self._loaded: set[Effects] = set()
+        self._pairs, self._loaded = pairs, set[Effects]()
 
     def values(self, effects: Effects, count: int) -> np.ndarray:
         """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
@@ -151,7 +151,6 @@ class Pilot:
 
     def close(self, number: int, effects: Effects) -> Closed | None:
         """Close the pair of a number with some effects; None if there is no such pair."""
-        self._pairs += itertools.islice(self._walls, max(0, number + 1 - len(self._pairs)))
         return self._close(self._pairs[number], effects) if number < len(self._pairs) else None
 
     def _close(self, walls: Walls, effects: Effects, **changes: Any) -> Closed:
@@ -161,18 +160,15 @@ class Pilot:
             close_walls(upper, lower, stated)
             self._loaded.add(effects)
         joint = closed_walls(walls, stated)
-        row = dict.fromkeys(ASSESSED, np.full(stated.cycle_count, np.nan))
-        row |= read_joint(joint, ASSESSED)
-        row["stiffness_net"] = 1.0 / row["stiffness_net"]
-        return Closed(joint, np.array([row[name] for name in ASSESSED]))
+        row, failed = read_joint(joint, _READ), np.full(stated.cycle_count, np.nan)
+        return Closed(joint, np.array([row.get(name, failed) for name in _READ]))
 
     def predicted(self, fewer: Effects) -> Change:
         """Return the change without interaction, on the final walls of the first joint."""
         first = self.closed[self.effects][0]
-        final = first.joint.final
         scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
         few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
-        with_it, without_it = (self._close(final, scene, **few) for scene in scenes)
+        with_it, without_it = (self._close(first.joint.final, scene, **few) for scene in scenes)
         self.frozen_seconds += with_it.joint.seconds + without_it.joint.seconds
         mean = (without_it.values - with_it.values) / first.values
         parts = np.array([PRIORS[name] for name in ASSESSED])
