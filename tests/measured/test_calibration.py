@@ -1,19 +1,24 @@
 """A joint fitted to its measured closure: the interval covers the mismatch it was made with."""
 
+import itertools
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import closures_at
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.calibration import (
     likelihood_of,
+    logs_of,
     readings_of_curve,
     readings_of_history,
-    simulated_readings,
 )
+from jointclosure.measured.closing import Closing, closed_joints, stresses_of
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
 from jointclosure.plotting.joint import fit_figure
@@ -28,8 +33,25 @@ CONDITIONS = Conditions(SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), PAPE
 WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
 
 
-def walls(number, wavelength):
-    return jc.wall_pair(10.0, SHAPE, SPACING, number, mismatch_wavelength=wavelength)
+class Walls(NamedTuple):
+    """Walls of simulated joints."""
+
+    def pair(self, number, wavelength, scans=None):
+        return jc.wall_pair(10.0, SHAPE, SPACING, number, mismatch_wavelength=wavelength)
+
+
+walls = Walls().pair
+
+
+def closures_of(asked, wavelengths, surfaces, workers=1):
+    """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
+    stresses = stresses_of(asked)
+    closing = Closing(CONDITIONS, asked.cycles, (GRANITE.compressive_strength,), stresses)
+    pairs = itertools.product(wavelengths.tolist(), range(surfaces))
+    joints = {pair: number for number, pair in enumerate(pairs, start=1)}
+    closed = closed_joints(closing, Walls(), None, joints, None, workers, lambda line: None)
+    shape = len(wavelengths), surfaces, asked.cycles, 2, len(stresses)
+    return closed.reshape(shape), np.array(stresses)
 
 
 def curve_of(history):
@@ -42,8 +64,7 @@ def curve_of(history):
 @pytest.fixture(scope="module")
 def simulated(history):
     asked = readings_of_curve(curve_of(history), SEATING)
-    strengths = np.array([GRANITE.compressive_strength])
-    return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10).logs
+    return logs_of(*closures_of(asked, WAVELENGTHS, 10), asked)[:, None]
 
 
 @pytest.fixture(scope="module")
@@ -65,30 +86,22 @@ def test_a_curve_is_read_as_the_history_that_it_was_measured_of(history):
 def test_joints_are_the_same_by_any_number_of_workers_and_their_curves_those_of_the_readings(
     history,
 ):
-    cycles = CONDITIONS._replace(cycles=2)
     asked = readings_of_curve(curve_of(history), SEATING)._replace(
         cycles=2, unloaded=(1, 2), read=()
     )
     asked = asked._replace(values=np.ones(len(asked.places())))
-    strengths, shares = np.array([GRANITE.compressive_strength]), []
-    one, two = (
-        simulated_readings(
-            walls, cycles, asked, WAVELENGTHS[:3], strengths, 1, workers, shares.append
-        )
-        for workers in (1, 2)
-    )
-    for first, second in zip(one, two, strict=True):
-        np.testing.assert_array_equal(first, second)
-    assert np.isfinite(one.logs).all()
-    assert shares == 2 * [1 / 3, 2 / 3, 1.0]
-    # curves count from the seating of their cycle, at stresses from the seating on
-    loading, unloading = np.moveaxis(one.closures[:, 0, 0], 2, 0)
-    assert (one.stresses[0], one.stresses[-1]) == (SEATING, asked.levels[-1])
-    np.testing.assert_array_equal(loading[:, :, 0], 0.0)
-    readings = np.exp(one.logs[:, 0, 0]).reshape(3, 2, -1)  # of both cycles, the last recovered
+    one, two = (closures_of(asked, WAVELENGTHS[:3], 1, workers) for workers in (1, 2))
+    np.testing.assert_array_equal(one[0], two[0])
+    closures, stresses = one
+    readings = np.exp(logs_of(closures, stresses, asked))[:, 0].reshape(3, 2, -1)
+    assert np.isfinite(readings).all()  # of both cycles, the last recovered
+    loading, unloading = np.moveaxis(closures[:, 0] - closures[:, 0, :, :1, :1], 2, 0)
+    assert (stresses[0], stresses[-1]) == (SEATING, asked.levels[-1])
     np.testing.assert_allclose(loading[:, :, -1], readings[:, :, -2], rtol=1e-12)
     recovered = loading[:, :, -1] - unloading[:, :, 0]
     np.testing.assert_allclose(recovered, readings[:, :, -1], rtol=1e-12)
+    whole = close_walls(*walls(1, WAVELENGTHS[0]), CONDITIONS._replace(cycles=2))
+    np.testing.assert_array_equal(closures[0, 0], closures_at(whole, stresses))
 
 
 def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
@@ -159,7 +172,18 @@ def lab(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(lab):
-    return fit(lab, jrc=10.0, **ABOUT)
+    return fit(lab, jrc=10.0, **ABOUT, cache=lab.parent)
+
+
+def test_joints_of_a_fit_are_kept_and_not_closed_again(found, lab, capsys):
+    again = fit(lab, jrc=10.0, **ABOUT, cache=lab.parent, progress=True)
+    assert "closed" not in capsys.readouterr().out
+    assert again.p_value == found.p_value
+    (joint, *_) = lab.parent.glob("wavelength_*.nc")
+    joint.unlink()
+    again = fit(lab, jrc=10.0, **ABOUT, cache=lab.parent, progress=True)
+    assert "closed: 1 of 1" in capsys.readouterr().out
+    assert again.p_value == found.p_value
 
 
 def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):

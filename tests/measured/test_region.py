@@ -9,6 +9,7 @@ from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
+from jointclosure.measured.closing import Later
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import (
@@ -17,7 +18,6 @@ from jointclosure.measured.region import (
     NEITHER,
     NUMERICS,
     STRENGTHS,
-    Later,
     validate,
 )
 from jointclosure.plotting.region import region_figure

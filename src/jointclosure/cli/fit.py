@@ -32,7 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output:
         from jointclosure.plotting.joint import fit_figure
     stated = options.measured_joint_of(arguments, fit, RESOLVED)
-    result = fit(**stated, progress=True)
+    cache = arguments.output / "joints" if arguments.output else None
+    result = fit(**stated, cache=cache, progress=True)
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
         record = _record(result) | {"provenance": results.attributes(stated)}

@@ -15,6 +15,7 @@ import xarray as xr
 from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.progress import Countdown
 from jointclosure.engine.workers import Failed, ProcessLostError, shared
+from jointclosure.inputs import InputError
 from jointclosure.storage.logs import logging_to, measured
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
@@ -71,11 +72,13 @@ def make_missing(
     report: Callable[[str], None],
     title: str = "closed",
     prepare: Callable[[], object] = lambda: None,
+    apart: bool = True,
 ) -> None:
     """Make the files of entries that are not kept, each with its log and benchmark.
 
-    ``prepare`` is called before the processes start, if anything is missing. If some could not be
-    made, `RuntimeError` is raised after all others are.
+    ``prepare`` is called before the processes start, if anything is missing. ``apart`` is as for
+    `shared`. If some could not be made, an error is raised after all others are: `InputError` if
+    that was the first reason, or else `RuntimeError`.
     """
     entries = list(entries)
     missing = [entry for entry in entries if not is_kept(entry, folder)]
@@ -88,16 +91,19 @@ def make_missing(
     for entry in missing:
         entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
     done = Countdown(title, sum(entry.joints for entry in missing), report)
-    failed = []
+    failed: list[Exception] = []
+    reasons: list[str] = []
     tasks = [(entry, entry.key, folder) for entry in missing]
-    for place, answer in shared(_make, tasks, workers, apart=True):
+    for place, answer in shared(_make, tasks, workers, apart):
         if isinstance(answer, Failed):
-            failed.append(_described(missing[place], answer.error))
-            report(failed[-1])
+            failed.append(answer.error)
+            reasons.append(_described(missing[place], answer.error))
+            report(reasons[-1])
         else:
             done(missing[place].joints)
     if failed:
-        raise RuntimeError(f"{len(failed)} of {len(entries)} could not be made: {failed[0]}")
+        kind = InputError if isinstance(failed[0], InputError) else RuntimeError
+        raise kind(f"{len(failed)} of {len(entries)} could not be made: {reasons[0]}")
 
 
 def _make(entry: Entry, key: str, folder: Path) -> None:

@@ -6,22 +6,16 @@ are compared with the mean and the scatter of theirs.
 """
 
 import itertools
-from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import scipy
 import xarray as xr
 
-from jointclosure.engine.workers import Failed, shared
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
-from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.parameters import both_walls
 
 PARTS = (0.25, 0.5, 1.0)
 """Stresses at which closures of a loading are read, as shares of the range above seating."""
@@ -199,53 +193,11 @@ def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Read
     return np.stack(values, axis=-1)
 
 
-def simulated_readings(
-    walls: Callable[[int, float], tuple[np.ndarray, np.ndarray]],
-    conditions: Conditions,
-    asked: Readings,
-    wavelengths: np.ndarray,
-    strengths: np.ndarray,
-    surfaces: int,
-    workers: int = 1,
-    report: Callable[[float], None] = lambda share: None,
-) -> Simulated:
-    """Close joints at all wavelengths and strengths, and read them as a measured curve."""
-    shape = (len(wavelengths), len(strengths), surfaces)
-    intact = both_walls(conditions.rock)[0]
-    logs = np.full((*shape, asked.values.size), np.nan)
-    stresses = np.linspace(asked.seating, asked.levels[-1], CURVE_POINTS)
-    closures = np.full((*shape, asked.cycles, 2, CURVE_POINTS), np.nan)
-    places, tasks = [(i, j, k) for k, i, j in np.ndindex(surfaces, *shape[:2])], []
-    for i, j, k in places:
-        rock = intact._replace(compressive_strength=float(strengths[j]))
-        made = partial(
-            walls, int(np.ravel_multi_index((i, j, k), shape)) + 1, float(wavelengths[i])
-        )
-        tasks.append((made, conditions._replace(rock=rock), asked, stresses))
-    # the first alone, because it may compile the kernels
-    rest = ((task + 1, answer) for task, answer in shared(_read_joint, tasks[1:], workers))
-    answers = itertools.chain(shared(_read_joint, tasks[:1], 1), rest)
-    for count, (task, answer) in enumerate(answers, start=1):
-        if isinstance(answer, Failed):
-            raise answer.error
-        logs[places[task]], closures[places[task]] = answer
-        report(count / len(tasks))
-    return Simulated(logs, closures, stresses)
-
-
-def _read_joint(
-    walls: Callable[..., tuple[np.ndarray, np.ndarray]],
-    conditions: Conditions,
-    asked: Readings,
-    stresses: np.ndarray,
-):
-    """Close a joint, and return its entries of `Simulated.logs` and `closures`, or NaN."""
-    closed = close_walls(*walls(), conditions)
-    values = readings_of_history(closed, asked)
-    if closed.status >= FAILURE or not np.all(values > 0.0):
-        return np.nan, np.nan
-    along = closures_at(closed, stresses)
-    return np.log(values), along - along[:, :1, :1]
+def logs_of(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
+    """Return logarithms of readings (..., n) of closures as above, NaN where one is not above 0."""
+    with np.errstate(invalid="ignore"):
+        values = readings_of_closures(closures, stresses, asked)
+        return np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))
 
 
 def joints_needed(nodes: tuple[int, ...], readings: int) -> int:

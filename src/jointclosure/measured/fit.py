@@ -1,16 +1,12 @@
 """Fit of a joint to its measured closure: mismatch wavelength, or strength of scanned walls."""
 
 import math
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from jointclosure.engine.progress import bar, duration
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError
@@ -23,13 +19,14 @@ from jointclosure.measured.calibration import (
     Readings,
     Simulated,
     likelihood_of,
-    simulated_readings,
+    logs_of,
 )
+from jointclosure.measured.closing import Closing, closed_joints, stresses_of
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import (
     JointKeywords,
     asked_joints,
-    check_surfaces,
+    check_joints,
     takes_joint,
 )
 from jointclosure.parameters import Numerics
@@ -170,6 +167,7 @@ def fit(
     first_loading: bool = False,
     numerics: Numerics = RESOLVED,
     simulated: Simulated | None = None,
+    cache: str | Path | None = None,
     workers: int | None = None,
     progress: bool = False,
     **joint: Unpack[JointKeywords],
@@ -194,6 +192,8 @@ def fit(
     simulated : Simulated, optional
         Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
         which are then not closed again.
+    cache : path, optional
+        Folder where closed joints are kept; a run with the same joints closes only what is missing.
     workers : int, optional
         Number of processes, by default that of the processors available to this process. It does
         not affect the result.
@@ -225,20 +225,33 @@ def fit(
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
     conditions = Conditions(
-        given.walls.spacing, given.rock, float(measured.levels[-1]), measured.cycles,
-        measured.seating, given.joint.effects, given.joint.choices, numerics,
-    ).checked()  # fmt: skip
+        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating,
+        given.joint.effects, given.joint.choices, numerics,
+    )  # fmt: skip
+    conditions.checked()
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = usual * factors
     surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
-    check_surfaces(given, strengths.size)
-    walls = partial(given.walls.pair, scans=given.scans)
+    check_joints(given, strengths.size)
     if simulated is None:
-        with _shown(surfaces) if progress else nullcontext(lambda share: None) as report:
-            simulated = simulated_readings(
-                walls, conditions, measured, wavelengths, strengths, surfaces,
-                number_of_workers(workers), report,
-            )  # fmt: skip
+        stresses = stresses_of(measured)
+        closing = Closing(
+            conditions, measured.cycles, tuple(strengths.tolist()), stresses,
+            stride=surfaces,
+        )  # fmt: skip
+        firsts = {
+            (float(wavelength), k): 1 + k + surfaces * strengths.size * i
+            for k in range(surfaces)
+            for i, wavelength in enumerate(wavelengths)
+        }
+        report = partial(print, flush=True) if progress else lambda line: None
+        closures = closed_joints(
+            closing, given.walls, given.scans, firsts, cache, number_of_workers(workers), report
+        )
+        closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])[:, :, 0]
+        closures = closures.transpose(1, 2, 0, 3, 4, 5)
+        logs = logs_of(closures, np.array(stresses), measured)
+        simulated = Simulated(logs, closures - closures[..., :1, :1], np.array(stresses))
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
@@ -247,26 +260,6 @@ def fit(
     strength = likelihood.interval(1) if fit_strength else None
     of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve, bool(pair)
     return Fit(wavelength, strength, likelihood.p_value, *of_joints)
-
-
-@contextmanager
-def _shown(surfaces: int) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar, and print the remaining time when each kind of joint was closed once.
-
-    The first joint does not count, because it may have compiled the kernels.
-    """
-    with bar("closing") as show:
-        first: list[float] = []
-
-        def report(share: float) -> None:
-            show(share, "")
-            first.extend([share, time.perf_counter()] if not first else [])
-            if math.isclose(share, 1.0 / surfaces):
-                spent = time.perf_counter() - first[1]
-                left = (1.0 - share) / (share - first[0]) * spent
-                print(f"about {duration(left)} until the last joint is closed", flush=True)
-
-        yield report
 
 
 def _stated(

@@ -224,8 +224,9 @@ def asked_joints(
     return AskedJoints(given, intact, curve, measured, walls, lengths, pair, arrays)
 
 
-def check_surfaces(asked: AskedJoints, strengths: int) -> None:
-    """Raise `InputError` for fewer joints than readings at all wavelengths and strengths take."""
+def check_joints(asked: AskedJoints, strengths: int) -> None:
+    """Raise `InputError` for walls that cannot be made, and fewer joints than readings take."""
+    asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
     nodes, surfaces = (asked.wavelengths.size, strengths), asked.joint.surfaces
     needed, count = joints_needed(nodes, asked.measured.values.size), math.prod(nodes)
     if surfaces * count < needed:

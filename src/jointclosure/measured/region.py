@@ -9,50 +9,45 @@ of the surfaces, of the measurement and of the numerical error
 """
 
 import math
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
-from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import closures_at
-from jointclosure.joint.protocol import FAILURE
-from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.warmup import compile_kernels
 from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
     CONFIDENCE,
-    CURVE_POINTS,
     Likelihood,
     Readings,
     likelihood_of,
+    logs_of,
     readings_of_closures,
+)
+from jointclosure.measured.closing import (
+    Closing,
+    Later,
+    changed,
+    closed_joints,
+    stresses_of,
 )
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import (
-    AskedJoints,
     JointKeywords,
-    SimulatedWalls,
     asked_joints,
-    check_surfaces,
+    check_joints,
     takes_joint,
 )
 from jointclosure.parameters import Choices, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import mean_of, percent, rounded, significant
-from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.walls.pairs import shifted
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
@@ -66,13 +61,6 @@ SAMPLES = 4000
 """Random joints of which intervals of a quantity are computed."""
 NEITHER = "neither"
 _CHECK = "check rock, roughness, roll-off, size and units"
-
-
-class Later(NamedTuple):
-    """What differs after the first loading: shift of the upper wall [cells], and a choice."""
-
-    shift: int = 0
-    crushed_strength_ratio: float = 1.0
 
 
 class Mechanism(NamedTuple):
@@ -328,35 +316,30 @@ def validate(
         given.joint.effects, choices, numerics,
     )  # fmt: skip
     for strength, (_, later) in ((end, later) for end in ends for later in laters):
-        _changed(conditions, strength, later).checked()
-    given.walls.pair(1, float(wavelengths[0]), given.scans)  # refuses what walls cannot be made of
+        changed(conditions, strength, later).checked()
     nodes = wavelengths.size, tried.size
-    check_surfaces(given, tried.size)
+    check_joints(given, tried.size)
     assumed = given.assumed(ends)
     assumed += f"; closures measured to {percent(closure_error)}, 95 % confidence"
     for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
         report(line)
     again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
     report(f"{surfaces * math.prod(nodes)} joints are closed{again}, as far as they are not kept")
-    stresses = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
-    stresses = np.unique(np.concatenate([stresses, measured.levels]))
-    asked = _Asked(
-        conditions, measured.cycles, tuple(tried.tolist()), tuple(later for _, later in laters),
-        tuple(stresses.tolist()),
+    stresses = np.array(stresses_of(measured))
+    closing = Closing(
+        conditions, measured.cycles, tuple(tried.tolist()), tuple(stresses.tolist()),
+        tuple(later for _, later in laters),
     )  # fmt: skip
-    count = tried.size
     firsts = {
-        (i, k): 1 + count * (k * wavelengths.size + i)
+        (float(wavelength), k): 1 + tried.size * (k * wavelengths.size + i)
         for k in range(surfaces)
-        for i in range(wavelengths.size)
+        for i, wavelength in enumerate(wavelengths)
     }
     how = cache, number_of_workers(workers), report
-    closures = _closed(asked, given, firsts, "", *how)
+    closures = closed_joints(closing, given.walls, given.scans, firsts, *how)
     closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])
     closures = closures.transpose(2, 1, 3, 0, 4, 5, 6)
-    with np.errstate(invalid="ignore"):
-        values = readings_of_closures(closures, stresses, measured)
-        logs = np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))
+    logs = logs_of(closures, stresses, measured)
     numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
     error = math.hypot(closure_error, numerical)
     compared: list[Compared] = []
@@ -381,11 +364,13 @@ def validate(
         return region
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
     finer = coarser(numerics, 1.0 / FINER) if numerics.breakage == "resolved" else RESOLVED
-    asked = asked._replace(
-        conditions=conditions._replace(numerics=finer), strengths=(asked.strengths[j],),
+    closing = closing._replace(
+        conditions=conditions._replace(numerics=finer), strengths=(closing.strengths[j],),
         laters=(compared[kind].later,),
     )  # fmt: skip
-    fine = _closed(asked, given, {(i, k): firsts[i, k] + j for k in range(CHECKED)}, "finer_", *how)
+    nearest = {(w, k): first + j for (w, k), first in firsts.items() if w == wavelengths[i]}
+    nearest = dict(list(nearest.items())[:CHECKED])
+    fine = closed_joints(closing, given.walls, given.scans, nearest, *how)
     both = region.closures[kind, i, j, :CHECKED], fine[:, 0, 0]
     return region._replace(numerical=_changes(*both, stresses, measured))
 
@@ -399,100 +384,11 @@ def _changes(
     for (name, (unit, one)), (_, two) in zip(
         *(quantities(read, measured).items() for read in values), strict=True
     ):
-        ratios = (one / two[1])[np.isfinite(one / two[1])] - 1.0
-        if unit != "%" and ratios.size:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = one / two[1] - 1.0
+        if unit != "%" and np.isfinite(ratios).all():
             changes[name] = mean_of(ratios)
     return changes
-
-
-class _Asked(NamedTuple):
-    """What is closed at each strength and after the first loading, and the stresses of readings."""
-
-    conditions: Conditions
-    cycles: int
-    strengths: tuple[float, ...]
-    laters: tuple[Later, ...]
-    stresses: tuple[float, ...]
-
-
-def _changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
-    """Return the conditions of a strength, and of loadings after the first."""
-    rock = conditions.rock._replace(compressive_strength=strength)
-    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
-    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
-    return conditions._replace(rock=rock, choices=choices)
-
-
-def _closed(
-    asked: _Asked,
-    joints: AskedJoints,
-    firsts: Mapping[tuple[int, int], int],
-    name: str,
-    cache: str | Path | None,
-    workers: int,
-    report: Callable[[str], None],
-) -> np.ndarray:
-    """Close what is not kept; closures (places, laters, strengths, cycles, 2, stresses) [m].
-
-    ``firsts`` are numbers of the joints of the first strength by place: of wavelength and surface.
-    """
-    entries = [
-        Entry(
-            f"{name}wavelength_{i}_surface_{k}", close_surface,
-            (asked, joints.walls, first, float(joints.wavelengths[i])),
-            options={"scans": joints.scans}, joints=len(asked.strengths),
-        )
-        for (i, k), first in firsts.items()
-    ]  # fmt: skip
-    given = asked.conditions
-
-    def compile_first() -> None:
-        kernels = given.effects, given.choices, given.numerics.solver, given.numerics.breakage
-        compile_kernels(*kernels)
-
-    with _folder(cache) as folder:
-        make_missing(entries, folder, workers, report, prepare=compile_first)
-        return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
-
-
-@contextmanager
-def _folder(cache: str | Path | None) -> Iterator[Path]:
-    """Yield the folder of a cache, by default one that is removed afterwards."""
-    if cache is not None:
-        yield Path(cache)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        yield Path(folder)
-
-
-def close_surface(
-    asked: _Asked, walls: SimulatedWalls, first: int, wavelength: float, *, scans: Any, report: Any
-) -> xr.Dataset:
-    """Close a surface at each strength, and all that may follow its first loading; NaN if failed.
-
-    The later loadings of walls that were not shifted are those of one history.
-    """
-    stresses = np.array(asked.stresses)
-    shape = len(asked.laters), len(asked.strengths), asked.cycles, 2, stresses.size
-    closures = np.full(shape, np.nan)
-    for number, strength in enumerate(asked.strengths):
-        pair = walls.pair(first + number, wavelength, scans)
-        once = close_walls(*pair, _changed(asked.conditions, strength, Later()))
-        if once.status >= FAILURE:
-            report(f"joint {first + number}: status {int(once.status)}")
-            continue
-        closures[:, number, :1] = closures_at(once, stresses)
-        crushed = once.upper_final.values, once.lower_final.values
-        for place, later in enumerate(asked.laters if asked.cycles > 1 else ()):
-            conditions = _changed(asked.conditions, strength, later)
-            conditions = conditions._replace(cycles=asked.cycles - 1)
-            seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
-            again = close_walls(*seated, conditions, pristine=pristine)
-            if again.status < FAILURE:
-                closures[place, number, 1:] = closures_at(again, stresses)
-        report(f"joint {first + number} of {strength:.3g} Pa closed")
-    dims = ("later", "strength", "cycle", "branch", "stress")
-    return xr.Dataset({"closure": (dims, closures, {"units": "m"})})
 
 
 def _laters(

@@ -1,0 +1,139 @@
+"""Joints that are closed beside a measured curve, and kept in a folder."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.cache import Entry, make_missing
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import closures_at
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.warmup import compile_kernels
+from jointclosure.measured.calibration import CURVE_POINTS, Readings
+from jointclosure.measured.joints import SimulatedWalls
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls.pairs import shifted
+
+
+class Later(NamedTuple):
+    """What differs after the first loading: shift of the upper wall [cells], and a choice."""
+
+    shift: int = 0
+    crushed_strength_ratio: float = 1.0
+
+
+class Closing(NamedTuple):
+    """How joints are closed: at strengths [Pa], read at stresses [Pa], and after the first loading.
+
+    ``conditions`` are those of the first cycle. Joints of neighbouring strengths are ``stride``
+    numbers apart.
+    """
+
+    conditions: Conditions
+    cycles: int
+    strengths: tuple[float, ...]
+    stresses: tuple[float, ...]
+    laters: tuple[Later, ...] = (Later(),)
+    stride: int = 1
+
+
+def stresses_of(measured: Readings) -> tuple[float, ...]:
+    """Return the stresses [Pa] at which joints are read: those of a curve, and those read of it."""
+    even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
+    return tuple(np.unique(np.concatenate([even, measured.levels])).tolist())
+
+
+def changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
+    """Return the conditions of a strength, and of loadings after the first."""
+    rock = conditions.rock._replace(compressive_strength=strength)
+    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
+    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
+    return conditions._replace(rock=rock, choices=choices)
+
+
+def closed_joints(
+    closing: Closing,
+    walls: SimulatedWalls,
+    scans: Any,
+    joints: Mapping[tuple[float, int], int],
+    cache: str | Path | None,
+    workers: int,
+    report: Callable[[str], None],
+) -> np.ndarray:
+    """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
+
+    ``joints`` are the numbers of those of the first strength, by wavelength [m] and surface. A
+    joint that failed has NaN.
+    """
+    given, numerics = closing.conditions, closing.conditions.numerics
+    entries = [
+        Entry(
+            f"wavelength_{1e6 * length:.4g}um_surface_{surface}_to_{numerics.tolerance:.4g}",
+            close_surface, (closing, walls, first, length), {"scans": scans},
+            joints=len(closing.strengths),
+        )
+        for (length, surface), first in joints.items()
+    ]  # fmt: skip
+
+    def compile_first() -> None:
+        compile_kernels(given.effects, given.choices, numerics.solver, numerics.breakage)
+
+    with _folder(cache) as folder:
+        make_missing(entries, folder, workers, report, prepare=compile_first, apart=False)
+        return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
+
+
+@contextmanager
+def _folder(cache: str | Path | None) -> Iterator[Path]:
+    """Yield the folder of a cache, by default one that is removed afterwards."""
+    if cache is not None:
+        yield Path(cache)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def close_surface(
+    closing: Closing,
+    walls: SimulatedWalls,
+    first: int,
+    wavelength: float,
+    *,
+    scans: Any,
+    report: Any,
+) -> xr.Dataset:
+    """Close a surface at each strength, and all that may follow its first loading.
+
+    If nothing differs after it, all loadings are of one history.
+    """
+    stresses = np.array(closing.stresses)
+    shape = len(closing.laters), len(closing.strengths), closing.cycles, 2, stresses.size
+    closures = np.full(shape, np.nan)
+    several = closing.laters != (Later(),)
+    for place, strength in enumerate(closing.strengths):
+        number = first + closing.stride * place
+        conditions = changed(closing.conditions, strength, Later())
+        pair = walls.pair(number, wavelength, scans)
+        cycles = 1 if several else closing.cycles
+        once = close_walls(*pair, conditions._replace(cycles=cycles))
+        if once.status >= FAILURE:
+            report(f"joint {number}: status {int(once.status)}")
+            continue
+        closures[:, place, :cycles] = closures_at(once, stresses)
+        crushed = once.upper_final.values, once.lower_final.values
+        for kind, later in enumerate(closing.laters if cycles < closing.cycles else ()):
+            conditions = changed(closing.conditions, strength, later)
+            conditions = conditions._replace(cycles=closing.cycles - 1)
+            seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
+            again = close_walls(*seated, conditions, pristine=pristine)
+            if again.status < FAILURE:
+                closures[kind, place, 1:] = closures_at(again, stresses)
+        report(f"joint {number} of {strength:.3g} Pa closed")
+    dims = ("later", "strength", "cycle", "branch", "stress")
+    return xr.Dataset({"closure": (dims, closures, {"units": "m"})})
