@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, NamedTuple
 
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import check_count
 
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PR_SET_PDEATHSIG = 1
@@ -38,9 +38,7 @@ def number_of_workers(workers: int | None) -> int:
     if workers is None:
         affinity = getattr(os, "sched_getaffinity", None)
         return len(affinity(0)) if affinity else os.cpu_count() or 1
-    check_number("workers", workers, whole=True)
-    if workers < 1:
-        raise InputError(f"workers = {workers!r}: must be at least 1")
+    check_count("workers", workers)
     return workers
 
 
