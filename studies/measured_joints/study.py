@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.joint.simulation import close_walls
+from jointclosure.engine.joints import closed_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.pairs import CrushedWalls, shifted
@@ -100,8 +100,7 @@ def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
     conditions = settings.conditions()._replace(cycles=1)
     for pair in walls_of(settings.surfaces):
-        closed = close_walls(*pair, conditions)
-        crushed = closed.upper_final.values, closed.lower_final.values
+        crushed = closed_walls(pair, conditions).final
         yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
 
 

@@ -23,7 +23,7 @@ from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -210,13 +210,9 @@ def assess(
 
 def check_request(given: Conditions, within: float = 0.05, budget: float | None = None) -> None:
     """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
-    asked: dict[str, tuple[float, float]] = {"within": (within, 1.0)}
+    check_below("within", within, 1.0)
     if budget is not None:
-        asked["budget"] = budget, LARGEST_BUDGET
-    for name, (value, most) in asked.items():
-        check_number(name, value)
-        if not 0.0 < value < most:
-            raise InputError(f"{name} = {value!r}: must lie between 0 and {most:g}")
+        check_below("budget", budget, LARGEST_BUDGET)
     given.checked()
 
 

@@ -12,7 +12,7 @@ from jointclosure.engine.joints import Reading, close_joint, stacked
 from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -77,9 +77,7 @@ def simulate_ensemble(
         If there is nothing to close, or if no joint could be closed; the message is that of the
         first joint.
     """
-    check_number("stress_points", stress_points, whole=True)
-    if stress_points < 2:
-        raise InputError(f"stress_points = {stress_points!r}: must be at least 2")
+    check_count("stress_points", stress_points, 2)
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
     spacing = stated.grid_spacing
     conditions = stated.checked()

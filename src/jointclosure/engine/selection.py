@@ -24,7 +24,7 @@ import scipy
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
 from jointclosure.engine.joints import closed_walls, read_joint
 from jointclosure.engine.quantities import ClosedWalls
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import check_below, check_count
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -314,12 +314,8 @@ def choose_effects(
         `jointclosure.simulate` refuses an argument.
     """
     stated = conditions_from(conditions, changes, "choose_effects")
-    check_number("tolerance", tolerance)
-    if not 0.0 < tolerance < 1.0:
-        raise InputError(f"tolerance = {tolerance!r}: must lie between 0 and 1")
-    check_number("joints", joints, whole=True)
-    if joints < 1:
-        raise InputError(f"joints = {joints}: must be at least 1")
+    check_below("tolerance", tolerance, 1.0)
+    check_count("joints", joints)
     pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), stated.spacing)
     stated = stated._replace(spacing=spacing).checked()
     if not stated.unusual_values:

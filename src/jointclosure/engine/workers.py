@@ -15,9 +15,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
+from functools import partial
 from typing import Any, NamedTuple
 
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import check_count
 
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PR_SET_PDEATHSIG = 1
@@ -38,9 +40,7 @@ def number_of_workers(workers: int | None) -> int:
     if workers is None:
         affinity = getattr(os, "sched_getaffinity", None)
         return len(affinity(0)) if affinity else os.cpu_count() or 1
-    check_number("workers", workers, whole=True)
-    if workers < 1:
-        raise InputError(f"workers = {workers!r}: must be at least 1")
+    check_count("workers", workers)
     return workers
 
 
@@ -55,14 +55,11 @@ def shared(
         for place, task in enumerate(tasks):
             yield place, _answer(function, task)
         return
-    with _Workers() as pool, ThreadPoolExecutor(min(workers, len(tasks) or 1)) as threads:
-        waiting = {threads.submit(pool.ask, function, task): i for i, task in enumerate(tasks)}
-        try:
-            for done in as_completed(waiting):
-                yield waiting[done], done.result()
-        finally:  # tasks whose results are not requested are not started
-            threads.shutdown(wait=False, cancel_futures=True)
-            pool.stop()
+    pool = _Workers()
+    try:
+        yield from _as_finished(partial(pool.ask, function), tasks, workers, pool.stop)
+    finally:  # a thread may have started one when all were stopped
+        pool.stop()
 
 
 def in_threads(
@@ -79,14 +76,21 @@ def in_threads(
         if ended.is_set():
             raise InterruptedError
 
-    with ThreadPoolExecutor(threads) as pool:
-        waiting = {pool.submit(function, task, going_on): at for at, task in enumerate(tasks)}
+    yield from _as_finished(lambda task: function(task, going_on), tasks, threads, ended.set)
+
+
+def _as_finished(
+    call: Callable[[Any], Any], tasks: Sequence[Any], threads: int, stop: Callable[[], None]
+) -> Iterator[tuple[int, Any]]:
+    """Generate (place, result) of tasks in threads; ``stop`` ends those that go on at the end."""
+    with ThreadPoolExecutor(max(1, min(threads, len(tasks)))) as pool:
+        waiting = {pool.submit(call, task): place for place, task in enumerate(tasks)}
         try:
             for done in as_completed(waiting):
                 yield waiting[done], done.result()
-        finally:
-            ended.set()
+        finally:  # tasks whose results are not requested are not started
             pool.shutdown(wait=False, cancel_futures=True)
+            stop()
 
 
 class _Workers:
@@ -95,12 +99,6 @@ class _Workers:
     def __init__(self) -> None:
         self._of_thread = threading.local()
         self._all: list[subprocess.Popen] = []
-
-    def __enter__(self) -> "_Workers":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
 
     def ask(self, function: Callable[..., Any], task: tuple) -> Any:
         """Return the answer of the worker of this thread."""
@@ -136,12 +134,9 @@ class _Workers:
         for worker in self._all:
             worker.kill()
             worker.wait()
-            for pipe in (worker.stdin, worker.stdout):
-                if pipe is not None:
-                    try:
-                        pipe.close()
-                    except BrokenPipeError:  # the worker has already ended
-                        continue
+            for pipe in filter(None, (worker.stdin, worker.stdout)):
+                with suppress(BrokenPipeError):  # the worker has already ended
+                    pipe.close()
 
 
 def _answer(function: Callable[..., Any], task: tuple) -> Any:

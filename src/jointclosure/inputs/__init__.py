@@ -68,6 +68,20 @@ def real_array(name: str, values: ArrayLike) -> np.ndarray:
     return numbers
 
 
+def check_count(name: str, value: int, least: int = 1) -> None:
+    """Raise `InputError` unless a value is a whole number, and not less than the least."""
+    check_number(name, value, whole=True)
+    if value < least:
+        raise InputError(f"{name} = {value!r}: must be at least {least}")
+
+
+def check_below(name: str, value: float, limit: float) -> None:
+    """Raise `InputError` unless a number lies between 0 and a limit, without both."""
+    check_number(name, value)
+    if not 0.0 < value < limit:
+        raise InputError(f"{name} = {value!r}: must lie between 0 and {limit:g}")
+
+
 def check_number(name: str, value: object, whole: bool = False) -> None:
     """Raise `InputError` unless a value is a real (or whole) number that is not a boolean."""
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
@@ -75,13 +89,6 @@ def check_number(name: str, value: object, whole: bool = False) -> None:
         raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
     if not whole and isinstance(value, int) and abs(value) > sys.float_info.max:
         raise InputError(f"{name} = {value!r}: must be a number that fits in double precision")
-
-
-def check_seed(name: str, value: int) -> None:
-    """Raise `InputError` unless a seed is a whole number and not negative."""
-    check_number(name, value, whole=True)
-    if value < 0:
-        raise InputError(f"{name} = {value!r}: must be 0 or above")
 
 
 def check_length(name: str, value: float) -> None:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Required, TypedDict
 import numpy as np
 
 from jointclosure.engine.scanned_joint import Wall, registered_walls
-from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
+from jointclosure.inputs import InputError, check_count, check_number, check_positive, naming
 from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.conditions import usual_seating
 from jointclosure.joint.rocks import named_rock
@@ -304,5 +304,5 @@ def _checked(shape: tuple[int, int] | None, given: MeasuredJoint) -> tuple[int, 
     check_number("closure_error", closure_error)
     if not 0.0 < closure_error <= 1.0:
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
-    check_seed("seed", given.seed)
+    check_count("seed", given.seed, 0)
     return shape

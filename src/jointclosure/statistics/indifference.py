@@ -37,7 +37,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from jointclosure.inputs import InputError, check_number, real_array
+from jointclosure.inputs import InputError, check_count, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import resampled
 
@@ -276,9 +276,7 @@ def checked(
         raise InputError(
             f"standard_deviations: the smallest is {deviations.min()}, must not be negative"
         )
-    check_number("samples", samples, whole=True)
-    if samples < 2:
-        raise InputError(f"samples = {samples!r}: must be a whole number from 2 on")
+    check_count("samples", samples, 2)
     check_significance(significance)
     base = levels[levels.size // 2] if base is None else base
     if base not in levels:

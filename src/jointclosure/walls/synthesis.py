@@ -9,11 +9,11 @@ import scipy.fft
 
 from jointclosure.inputs import (
     InputError,
+    check_count,
     check_length,
     check_number,
     check_one_of,
     check_positive,
-    check_seed,
 )
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
@@ -203,7 +203,7 @@ def wall_pair(
     """
     check_number("jrc", jrc)
     check_positive("spacing", spacing, "m")
-    check_seed("seed", seed)
+    check_count("seed", seed, 0)
     check_one_of("normalise", normalise, NORMALISATIONS)
     _check(shape, hurst, correlation, shift_in_cells)
     check_mismatch(mismatch_wavelength, correlation)
