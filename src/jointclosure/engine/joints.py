@@ -1,4 +1,4 @@
-"""Joints closed, timed and read: one, and all of a case."""
+"""Joints that are closed, timed and read, and datasets of many."""
 
 import time
 from collections.abc import Iterable, Sequence
