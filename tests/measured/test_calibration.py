@@ -1,6 +1,6 @@
 """A joint fitted to its measured closure: the interval covers the mismatch it was made with."""
 
-import itertools
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from jointclosure.measured.calibration import (
     readings_of_curve,
     readings_of_history,
 )
-from jointclosure.measured.closing import Closing, closed_joints, stresses_of
+from jointclosure.measured.closing import Closing, Keeping, closed_grid, stresses_of
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
 from jointclosure.plotting.joint import fit_figure
@@ -47,11 +47,12 @@ def closures_of(asked, wavelengths, surfaces, workers=1):
     """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
     stresses = stresses_of(asked)
     closing = Closing(CONDITIONS, asked.cycles, (GRANITE.compressive_strength,), stresses)
-    pairs = itertools.product(wavelengths.tolist(), range(surfaces))
-    joints = {pair: number for number, pair in enumerate(pairs, start=1)}
-    closed = closed_joints(closing, Walls(), None, joints, None, workers, lambda line: None)
-    shape = len(wavelengths), surfaces, asked.cycles, 2, len(stresses)
-    return closed.reshape(shape), np.array(stresses)
+    given = SimpleNamespace(
+        joint=SimpleNamespace(surfaces=surfaces), wavelengths=wavelengths, walls=Walls(), scans=None
+    )
+    keeping = Keeping(None, workers, lambda line: None)
+    closed = closed_grid(closing, given, lambda i, k: 1 + k + surfaces * i, keeping)
+    return closed[0, :, 0], np.array(stresses)
 
 
 def curve_of(history):

@@ -10,13 +10,15 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
+from jointclosure.engine.workers import number_of_workers
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.measured.calibration import CURVE_POINTS, Readings
-from jointclosure.measured.joints import SimulatedWalls
+from jointclosure.measured.joints import AskedJoints, SimulatedWalls
+from jointclosure.parameters import Numerics
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.pairs import shifted
 
@@ -57,35 +59,61 @@ def changed(conditions: Conditions, strength: float, later: Later) -> Conditions
     return conditions._replace(rock=rock, choices=choices)
 
 
+def first_conditions(asked: AskedJoints, numerics: Numerics) -> Conditions:
+    """Return the conditions of the first cycle."""
+    measured, joint = asked.measured, asked.joint
+    return Conditions(
+        asked.walls.spacing, asked.rock, float(measured.levels[-1]), 1, measured.seating,
+        joint.effects, joint.choices, numerics,
+    )  # fmt: skip
+
+
+class Keeping(NamedTuple):
+    """Folder where joints are kept, number of processes, and what receives lines of progress."""
+
+    cache: str | Path | None
+    workers: int | None
+    report: Callable[[str], None]
+
+
+def closed_grid(
+    closing: Closing, asked: AskedJoints, number: Callable[[int, int], int], keeping: Keeping
+) -> np.ndarray:
+    """Close all surfaces; closures (laters, wavelengths, strengths, surfaces, cycles, 2, stresses).
+
+    ``number`` gives that of the first strength, by the place of the wavelength and surface.
+    """
+    surfaces, wavelengths = asked.joint.surfaces, asked.wavelengths
+    joints = {(i, k): number(i, k) for k in range(surfaces) for i in range(wavelengths.size)}
+    closures = closed_joints(closing, asked, joints, keeping)
+    closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])
+    return closures.transpose(2, 1, 3, 0, 4, 5, 6)
+
+
 def closed_joints(
-    closing: Closing,
-    walls: SimulatedWalls,
-    scans: Any,
-    joints: Mapping[tuple[float, int], int],
-    cache: str | Path | None,
-    workers: int,
-    report: Callable[[str], None],
+    closing: Closing, asked: AskedJoints, joints: Mapping[tuple[int, int], int], keeping: Keeping
 ) -> np.ndarray:
     """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
 
-    ``joints`` are the numbers of those of the first strength, by wavelength [m] and surface. A
-    joint that failed has NaN.
+    ``joints`` are the numbers of those of the first strength, by place of the wavelength and
+    surface. A joint that failed has NaN.
     """
     given, numerics = closing.conditions, closing.conditions.numerics
+    workers = number_of_workers(keeping.workers)
     entries = [
         Entry(
-            f"wavelength_{1e6 * length:.4g}um_surface_{surface}_to_{numerics.tolerance:.4g}",
-            close_surface, (closing, walls, first, length), {"scans": scans},
+            f"wavelength_{i}_surface_{surface}_to_{numerics.tolerance:.4g}", close_surface,
+            (closing, asked.walls, first, float(asked.wavelengths[i])), {"scans": asked.scans},
             joints=len(closing.strengths),
         )
-        for (length, surface), first in joints.items()
+        for (i, surface), first in joints.items()
     ]  # fmt: skip
 
     def compile_first() -> None:
         compile_kernels(given.effects, given.choices, numerics.solver, numerics.breakage)
 
-    with _folder(cache) as folder:
-        make_missing(entries, folder, workers, report, prepare=compile_first, apart=False)
+    with _folder(keeping.cache) as folder:
+        make_missing(entries, folder, workers, keeping.report, prepare=compile_first, apart=False)
         return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
 
 

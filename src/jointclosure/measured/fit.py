@@ -8,10 +8,8 @@ from typing import NamedTuple, Unpack
 import numpy as np
 
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import Conditions
 from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (
     Interval,
@@ -21,7 +19,13 @@ from jointclosure.measured.calibration import (
     likelihood_of,
     logs_of,
 )
-from jointclosure.measured.closing import Closing, closed_joints, stresses_of
+from jointclosure.measured.closing import (
+    Closing,
+    Keeping,
+    closed_grid,
+    first_conditions,
+    stresses_of,
+)
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import (
     JointKeywords,
@@ -224,32 +228,20 @@ def fit(
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    conditions = Conditions(
-        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating,
-        given.joint.effects, given.joint.choices, numerics,
-    )  # fmt: skip
+    conditions = first_conditions(given, numerics)
     conditions.checked()
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = usual * factors
     surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
     check_joints(given, strengths.size)
     if simulated is None:
-        stresses = stresses_of(measured)
+        stresses, several = stresses_of(measured), surfaces * strengths.size
         closing = Closing(
-            conditions, measured.cycles, tuple(strengths.tolist()), stresses,
-            stride=surfaces,
-        )  # fmt: skip
-        firsts = {
-            (float(wavelength), k): 1 + k + surfaces * strengths.size * i
-            for k in range(surfaces)
-            for i, wavelength in enumerate(wavelengths)
-        }
-        report = partial(print, flush=True) if progress else lambda line: None
-        closures = closed_joints(
-            closing, given.walls, given.scans, firsts, cache, number_of_workers(workers), report
+            conditions, measured.cycles, tuple(strengths.tolist()), stresses, stride=surfaces
         )
-        closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])[:, :, 0]
-        closures = closures.transpose(1, 2, 0, 3, 4, 5)
+        report = partial(print, flush=True) if progress else lambda line: None
+        keeping = Keeping(cache, workers, report)
+        (closures,) = closed_grid(closing, given, lambda i, k: 1 + k + several * i, keeping)
         logs = logs_of(closures, np.array(stresses), measured)
         simulated = Simulated(logs, closures - closures[..., :1, :1], np.array(stresses))
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size

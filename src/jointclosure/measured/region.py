@@ -8,6 +8,7 @@ of the surfaces, of the measurement and of the numerical error
 (`jointclosure.measured.calibration.likelihood_of`).
 """
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -18,10 +19,8 @@ import pandas as pd
 
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.uncertainty import coarser
-from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import Conditions
 from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
     CONFIDENCE,
@@ -33,13 +32,17 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.closing import (
     Closing,
+    Keeping,
     Later,
     changed,
+    closed_grid,
     closed_joints,
+    first_conditions,
     stresses_of,
 )
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import (
+    AskedJoints,
     JointKeywords,
     asked_joints,
     check_joints,
@@ -303,76 +306,77 @@ def validate(
     (`jointclosure.joint.history.read_along`).
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
-    surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
-    choices = given.joint.choices
-    measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
+    measured, pair = given.measured, given.pair
     laters = _laters(
-        shifts or (), crushed_strength_ratios or (), given.walls.shape, choices, measured.cycles
-    )
+        shifts or (), crushed_strength_ratios or (), given.walls.shape, given.joint.choices,
+        measured.cycles,
+    )  # fmt: skip
     ends = _strengths(strengths, given.rock)
     tried = np.geomspace(*ends, STRENGTHS)
-    conditions = Conditions(
-        given.walls.spacing, given.rock, float(measured.levels[-1]), 1, measured.seating,
-        given.joint.effects, choices, numerics,
-    )  # fmt: skip
-    for strength, (_, later) in ((end, later) for end in ends for later in laters):
+    conditions = first_conditions(given, numerics)
+    for strength, (_, later) in itertools.product(ends, laters):
         changed(conditions, strength, later).checked()
-    nodes = wavelengths.size, tried.size
     check_joints(given, tried.size)
     assumed = given.assumed(ends)
-    assumed += f"; closures measured to {percent(closure_error)}, 95 % confidence"
+    assumed += f"; closures measured to {percent(given.joint.closure_error)}, 95 % confidence"
     for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
         report(line)
     again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
-    report(f"{surfaces * math.prod(nodes)} joints are closed{again}, as far as they are not kept")
-    stresses = np.array(stresses_of(measured))
+    count = given.joint.surfaces * given.wavelengths.size * tried.size
+    report(f"{count} joints are closed{again}, as far as they are not kept")
     closing = Closing(
-        conditions, measured.cycles, tuple(tried.tolist()), tuple(stresses.tolist()),
+        conditions, measured.cycles, tuple(tried.tolist()), stresses_of(measured),
         tuple(later for _, later in laters),
     )  # fmt: skip
-    firsts = {
-        (float(wavelength), k): 1 + tried.size * (k * wavelengths.size + i)
-        for k in range(surfaces)
-        for i, wavelength in enumerate(wavelengths)
-    }
-    how = cache, number_of_workers(workers), report
-    closures = closed_joints(closing, given.walls, given.scans, firsts, *how)
-    closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])
-    closures = closures.transpose(2, 1, 3, 0, 4, 5, 6)
-    logs = logs_of(closures, stresses, measured)
-    numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
-    error = math.hypot(closure_error, numerical)
-    compared: list[Compared] = []
-    left_out: list[str] = []
-    for (mechanism, later), read in zip(laters, logs, strict=True):
-        try:
-            found = likelihood_of(measured, read, wavelengths, tried, error)
-        except InputError as reason:
-            left_out.append(caution(f"{mechanism}, {later}: left out, {reason}"))
-        else:
-            compared.append(Compared(mechanism, later, found))
+    keeping = Keeping(cache, workers, report)
+
+    def number(i: int, k: int) -> int:
+        return 1 + tried.size * (k * given.wavelengths.size + i)
+
+    closures = closed_grid(closing, given, number, keeping)
+    compared, left_out = _compared(given, closures, closing, laters)
     if not compared or compared[0].mechanism != NEITHER:
         name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
         raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
     kept = [laters.index((one.mechanism, one.later)) for one in compared]
-    seated = closures - closures[..., :1, :1]
-    scanned = pair is not None
+    seated = (closures - closures[..., :1, :1])[kept]
+    stresses = np.array(closing.stresses)
     region = Region(
-        measured, given.curve, compared, seated[kept], stresses, assumed, scanned, left_out
+        measured, given.curve, compared, seated, stresses, assumed, pair is not None, left_out
     )
     if not given.joint.effects.breakage:
         return region
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
     finer = coarser(numerics, 1.0 / FINER) if numerics.breakage == "resolved" else RESOLVED
-    closing = closing._replace(
+    nearest = closing._replace(
         conditions=conditions._replace(numerics=finer), strengths=(closing.strengths[j],),
         laters=(compared[kind].later,),
     )  # fmt: skip
-    nearest = {(w, k): first + j for (w, k), first in firsts.items() if w == wavelengths[i]}
-    nearest = dict(list(nearest.items())[:CHECKED])
-    fine = closed_joints(closing, given.walls, given.scans, nearest, *how)
-    both = region.closures[kind, i, j, :CHECKED], fine[:, 0, 0]
-    return region._replace(numerical=_changes(*both, stresses, measured))
+    joints = {(i, k): number(i, k) + j for k in range(CHECKED)}
+    fine = closed_joints(nearest, given, joints, keeping)[:, 0, 0]
+    changes = _changes(seated[kind, i, j, :CHECKED], fine, stresses, measured)
+    return region._replace(numerical=changes)
+
+
+def _compared(
+    given: AskedJoints, closures: np.ndarray, closing: Closing, laters: list[tuple[str, Later]]
+) -> tuple[list[Compared], list[str]]:
+    """Compare a curve with joints of each kind; sentences on those that are left out."""
+    numerics = closing.conditions.numerics
+    numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
+    error = math.hypot(given.joint.closure_error, numerical)
+    logs = logs_of(closures, np.array(closing.stresses), given.measured)
+    tried = given.wavelengths, np.array(closing.strengths)
+    compared: list[Compared] = []
+    left_out: list[str] = []
+    for (mechanism, later), read in zip(laters, logs, strict=True):
+        try:
+            found = likelihood_of(given.measured, read, *tried, error)
+        except InputError as reason:
+            left_out.append(caution(f"{mechanism}, {later}: left out, {reason}"))
+        else:
+            compared.append(Compared(mechanism, later, found))
+    return compared, left_out
 
 
 def _changes(
