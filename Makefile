@@ -90,7 +90,7 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
 	$(RUN) assess
 
-mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (two minutes on two cores)
+mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (ten minutes on two cores)
 	$(RUN) mismatch
 
 size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (two minutes on two cores)
