@@ -23,7 +23,10 @@ ORIGINS = sorted([*ROOT.glob("studies/*/results/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
 SOLVER, STEPS = "0d329c61", "5eb19373"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
-RESOLVED = {"hard_cases", "strength_bound", "measured_joints", *templates.OLDER_STEPS}
+RESOLVED = {
+    "hard_cases", "strength_bound", "measured_joints", "mismatch", "misalignment",
+    *templates.OLDER_STEPS,
+}  # fmt: skip
 """Runs of resolved breakage, by the present solver."""
 
 
