@@ -139,6 +139,7 @@ publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documenta
 	@$(BIN)/python docs/site/publish.py "$$STUDY"
 
 mutants: $(STAMP) ## Ask whether the fast tests notice wrong lines of the library (hours)
+	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m tests.mutants
 
 coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)

@@ -5,6 +5,7 @@ their place, and the tests that should fail. The clone is copied, so its files n
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ import yaml
 ROOT = Path(__file__).parents[1]
 LIST = Path(__file__).with_suffix(".yaml")
 COPY = ROOT / "build/mutants/clone"
+KERNELS = "src/jointclosure/compiled"
 LEAST = 55
 """Number of mutants of the whole list that must be noticed."""
 
@@ -44,12 +46,14 @@ def mutants() -> list[Mutant]:
 
 
 def copied() -> None:
-    """Copy all files of the clone that Git knows."""
+    """Copy all files that Git knows, and compiled kernels, which most mutants leave valid."""
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
     COPY.mkdir(parents=True, exist_ok=True)
     command = ["tar", "-c", "--null", "-T", "-", "-f", "-"]
     packed = subprocess.run(command, cwd=ROOT, input=files.stdout, capture_output=True, check=True)
     subprocess.run(["tar", "-x"], cwd=COPY, input=packed.stdout, check=True)
+    if (ROOT / KERNELS).is_dir():
+        shutil.copytree(ROOT / KERNELS, COPY / KERNELS, dirs_exist_ok=True)
 
 
 def passes(tests: str) -> bool:
