@@ -116,12 +116,12 @@ test: $(STAMP) ## Pass the tests
 	@$(BIN)/python -m jointclosure.joint.warmup ship & \
 	$(BIN)/python -m pytest -q -m "not slow" $(WITHOUT_KERNELS); passed=$$?; \
 	wait $$! && exit $$passed
-	$(BIN)/python -m pytest -n auto -m "not slow" $(WITHOUT_KERNELS:%=--ignore=%)
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow" $(WITHOUT_KERNELS:%=--ignore=%)
 	@echo "A study's own checks are in results/<study>/tables/checks.csv"
 
 test-all: $(STAMP) ## Pass the tests, the slow ones too
 	@$(BIN)/python -m jointclosure.joint.warmup ship
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: $(STAMP) ## Check style, types, layers and workflow
 	$(BIN)/ruff check .
