@@ -136,8 +136,8 @@ def steps_summary(table: pd.DataFrame) -> pd.DataFrame:
     """Differences of resolved breakage from an eighth of the tolerance, and ratios of time."""
     rows = []
     alike = table[(table["rule"] == BASE) & (table["copy"] == next(iter(COPIES)))]
-    values = ["seconds", *alike.filter(like="ness_"), *alike.filter(like="sure_")]
-    by = alike.pivot_table(index=["kind", "joint"], columns="setting", values=values)
+    read = ["seconds", *alike.filter(like="ness_"), *alike.filter(like="sure_")]
+    by = alike.pivot_table(index=["kind", "joint"], columns="setting", values=read)
     seconds = (by["seconds", "resolved"] / by["seconds", EIGHTH]).dropna()
     for name, cycle, kind in itertools.product(
         ("closure", "stiffness"), (1, 2), by.index.unique("kind")

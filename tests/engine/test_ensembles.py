@@ -241,6 +241,8 @@ def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
     assert 0 < np.count_nonzero(cells < 1.0) < cells.size
     for power, alone, together in zip(EXPONENTS, one.seconds, several.seconds, strict=True):
         assert together / alone == pytest.approx(1.0 + (cells**power).sum())
+    first, three = (expected_cost(upper, lower, CONDITIONS, False, workers=n) for n in (1, 3))
+    assert three.memory - first.memory == 2 * BYTES * upper.size
 
 
 def test_many_cells_need_a_stated_spacing():

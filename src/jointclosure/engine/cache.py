@@ -91,19 +91,19 @@ def make_missing(
     for entry in missing:
         entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
     done = Countdown(title, sum(entry.joints for entry in missing), report)
-    failed: list[Exception] = []
-    reasons: list[str] = []
+    failed: list[tuple[Exception, str]] = []
     tasks = [(entry, entry.key, folder) for entry in missing]
     for place, answer in shared(_make, tasks, workers, apart):
         if isinstance(answer, Failed):
-            failed.append(answer.error)
-            reasons.append(_described(missing[place], answer.error))
-            report(reasons[-1])
+            reason = _described(missing[place], answer.error)
+            failed.append((answer.error, reason))
+            report(reason)
         else:
             done(missing[place].joints)
     if failed:
-        kind = InputError if isinstance(failed[0], InputError) else RuntimeError
-        raise kind(f"{len(failed)} of {len(entries)} could not be made: {reasons[0]}")
+        error, reason = failed[0]
+        kind = InputError if isinstance(error, InputError) else RuntimeError
+        raise kind(f"{len(failed)} of {len(entries)} could not be made: {reason}")
 
 
 def _make(entry: Entry, key: str, folder: Path) -> None:

@@ -76,11 +76,13 @@ def expected_cost(
     single: bool,
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
+    workers: int | None = None,
 ) -> Cost | None:
     """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
 
     A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
-    powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``.
+    powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``, of which
+    ``workers`` are closed at the same time.
     """
     sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
     if upper.size <= SMALL:
@@ -93,7 +95,7 @@ def expected_cost(
         factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
         for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
     )
-    joints = 1 if single else threads_for(upper.size)
+    joints = 1 if single else threads_for(upper.size, workers)
     return Cost((least, most), BASE_BYTES + BYTES * upper.size * joints)
 
 

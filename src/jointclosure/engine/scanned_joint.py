@@ -202,7 +202,7 @@ def close(
         )
         pair = pair._replace(report=[*pair.report, noisy])
         remark([noisy], ())
-    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors):
+    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors, workers):
         forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
         remark(forecast, forecast)
     kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots

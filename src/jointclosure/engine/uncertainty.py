@@ -243,12 +243,13 @@ def uncertainty_budget(
             return rows, first[1][["cycle", "branch", "normal_stress_MPa"]]
         return rows, stress_table(joint, levels)
 
-    answers, threads = {-1: first}, threads_for(upper.size, workers)
+    answers, threads = {}, threads_for(upper.size, workers)
     for at, answer in in_threads(results_of_variant, variants, threads):
         answers[at] = answer
         name = variants[at].source
-        report((len(answers) - 1) / len(variants), TITLES.get(name, name))
-    rows, tables = zip(*(answers[at] for at in sorted(answers)), strict=True)
+        report(len(answers) / len(variants), TITLES.get(name, name))
+    in_order = (answers[at] for at in range(len(variants)))
+    rows, tables = zip(first, *in_order, strict=True)
     names = "", *(variant.source for variant in variants)
     curves = [table.assign(source=name) for table, name in zip(tables, names, strict=True)]
     results = pd.concat(rows, ignore_index=True)

@@ -102,9 +102,9 @@ def closed_joints(
     workers = number_of_workers(keeping.workers)
     entries = [
         Entry(
-            f"wavelength_{i}_surface_{surface}_to_{numerics.tolerance:.4g}", close_surface,
-            (closing, asked.walls, first, float(asked.wavelengths[i])), {"scans": asked.scans},
-            joints=len(closing.strengths),
+            f"wavelength_{i}_surface_{surface}_{numerics.breakage}_{numerics.tolerance:.4g}",
+            close_surface, (closing, asked.walls, first, float(asked.wavelengths[i])),
+            {"scans": asked.scans}, joints=len(closing.strengths),
         )
         for (i, surface), first in joints.items()
     ]  # fmt: skip

@@ -383,13 +383,14 @@ def _changes(
     coarse: np.ndarray, fine: np.ndarray, stresses: np.ndarray, measured: Readings
 ) -> dict[str, tuple[float, float]]:
     """Return means of relative changes from fine closures (joints, cycles, 2, stresses) [m]."""
-    values = (readings_of_closures(closures, stresses, measured) for closures in (coarse, fine))
+    one, two = (
+        quantities(readings_of_closures(closures, stresses, measured), measured)
+        for closures in (coarse, fine)
+    )
     changes: dict[str, tuple[float, float]] = {}
-    for (name, (unit, one)), (_, two) in zip(
-        *(quantities(read, measured).items() for read in values), strict=True
-    ):
+    for name, (unit, values) in one.items():
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = one / two[1] - 1.0
+            ratios = values / two[name][1] - 1.0
         if unit != "%" and np.isfinite(ratios).all():
             changes[name] = mean_of(ratios)
     return changes
