@@ -18,7 +18,13 @@ from jointclosure.measured.calibration import (
     readings_of_curve,
     readings_of_history,
 )
-from jointclosure.measured.closing import Closing, Keeping, closed_grid, stresses_of
+from jointclosure.measured.closing import (
+    Closing,
+    Keeping,
+    closed_grid,
+    numerical_sentence,
+    stresses_of,
+)
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
 from jointclosure.plotting.joint import fit_figure
@@ -191,6 +197,9 @@ def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):
     assert found.compressive_strength is None
     assert found.interval_holds
     assert found.simulated.logs.shape == (8, 1, 4, 3)
+    assert found.numerical.keys() == {one.name for one in found.agreements() if one.unit != "%"}
+    assert any("closure of cycle 1" in line for line in numerical_sentence(found.numerical))
+    assert numerical_sentence(found.numerical)[0] in found.sentences()
     path = tmp_path / "lab.csv"
     path.write_text(GOOD.replace("0.12", "40"))
     odd = fit(path, jrc=10.0, **ABOUT, simulated=found.simulated)

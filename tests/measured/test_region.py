@@ -9,12 +9,10 @@ from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
-from jointclosure.measured.closing import Later
+from jointclosure.measured.closing import CHECKED, FINER, Later
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import (
-    CHECKED,
-    FINER,
     NEITHER,
     NUMERICS,
     STRENGTHS,

@@ -53,6 +53,7 @@ def _record(result: Fit) -> dict[str, Any]:
         "interval_holds": result.interval_holds,
         "assumed": result.assumed,
         "readings": [reading._asdict() for reading in result.agreements()],
+        "numerical_changes": result.numerical,
         "scanned_walls": result.scanned,
         "measured_names": result.measured.names(),
         "measured_mm": (1e3 * result.measured.values).tolist(),

@@ -63,6 +63,15 @@ def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[
     return result
 
 
+def quantities(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, np.ndarray]]:
+    """Compute quantities of readings (..., n) with units, and later over first stiffness."""
+    found = {one.name: (one.unit, one.values) for one in quantities_of(values, readings, 0.0)}
+    stiffness = [(name, each) for name, (unit, each) in found.items() if unit == "MPa/mm"]
+    for name, later in stiffness[1:] if stiffness and "cycle 1," in stiffness[0][0] else ():
+        found[f"{name.partition(',')[0]} over the first"] = "1", later / stiffness[0][1]
+    return found
+
+
 def agreements(
     measured: Readings, logs: np.ndarray, likelihood: Likelihood, error: float
 ) -> list[Agreement]:

@@ -6,6 +6,7 @@ are compared with the mean and the scatter of theirs.
 """
 
 import itertools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -255,6 +256,17 @@ def likelihood_of(
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
     fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
     return Likelihood(*fine, log, means, covariance, distances)
+
+
+def tried_places(
+    places: Sequence[int], likelihood: Likelihood, tried: Sequence[int]
+) -> tuple[int, int]:
+    """Return the places, of so many wavelengths and strengths, next to fine ones."""
+    i, j = (
+        round(at / max(count - 1, 1) * (nodes - 1))
+        for at, count, nodes in zip(places, likelihood.log.shape, tried, strict=True)
+    )
+    return i, j
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:

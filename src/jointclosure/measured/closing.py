@@ -10,17 +10,24 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
+from jointclosure.engine.scanned_joint import RESOLVED
+from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.warmup import compile_kernels
-from jointclosure.measured.calibration import CURVE_POINTS, Readings
+from jointclosure.measured.agreement import quantities
+from jointclosure.measured.calibration import CURVE_POINTS, Readings, readings_of_closures
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.parameters import Numerics
+from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.pairs import shifted
+
+CHECKED, FINER = 4, 5.0
+"""Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""
 
 
 class Later(NamedTuple):
@@ -115,6 +122,57 @@ def closed_joints(
     with _folder(keeping.cache) as folder:
         make_missing(entries, folder, workers, keeping.report, prepare=compile_first, apart=False)
         return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
+
+
+def numerical_changes(
+    closing: Closing,
+    asked: AskedJoints,
+    number: Callable[[int, int], int],
+    place: tuple[int, int, int],
+    closures: np.ndarray,
+    keeping: Keeping,
+) -> dict[str, tuple[float, float]]:
+    """Return relative changes of quantities from a finer tolerance, with standard errors.
+
+    They are of `CHECKED` joints at a place (later, wavelength, strength) of `closed_grid`, which
+    returned ``closures``. Without breakage there is no tolerance, and none are returned.
+    """
+    conditions, (kind, i, j) = closing.conditions, place
+    if not conditions.effects.breakage:
+        return {}
+    resolved = conditions.numerics.breakage == "resolved"
+    numerics = coarser(conditions.numerics, 1.0 / FINER) if resolved else RESOLVED
+    nearest = closing._replace(
+        conditions=conditions._replace(numerics=numerics),
+        strengths=(closing.strengths[j],), laters=(closing.laters[kind],),
+    )  # fmt: skip
+    joints = {(i, k): number(i, k) + closing.stride * j for k in range(CHECKED)}
+    fine = closed_joints(nearest, asked, joints, keeping)[:, 0, 0]
+    given, finer = (
+        quantities(
+            readings_of_closures(each, np.array(closing.stresses), asked.measured), asked.measured
+        )
+        for each in (closures[kind, i, j, :CHECKED], fine)
+    )
+    changes: dict[str, tuple[float, float]] = {}
+    for name, (unit, values) in given.items():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = values / finer[name][1] - 1.0
+        if unit != "%" and np.isfinite(ratios).all():
+            changes[name] = mean_of(ratios)
+    return changes
+
+
+def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Describe `numerical_changes`, if there are any."""
+    if not changes:
+        return []
+    texts = (
+        f"{name} {rounded(100.0 * value, 100.0 * error)} %"
+        for name, (value, error) in changes.items()
+    )
+    checked = f"{CHECKED} nearest joints against {1.0 / FINER:g} of their tolerance"
+    return [f"numerical error, {checked}: {'; '.join(texts)}"]
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Fit of a joint to its measured closure: mismatch wavelength, or strength of scanned walls."""
 
 import math
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, Unpack
@@ -18,12 +19,15 @@ from jointclosure.measured.calibration import (
     Simulated,
     likelihood_of,
     logs_of,
+    tried_places,
 )
 from jointclosure.measured.closing import (
     Closing,
     Keeping,
     closed_grid,
     first_conditions,
+    numerical_changes,
+    numerical_sentence,
     stresses_of,
 )
 from jointclosure.measured.curves import MeasuredCurve
@@ -56,7 +60,8 @@ class Fit(NamedTuple):
     joint is at least as far from their mean as the measured one. ``measured`` and ``simulated``:
     readings of the curve and of the joints. ``assumed``: description of the joints, for which alone
     intervals are valid. ``closure_error``: relative error of measured closures. ``scanned``:
-    whether the walls are scanned.
+    whether the walls are scanned. ``numerical``: relative changes by a finer tolerance, with
+    standard errors, of quantities of the nearest joints; empty if the joints were given.
     """
 
     mismatch_wavelength: Interval
@@ -69,6 +74,7 @@ class Fit(NamedTuple):
     closure_error: float = 0.02
     curve: MeasuredCurve | None = None
     scanned: bool = False
+    numerical: Mapping[str, tuple[float, float]] = {}
 
     @property
     def interval_holds(self) -> bool:
@@ -87,7 +93,8 @@ class Fit(NamedTuple):
             ends = {0.0: "mates", math.inf: "independent walls"}
             between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
             nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
-            return [*self._unexplained(), *nearest, *self._compared(), f"assumed: {self.assumed}"]
+            compared = [*self._compared(), *numerical_sentence(self.numerical)]
+            return [*self._unexplained(), *nearest, *compared, f"assumed: {self.assumed}"]
         lines: list[str] = []
         if missed := self._missed_first_loading():
             text = (
@@ -105,6 +112,7 @@ class Fit(NamedTuple):
             lines.append("mated walls are not excluded")
         far = "of such joints are at least as far from their mean as the measured one"
         lines += [f"{percent(self.p_value)} {far}", *self._compared()]
+        lines += numerical_sentence(self.numerical)
         return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def agreements(self) -> list[Agreement]:
@@ -234,24 +242,36 @@ def fit(
     strengths = usual * factors
     surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
     check_joints(given, strengths.size)
+    closing = Closing(
+        conditions, measured.cycles, tuple(strengths.tolist()), stresses_of(measured),
+        stride=surfaces,
+    )  # fmt: skip
+    keeping = Keeping(cache, workers, partial(print, flush=True) if progress else lambda line: None)
+
+    def number(i: int, k: int) -> int:
+        return 1 + k + surfaces * strengths.size * i
+
+    closures = None
     if simulated is None:
-        stresses, several = stresses_of(measured), surfaces * strengths.size
-        closing = Closing(
-            conditions, measured.cycles, tuple(strengths.tolist()), stresses, stride=surfaces
+        closures, stresses = (
+            closed_grid(closing, given, number, keeping),
+            np.array(closing.stresses),
         )
-        report = partial(print, flush=True) if progress else lambda line: None
-        keeping = Keeping(cache, workers, report)
-        (closures,) = closed_grid(closing, given, lambda i, k: 1 + k + several * i, keeping)
-        logs = logs_of(closures, np.array(stresses), measured)
-        simulated = Simulated(logs, closures - closures[..., :1, :1], np.array(stresses))
+        logs = logs_of(closures[0], stresses, measured)
+        simulated = Simulated(logs, (closures - closures[..., :1, :1])[0], stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
     wavelength = likelihood.interval(0) if pair is None else Interval(*pair.mismatch)
     strength = likelihood.interval(1) if fit_strength else None
-    of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve, bool(pair)
-    return Fit(wavelength, strength, likelihood.p_value, *of_joints)
+    changes: Mapping[str, tuple[float, float]] = {}
+    if closures is not None:
+        nearest = divmod(int(likelihood.log.argmax()), likelihood.strengths.size)
+        place = 0, *tried_places(nearest, likelihood, expected[:2])
+        changes = numerical_changes(closing, given, number, place, closures, keeping)
+    of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve
+    return Fit(wavelength, strength, likelihood.p_value, *of_joints, bool(pair), changes)
 
 
 def _stated(

@@ -18,17 +18,16 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.uncertainty import coarser
 from jointclosure.inputs import InputError, check_number, check_positive
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.agreement import quantities_of
+from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (
     CONFIDENCE,
     Likelihood,
     Readings,
     likelihood_of,
     logs_of,
-    readings_of_closures,
+    tried_places,
 )
 from jointclosure.measured.closing import (
     Closing,
@@ -36,8 +35,9 @@ from jointclosure.measured.closing import (
     Later,
     changed,
     closed_grid,
-    closed_joints,
     first_conditions,
+    numerical_changes,
+    numerical_sentence,
     stresses_of,
 )
 from jointclosure.measured.curves import MeasuredCurve
@@ -50,7 +50,7 @@ from jointclosure.measured.joints import (
 )
 from jointclosure.parameters import Choices, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import mean_of, percent, rounded, significant
+from jointclosure.statistics.standard_errors import percent, significant
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
@@ -58,8 +58,6 @@ WAVELENGTHS, STRENGTHS = 6, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
-CHECKED, FINER = 4, 5.0
-"""Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""
 SAMPLES = 4000
 """Random joints of which intervals of a quantity are computed."""
 NEITHER = "neither"
@@ -183,11 +181,7 @@ class Region(NamedTuple):
         number, *places = self.nearest(mechanism)
         kinds = [kind for kind, one in enumerate(self.compared) if one.mechanism in
                  (NEITHER, mechanism)]  # fmt: skip
-        fine, tried = self.compared[0].likelihood.log.shape, self.closures.shape[1:3]
-        i, j = (
-            round(at / max(count - 1, 1) * (nodes - 1))
-            for at, count, nodes in zip(places, fine, tried, strict=True)
-        )
+        i, j = tried_places(places, self.compared[0].likelihood, self.closures.shape[1:3])
         return kinds[number], i, j
 
     def sentences(self) -> list[str]:
@@ -217,15 +211,7 @@ class Region(NamedTuple):
             )
             where = "; ".join(texts) or "each quantity is met by itself, but not all together"
             lines.append(f"{text}: {where}")
-        if self.numerical:
-            changes = (
-                f"{name} {rounded(100.0 * value, 100.0 * error)} %"
-                for name, (value, error) in self.numerical.items()
-            )
-            lines.append(
-                f"numerical error, {CHECKED} nearest joints against {1.0 / FINER:g} of their "
-                f"tolerance: {'; '.join(changes)}"
-            )
+        lines += numerical_sentence(self.numerical)
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
 
     def __repr__(self) -> str:
@@ -241,15 +227,6 @@ def _range(row: Any) -> str:
     less = " or less" if row.low == row.tried_low and row.constant != "shift of reseating" else ""
     more = " or more" if row.high == row.tried_high and row.tried_high != 1.0 else ""
     return f"{row.constant} {low}{less} to {high}{more}{unit}"
-
-
-def quantities(values: np.ndarray, readings: Readings) -> dict[str, tuple[str, np.ndarray]]:
-    """Compute quantities of readings (..., n) with units, and later over first stiffness."""
-    found = {one.name: (one.unit, one.values) for one in quantities_of(values, readings, 0.0)}
-    stiffness = [(name, each) for name, (unit, each) in found.items() if unit == "MPa/mm"]
-    for name, later in stiffness[1:] if stiffness and "cycle 1," in stiffness[0][0] else ():
-        found[f"{name.partition(',')[0]} over the first"] = "1", later / stiffness[0][1]
-    return found
 
 
 @takes_joint
@@ -344,17 +321,9 @@ def validate(
     region = Region(
         measured, given.curve, compared, seated, stresses, assumed, pair is not None, left_out
     )
-    if not given.joint.effects.breakage:
-        return region
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
-    finer = coarser(numerics, 1.0 / FINER) if numerics.breakage == "resolved" else RESOLVED
-    nearest = closing._replace(
-        conditions=conditions._replace(numerics=finer), strengths=(closing.strengths[j],),
-        laters=(compared[kind].later,),
-    )  # fmt: skip
-    joints = {(i, k): number(i, k) + j for k in range(CHECKED)}
-    fine = closed_joints(nearest, given, joints, keeping)[:, 0, 0]
-    changes = _changes(seated[kind, i, j, :CHECKED], fine, stresses, measured)
+    place = kept[kind], i, j
+    changes = numerical_changes(closing, given, number, place, closures, keeping)
     return region._replace(numerical=changes)
 
 
@@ -377,23 +346,6 @@ def _compared(
         else:
             compared.append(Compared(mechanism, later, found))
     return compared, left_out
-
-
-def _changes(
-    coarse: np.ndarray, fine: np.ndarray, stresses: np.ndarray, measured: Readings
-) -> dict[str, tuple[float, float]]:
-    """Return means of relative changes from fine closures (joints, cycles, 2, stresses) [m]."""
-    one, two = (
-        quantities(readings_of_closures(closures, stresses, measured), measured)
-        for closures in (coarse, fine)
-    )
-    changes: dict[str, tuple[float, float]] = {}
-    for name, (unit, values) in one.items():
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = values / two[name][1] - 1.0
-        if unit != "%" and np.isfinite(ratios).all():
-            changes[name] = mean_of(ratios)
-    return changes
 
 
 def _laters(
