@@ -143,21 +143,6 @@ def median_time(function: Callable, repeats: int, before: Callable = lambda: Non
     return float(np.median(times))
 
 
-def ratio_of_sums(ours, theirs) -> tuple[float, float]:
-    """Sum of one over that of the other, over surfaces, and its standard error by pairs."""
-    ours, theirs = np.asarray(ours, float), np.asarray(theirs, float)
-    ratio = ours.sum() / theirs.sum()
-    left = ours - ratio * theirs
-    return float(ratio), float(left.std(ddof=1) / theirs.mean() / np.sqrt(ours.size))
-
-
-def paired_change(ours, theirs) -> tuple[np.ndarray, np.ndarray]:
-    """Change [%] of means over surfaces (the first axis), and its standard error by pairs."""
-    ours, theirs = np.asarray(ours, float), np.asarray(theirs, float)
-    change = 100.0 * (ours - theirs) / theirs.mean(axis=0)
-    return change.mean(axis=0), change.std(axis=0, ddof=1) / np.sqrt(len(change))
-
-
 def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
     """Close a surface pair as the study does: seconds, and the dataset."""
     block = range(realization, realization + 1)
