@@ -56,7 +56,7 @@ TITLES = {
     ORDER: "order of breakage",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
-    "peaks": "peaks while walls break",
+    "peaks": "choice of soft peaks",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
 
