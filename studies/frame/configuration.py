@@ -29,7 +29,7 @@ from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame.files import DEFAULT, ConfigurationError, read_plain
 from studies.frame.keys import (
     ChoiceKeys,
-    GridKeys,
+    Grid,
     Made,
     Name,
     NumericsKeys,
@@ -39,13 +39,12 @@ from studies.frame.keys import (
     Statistics,
     Study,
     StudyEffects,
-    SurfaceKeys,
+    Surface,
     did_you_mean,
     entry,
     explained,
 )
 from studies.frame.rocks import CurveSettings, StudyRock
-from studies.frame.settings import Grid, Surface
 
 _Section = TypeVar("_Section", bound="StudySection")
 
@@ -70,8 +69,8 @@ class Configuration(Section):
     rocks: dict[Name, StudyRock] = entry(
         "Rocks by name; a study's own file may add some.", min_length=1
     )
-    grid: Annotated[Grid, Made(GridKeys)]
-    surface: Annotated[Surface, Made(SurfaceKeys)]
+    grid: Grid
+    surface: Surface
     seating_stress: Annotated[float, OrNull()] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",

@@ -189,15 +189,20 @@ class Study(Section):
     )
 
 
-class GridKeys(Section):
+class Grid(Section):
     """The regular grid of both walls."""
 
     cells_x: int = entry("Cells along x.", ge=3, le=4096)
     cells_y: int = entry("Cells along y.", ge=3, le=4096)
     spacing: float = entry("Grid spacing h [mm].", alias="spacing_mm", gt=0)
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells (y, x)."""
+        return self.cells_y, self.cells_x
 
-class SurfaceKeys(Section):
+
+class Surface(Section):
     """How walls are made from a JRC."""
 
     hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
@@ -310,33 +315,11 @@ class Output(Section):
     )
 
 
-_TYPES = {
-    "int_type": "integer",
-    "float_type": "number",
-    "string_type": "string",
-    "bool_type": "boolean",
-    "list_type": "array",
-    "tuple_type": "array",
-    "dict_type": "object",
-    "model_type": "object",
+_CLEARER = {
+    "model_type": "must contain keys and values",
+    "string_pattern_mismatch": "must match {pattern} (letters, digits and underscores)",
 }
-_ALLOWED = {
-    "greater_than": "must be above {gt:g}",
-    "greater_than_equal": "must be at least {ge:g}",
-    "less_than": "must be below {lt:g}",
-    "less_than_equal": "must be at most {le:g}",
-    "finite_number": "must be a finite number",
-    "too_short": "needs at least {min_length} values",
-    "too_long": "must have at most {max_length} values",
-    "string_too_short": "must not be empty",
-    "string_pattern_mismatch": (
-        "must match {pattern} (lower-case letters, digits and underscores)"
-    ),
-}
-_IN_WORDS = {
-    ("effects",): "must be auto, or effects with true or false",
-}
-"""Allowed values of keys whose types do not state them."""
+"""Messages in place of those of pydantic, by kind of error."""
 
 
 @functools.cache
@@ -398,15 +381,10 @@ def explained(
         if problem["type"] == "too_short" and problem["loc"] in lists:
             continue  # wrong values are not counted
         path = _path(problem["loc"], settings)
-        kind = "type" if problem["type"] in _TYPES else problem["type"]
-        if kind == "missing":  # one line for all missing keys of a section
+        if problem["type"] == "missing":  # one line for all missing keys of a section
             path = path[:-1]
-        by_key.setdefault((path, kind), []).append(problem)
-    return [
-        line
-        for (path, kind), errors in by_key.items()
-        for line in _explained(keys, path, kind, errors)
-    ]
+        by_key.setdefault((path, problem["type"] == "missing"), []).append(problem)
+    return [line for (path, _), errors in by_key.items() for line in _explained(keys, path, errors)]
 
 
 def _path(location: tuple, settings) -> tuple:
@@ -423,40 +401,40 @@ def _path(location: tuple, settings) -> tuple:
     return tuple(path)
 
 
-def _explained(keys, path: tuple, kind: str, errors: list[dict]) -> Iterator[str]:
+def _explained(keys, path: tuple, errors: list[dict]) -> Iterator[str]:
     # a value of a list is named by the list's key
     where = ".".join(part for part in path if isinstance(part, str))
     first, named = errors[0], where or "the configuration"
-    if kind == "missing":
+    if first["type"] == "missing":
         yield f"{named}: lacks {', '.join(e['loc'][-1] for e in errors)}"
-    elif kind == "extra_forbidden":
+    elif first["type"] == "extra_forbidden":
         known = _known(keys, path[:-1])
         allowed = f"unknown key{did_you_mean(path[-1], known)} (allowed: {', '.join(known)})"
         yield f"{where} = {short(first['input'])}: {allowed}"
-    elif kind == "value_error" and not path:
+    elif first["type"] == "value_error" and not path:
         yield from str(first["ctx"]["error"]).splitlines()
     else:
-        yield f"{named} = {short(first['input'])}: {_allowed(first, path, errors)}"
+        allowed = " or ".join(dict.fromkeys(map(_allowed, errors)))
+        if path == ("effects",):
+            allowed = "must be auto, or effects with true or false"
+        yield f"{named} = {short(first['input'])}: {allowed}"
 
 
-def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
+def _allowed(error: dict) -> str:
     kind, about, value = error["type"], error.get("ctx", {}), error["input"]
-    if kind in _ALLOWED:
-        return _ALLOWED[kind].format(**about)
-    if kind in _TYPES:
-        allowed = " or ".join(_TYPES[each["type"]] for each in errors)
-        return _IN_WORDS.get(path) or f"must be of type {allowed}{_number_hint(value, allowed)}"
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", about["expected"])
         return f"must be one of {', '.join(words)}{did_you_mean(value, words)}"
     if kind == "value_error":  # of a library's check: name = value: what is allowed
         return str(about["error"]).rpartition(": ")[2]
-    return error["msg"]
+    if kind in _CLEARER:
+        return _CLEARER[kind].format(**about)
+    return re.sub(r"^\w+ should", "must", error["msg"]) + _number_hint(value, kind)
 
 
-def _number_hint(value: object, allowed: str) -> str:
+def _number_hint(value: object, kind: str) -> str:
     """Explain a text that looks like a number: 1e-3 is a text to YAML, 1.0e-3 is a number."""
-    number = isinstance(value, str) and ("number" in allowed or "integer" in allowed)
+    number = isinstance(value, str) and kind in ("float_type", "int_type")
     match = number and re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", str(value))
     if not match:
         return ""

@@ -9,36 +9,11 @@ from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.walls.pairs import Walls
 from jointclosure.walls.synthesis import wall_pair
+from studies.frame.keys import Grid, Surface
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
-
-
-class Grid(NamedTuple):
-    """Cells of both walls, and their spacing [m]."""
-
-    cells_x: int
-    cells_y: int
-    spacing: float
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Cells (y, x)."""
-        return self.cells_y, self.cells_x
-
-
-class Surface(NamedTuple):
-    """How walls are made from a JRC; arguments of `jointclosure.wall_pair`."""
-
-    hurst: float
-    jrc_relation: str
-    normalise: str
-    correlation: float
-    shift_in_cells: int
-    mismatch_wavelength: float | None
-    rule: str
-    roll_off: float | None
 
 
 class Case(NamedTuple):
@@ -138,8 +113,7 @@ def seeds_of(settings: SurfaceSettings) -> list[int]:
 
 def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:
     """Make the walls of one realisation; unusual values were checked."""
-    settings = surface._asdict()
-    return wall_pair(jrc, grid.shape, grid.spacing, seed, **settings, unusual_values=True)
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **dict(surface), unusual_values=True)
 
 
 def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:

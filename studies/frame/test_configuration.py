@@ -55,7 +55,7 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     assert study.numerics == jc.Numerics(curve_points=points)
     assert study.choices == jc.Choices(strength_bound="none")
     assert study.rocks["slate"].effects == jc.Effects()
-    surface = study.surface._asdict()
+    surface = dict(study.surface)
     for function in (jc.wall_pair, jc.fit):
         given = _defaults(function)
         if function is jc.fit:  # natural walls have waves of all lengths
@@ -97,7 +97,7 @@ assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
 assert UNITS["grain_size"] == "mm"
 assert "grain_size" in RockKeys.model_fields
 assert "grain_size_mm" in rock_table(study.rocks)
-for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, "not usual")):
+for rock, said in (({"grain_size_mm": -1}, "greater than 0"), ({"grain_size_mm": 500}, "not usual")):
     try:
         study_of({"rocks": {"slate": rock}})
     except jc.InputError as error:
@@ -129,7 +129,7 @@ def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
 
 @pytest.mark.parametrize(
     ("change", "printed"),
-    [({"grid": {"cell_x": 5}}, "grid.cell_x = 5: unknown key; did you mean cells_x?"), ({"stuy": {}}, "stuy = {}: unknown key; did you mean study?"), ({"rocks": {"slate": {"youngs_modulus_GPa": -66}}}, "rocks.slate.youngs_modulus_GPa = -66: must be above 0"), ({"rocks": {"slate": {"levels": {"poisson_ratio": [0.1, 0.7]}}}}, "poisson_ratio = 0.7"), ({"rocks": {"slate": {"levels": {"jrc": [8, 5]}}}}, "rocks.slate.levels.jrc = [8, 5]: must be strictly ascending"), ({"rocks": {"slate": {"levels": {"jrc": [5, 6.5]}}}}, "must not contain the value of the rock"), ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}, "seating_stress_MPa": 0.5}, "seating_stress_MPa = 0.5: must be at most 0.9"), ({"study": {"realizations": 4000}}, "statistics.control_variates = 4000: must be more than the 4000 surfaces"), ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"), ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"), ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"), ({"study": {"unusual_values": "allow"}, "rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"), ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"), ({"study": {"realizations": "20"}}, "study.realizations = '20': must be of type integer"), ({"study": {"rocks": ["dolorite"]}}, "'dolorite': must be one of rocks"), ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"), ({"effects": {"substrate": False}}, "substrate = False needs interaction = False"), ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}}, "correlation = 0.5: must be 0 if mismatch_wavelength is given"), ({"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}}, "numerics.idle_interaction = 0.02: must be null or 0"), ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be below 1"), ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"), ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"), ({"study": {"name": "../paper"}}, "study.name = '../paper': must match"), ({"study": {"surfaces_of": "$HOME"}}, "study.surfaces_of = '$HOME': must match"), ({"study": {"rocks": ["a b"]}, "rocks": {"a b": DEFAULT["rocks"]["slate"]}}, "must match"),],
+    [({"grid": {"cell_x": 5}}, "grid.cell_x = 5: unknown key; did you mean cells_x?"), ({"stuy": {}}, "stuy = {}: unknown key; did you mean study?"), ({"rocks": {"slate": {"youngs_modulus_GPa": -66}}}, "rocks.slate.youngs_modulus_GPa = -66: must be greater than 0"), ({"rocks": {"slate": {"levels": {"poisson_ratio": [0.1, 0.7]}}}}, "poisson_ratio = 0.7"), ({"rocks": {"slate": {"levels": {"jrc": [8, 5]}}}}, "rocks.slate.levels.jrc = [8, 5]: must be strictly ascending"), ({"rocks": {"slate": {"levels": {"jrc": [5, 6.5]}}}}, "must not contain the value of the rock"), ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}, "seating_stress_MPa": 0.5}, "seating_stress_MPa = 0.5: must be at most 0.9"), ({"study": {"realizations": 4000}}, "statistics.control_variates = 4000: must be more than the 4000 surfaces"), ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"), ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"), ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"), ({"study": {"unusual_values": "allow"}, "rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"), ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"), ({"study": {"realizations": "20"}}, "study.realizations = '20': must be a valid integer"), ({"study": {"rocks": ["dolorite"]}}, "'dolorite': must be one of rocks"), ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"), ({"effects": {"substrate": False}}, "substrate = False needs interaction = False"), ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}}, "correlation = 0.5: must be 0 if mismatch_wavelength is given"), ({"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}}, "numerics.idle_interaction = 0.02: must be null or 0"), ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be less than 1"), ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"), ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"), ({"study": {"name": "../paper"}}, "study.name = '../paper': must match"), ({"study": {"surfaces_of": "$HOME"}}, "study.surfaces_of = '$HOME': must match"), ({"study": {"rocks": ["a b"]}, "rocks": {"a b": DEFAULT["rocks"]["slate"]}}, "must match"),],
 )  # fmt: skip
 def test_an_error_names_the_key_its_value_and_what_is_allowed(change, printed):
     with pytest.raises(ConfigurationError) as error:
@@ -276,7 +276,7 @@ def of_inputs(**inputs):
 
 
 REFUSED = [
-    ("assessment", {"assessment": {"joints": 1}}, "assessment.joints = 1: must be at least 2"),
+    ("assessment", {"assessment": {"joints": 1}}, "assessment.joints = 1: must be greater than or equal to 2"),
     ("assessment", {"assessment": {"stress_MPa": [0.5]}}, "stress_MPa = 0.5: must be more than"),
     ("global_sensitivity", {"global_sensitivity": {"rows": 48}}, "rows = 48: must be a power of 2"),
     ("global_sensitivity", of_inputs(jrc={"values": [6]}), "inputs.jrc: must have either"),
@@ -291,7 +291,7 @@ REFUSED = [
     ("misalignment", {"misalignment": {"rotation_degrees": [360]}}, "rotation_degrees = 360"),
     ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20)"),
     ("mismatch", {"mismatch": {"shift_in_cells": [1]}}, "shift_in_cells = [1]: must contain 0"),
-    ("mismatch", {"mismatch": {"wavelength_mm": [-1]}}, "wavelength_mm = -1: must be at least"),
+    ("mismatch", {"mismatch": {"wavelength_mm": [-1]}}, "wavelength_mm = -1: must be greater"),
     ("mismatch", {"surface": {"correlation": 0.5}}, "the study sets surface.mismatch_wavelength"),
     ("size", {"size": {"spacing_mm": [0.15, 0.25]}}, "spacing_mm = 0.25: must be a multiple of"),
     ("size", {"size": {"patch_mm": [3, 4]}}, "patch_mm = 3: must be a whole part of 4"),

@@ -10,7 +10,7 @@ from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.files import ConfigurationError
 from studies.frame.rocks import check_files
-from studies.frame.settings import Grid
+from studies.frame.keys import Grid
 from studies.frame.walls import (
     Cutter,
     cut_walls,
@@ -93,7 +93,7 @@ def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     surfaces = surface_settings(
         study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
         cases_of(study)[0], range(3),
-    )._replace(grid=Grid(24, 20, SPACING))  # fmt: skip
+    )._replace(grid=Grid(cells_x=24, cells_y=20, spacing_mm=1e3 * SPACING))  # fmt: skip
     pairs = list(cut_walls(walls, surfaces))
     later = cut_walls(walls, surfaces._replace(first_realization=1, realizations=2))
     for pair, again in zip(pairs[1:], later, strict=True):

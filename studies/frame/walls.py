@@ -19,8 +19,9 @@ from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import synthetic_wall
+from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import Grid, SurfaceSettings, seeds_of
+from studies.frame.settings import SurfaceSettings, seeds_of
 
 
 def walls_of_files(

@@ -13,10 +13,9 @@ from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, read_text
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from studies.frame.files import configuration_text
-from studies.frame.keys import Accuracy, Statistics
+from studies.frame.keys import Accuracy, Grid, Statistics, Surface
 from studies.frame.products import PRODUCTS, figure_files, product
 from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
-from studies.frame.settings import Grid, Surface
 from studies.frame.tables import CURVES, flow_table
 from studies.frame.tables import check_results as check
 from studies.paper import closures as closure_tables

@@ -22,7 +22,8 @@ from jointclosure.statistics.indifference import (
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
 from jointclosure.walls.roughness import bearing_depths, bearing_excess, z2_of_jrc
-from studies.frame.settings import BASE, Grid, Surface, walls_of_seed
+from studies.frame.keys import Grid, Surface
+from studies.frame.settings import BASE, walls_of_seed
 from studies.frame.tables import succeeded
 
 OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)

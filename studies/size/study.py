@@ -26,7 +26,7 @@ from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables, settings_of
 from studies.frame.panels import Column, Row, panels
 from studies.frame.points import Point, gridded
-from studies.frame.settings import ClosureSettings, Grid, walls_of
+from studies.frame.settings import ClosureSettings, walls_of
 from studies.size.section import Size
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
@@ -263,7 +263,7 @@ def nested(
     """
     cells, finest = whole
     surfaces, grid = settings.surfaces, settings.surfaces.grid
-    large = surfaces._replace(grid=Grid(cells, cells, finest))
+    large = surfaces._replace(grid=grid._replace(cells_x=cells, cells_y=cells, spacing=finest))
     z2 = z2_of_jrc(surfaces.jrc, base, surfaces.surface.hurst, surfaces.surface.jrc_relation)
     coarse, step = round(base / finest), round(grid.spacing / finest)
     side = grid.cells_x * step
@@ -287,7 +287,8 @@ def size_design(configured: Configured) -> Design:
         points = jobs[f"{rock}.{name}"] = []
         for patch, spacing in sizes_of(design, base.spacing):
             cells = round(patch / spacing)
-            sized = configuration._replace(grid=Grid(cells, cells, spacing))
+            grid = base._replace(cells_x=cells, cells_y=cells, spacing=spacing)
+            sized = configuration._replace(grid=grid)
             settings = settings_of(sized, base_case(rock, of_rock), **dict(spectrum))
             at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
             points += [
