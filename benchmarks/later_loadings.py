@@ -88,7 +88,7 @@ def loaded(pair: Walls, pristine: Walls, once: Conditions) -> tuple[dict[str, fl
 
 def joint_rows(label: str, joint: int) -> list[dict]:
     """Load one joint of a job by all mechanisms, and return its rows."""
-    jobs = EXPERIMENT.design(configured(merged_study(STUDY))).jobs
+    jobs = EXPERIMENT.design(configured(merged_study(STUDY))).jobs()
     point = next(p for p in jobs[label] if p.coordinates["variant"] == ROCK)
     at = {"wavelength_mm": 1e3 * point.coordinates["wavelength"]}
     pair = next(islice(walls_of(point.settings.surfaces), joint, None))

@@ -13,7 +13,7 @@ def design(request):
 
 @pytest.fixture(scope="module")
 def joints(request, design):
-    points = [point for job in design.jobs.values() for point in job]
+    points = design.points()
     return close_points(points, request.module.EXPERIMENT.quantities)
 
 

@@ -130,8 +130,7 @@ def assessment_design(configured: Configured) -> Design:
         count = section.joints
         if settings.surfaces.walls:  # a scan has room for a number of joints
             count = min(count, configuration.study.realizations)
-        surfaces = settings.surfaces._replace(realizations=count)
-        settings = settings._replace(surfaces=surfaces)
+        settings = settings.with_surfaces(realizations=count)
         stated, ladder, variants = variants_of(settings.conditions())
         ladders[case.rock] = stated, ladder
         options = {"unusual_values": configuration.study.unusual_values == "allow"}
@@ -150,7 +149,7 @@ def assessment_design(configured: Configured) -> Design:
             ]
     names = ("assessment_price", "assessment_effects", "assessment_hardness")
     parameters = {"ladders": ladders, "within": section.within}
-    return Design(jobs, ("assessment", "hardness", "assessment.md"), names, parameters)
+    return Design(lambda: jobs, ("assessment", "hardness", "assessment.md"), names, parameters)
 
 
 def _conditions(configuration: Configuration, section: Assessment) -> Iterator[Case]:

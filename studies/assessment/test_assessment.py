@@ -17,7 +17,7 @@ TINY = tiny("assessment")
 def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
     stated, ladder = design.parameters["ladders"]["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
-    settings = next(iter(design.jobs.values()))[0].settings
+    settings = next(iter(design.jobs().values()))[0].settings
     conditions = settings.conditions()._replace(flow=False)
     found = jc.assess(list(walls_of(settings.surfaces)), conditions=conditions, workers=1)
     here = tables["assessment"].query("stress_MPa == 1")
@@ -36,7 +36,7 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     small = {"study": {"realizations": 2}, "grid": TINY["grid"], "assessment": section}
     study = checked_study(read_plain("config/measured_wall.yaml"), small)
     design = EXPERIMENT.design(study)
-    points = [point for job in design.jobs.values() for point in job]
+    points = design.points()
     made = EXPERIMENT.tabulate(close_points(points, EXPERIMENT.quantities), design.parameters)
     assert len(made["hardness"]) == 2
     assert "Granite, scanned, 10 MPa" in made["assessment.md"]
@@ -54,6 +54,6 @@ def test_the_worst_joint_is_first(tables):
 
 def test_a_study_without_the_section_is_assessed_by_the_usual_one():
     study = checked_study(read_plain(ROOT / "workflow/usual_assessment.yaml"))
-    points = [point for job in EXPERIMENT.design(study).jobs.values() for point in job]
+    points = EXPERIMENT.design(study).points()
     assert {point.coordinates["rock"] for point in points} == set(study.typed.rocks)
     assert {point.settings.surfaces.realizations for point in points} == {8}

@@ -41,10 +41,9 @@ def run(arguments: argparse.Namespace) -> int:
     entries = {entry.name: entry for entry in ensemble.entries(results)}
     entry = entries[f"{name}/{label}.{block.start}"]
     (settings,) = entry.settings
-    surfaces = settings.surfaces._replace(first_realization=realization, realizations=1)
     print(f"realisation {realization} of {label}", flush=True)
     again = close_block(
-        settings._replace(surfaces=surfaces),
+        settings.with_surfaces(first_realization=realization, realizations=1),
         report=lambda line: None,
         walls=entry.options.get("walls"),
     )

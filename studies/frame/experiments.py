@@ -26,12 +26,12 @@ from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
 from studies.frame.points import (
     Jobs,
-    Samples,
+    Point,
     as_dataset,
     as_table,
     entries_of,
     estimated_time,
-    samples_of,
+    tried_points,
 )
 from studies.frame.products import Step, figure_files
 from studies.frame.settings import Case, ClosureSettings
@@ -46,31 +46,24 @@ Tables = Mapping[str, Any]
 class Design(NamedTuple):
     """Points of each job, and names of the tables and figures, for one configuration.
 
-    ``parameters`` are what tables and figures need besides the joints, and ``files`` further tables
-    (CSV) that are read into them. Jobs make the design anew, so slow parts are callables:
-    ``compiled`` gives the settings of all necessary kernels (by default of all points), and
-    ``samples`` the points whose closure estimates the time (by default `samples_of` all jobs).
+    ``jobs`` makes the points when they are needed. ``parameters`` are what tables and figures need
+    besides the joints, and ``files`` further tables (CSV) that are read into them.
     """
 
-    jobs: Jobs
+    jobs: Callable[[], Jobs]
     tables: tuple[str, ...]
     figures: tuple[str, ...]
     parameters: dict[str, Any]
     files: Mapping[str, str] = MappingProxyType({})
-    compiled: Callable[[], Iterable[ClosureSettings]] | None = None
-    samples: Callable[[], Samples] | None = None
+
+    def points(self) -> list[Point]:
+        """Return the points of all jobs."""
+        return [point for job in self.jobs().values() for point in job]
 
     def kernels(self) -> list[list[str]]:
         """Return the kernels that are compiled before the jobs start."""
-        points = (point.settings for job in self.jobs for point in self.jobs[job])
-        return kernels_of(
-            (settings.case.effects, settings.choices, settings.numerics)
-            for settings in (points if self.compiled is None else self.compiled())
-        )
-
-    def timed(self) -> Samples:
-        """Return the points whose closure estimates the time."""
-        return samples_of(self.jobs) if self.samples is None else self.samples()
+        settings = [point.settings for point in self.points()]
+        return kernels_of((one.case.effects, one.choices, one.numerics) for one in settings)
 
 
 class Experiment(NamedTuple):
@@ -124,7 +117,7 @@ def cached(configured: Configured, kind: str, folder: Path | None = None) -> dic
     """Return the files of an ensemble, of pilots (effects_of) or of an experiment by name."""
     if kind in sections():
         experiment = experiment_named(kind)
-        entries = entries_of(kind, experiment.design(configured).jobs, experiment.quantities)
+        entries = entries_of(kind, experiment.design(configured).jobs(), experiment.quantities)
     elif kind == "effects_of":
         entries = list(Ensemble(configured.typed).pilots(folder or Path()).values())
     else:
@@ -148,7 +141,7 @@ def estimate_time(config: dict, name: str, log: Logbook) -> pd.DataFrame:
     """Estimate the time of an experiment from a few of its joints."""
     _, design = design_in(config, name)
     compile_all(design.kernels(), log)
-    table = estimated_time(design.timed(), log)
+    table = estimated_time(design.points(), log)
     minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
     known = f" ± {error:.0f}" if math.isfinite(error) else ""
     joints = f"{table.joints.sum()} joints will take"
@@ -161,7 +154,7 @@ def close_experiment(
 ) -> dict[str, Any]:
     """Close the joints of an experiment that are missing, and make its tables."""
     experiment, design = design_in(config, name)
-    entries = entries_of(name, design.jobs, experiment.quantities)
+    entries = entries_of(name, design.jobs(), experiment.quantities)
     prepare = partial(compile_all, design.kernels(), log)
     make_missing(entries, folder, workers, log.show, "joints closed", prepare)
     joints = as_table(*(read_netcdf(entry.file(folder)) for entry in entries))
@@ -194,7 +187,7 @@ def steps_of(
             estimate_time,
             [estimate],
             settings={"name": name},
-            depends=lambda: digest(design.timed()),
+            depends=lambda: digest(tried_points(design.points())),
             priority=100,
         ),
         f"close_{name}": Step(

@@ -15,7 +15,6 @@ import xarray as xr
 from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.walls.pairs import CrushedWalls, Walls
 from studies.frame.settings import ClosureSettings, walls_of
 
@@ -45,15 +44,8 @@ Jobs = Mapping[str, Sequence[Point]]
 """Points by the name of the job that closes them; names are never parsed."""
 
 
-class Sample(NamedTuple):
-    """Similar points whose mean time is that of a number of ``joints``."""
-
-    points: Sequence[Point]
-    joints: int
-
-
-Samples = Mapping[str, Sequence[Sample]]
-"""Samples by the row of the estimate to which they belong, usually a job."""
+TRIED = 3
+"""Alike points of which one joint is closed to estimate the time of all."""
 
 
 def close_points(
@@ -95,57 +87,34 @@ def closed_table(
     return as_dataset(close_points(points, quantities, report))
 
 
-def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
-    """Sample the first point of every grid in each job."""
-    samples = {}
-    for job, points in jobs.items():
-        alike: dict[tuple, list[Point]] = {}
-        for point in points:
-            grid = point.settings.surfaces.grid, tuple(sorted(point.options))
-            alike.setdefault(grid, []).append(point)
-        samples[job] = [Sample(group[:1], joints_of(group)) for group in alike.values()]
-    return samples
+def tried_points(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
+    """Return a few of the points of each rock, grid and model, and the joints of all of these."""
+    alike: dict[tuple, list[Point]] = {}
+    for point in points:
+        case, surfaces = point.settings.case, point.settings.surfaces
+        kind = case.rock, case.effects, point.settings.numerics, surfaces.grid, *point.options
+        alike.setdefault(kind, []).append(point)
+    return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
 
 
-def estimated_time(
-    samples: Samples, report: Callable[[str], None] = lambda line: None
-) -> pd.DataFrame:
-    """Estimate processor time by closing one joint of each point of the samples.
+def estimated_time(points: Iterable[Point], report: Callable[[str], None]) -> pd.DataFrame:
+    """Estimate processor time by closing the first joint of some points, by rock and grid.
 
-    A row has ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these,
-    NaN where a sample is a single point.
+    A row has the number of ``joints``, their ``seconds``, and the standard ``error`` of these, NaN
+    where a single point was tried.
     """
-    known: dict[str, float] = {}
-
-    def seconds(point: Point) -> float:
-        """Measure the processor time of the first joint of a point, once."""
-        key, surfaces = repr(point), point.settings.surfaces._replace(realizations=1)
-        one = point._replace(settings=point.settings._replace(surfaces=surfaces))
-        if not known:
-            close_points([one], ())  # loads the kernels
-        if key not in known:
-            known[key] = float(close_points([one], ()).seconds.iloc[0])
-        return known[key]
-
     rows = []
-    for job, parts in samples.items():
-        times = [_mean([seconds(point) for point in part.points]) for part in parts]
-        counts = np.array([part.joints for part in parts], dtype=float)
-        means, errors = np.array(times).reshape(-1, 2).T
-        rows.append(
-            {
-                "job": job,
-                "joints": sum(part.joints for part in parts),
-                "seconds": float(counts @ means),
-                "error": float(np.hypot.reduce(counts * errors)),
-            }
-        )
-        report(f"{job}: about {rows[-1]['seconds']:.0f} s")
+    for tried, joints in tried_points(points):
+        first = [
+            point._replace(settings=point.settings.with_surfaces(realizations=1)) for point in tried
+        ]
+        times = close_points(first, ()).query("cycle == 1").seconds
+        grid = tried[0].settings.surfaces.grid
+        row = {"rock": tried[0].settings.case.rock, "cells": grid.cells_x * grid.cells_y}
+        row |= {"joints": joints, "seconds": joints * times.mean()}
+        rows.append(row | {"error": joints * times.sem()})
+        report(f"{row['rock']}, {row['cells']} cells: about {row['seconds']:.0f} s")
     return pd.DataFrame(rows)
-
-
-def _mean(times: list[float]) -> Estimate:
-    return mean_of(times) if len(times) > 1 else Estimate(times[0], np.nan)
 
 
 def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:

@@ -1,7 +1,7 @@
 """Settings that the joints of a case depend on, and walls that are made of them."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -96,6 +96,10 @@ class ClosureSettings(NamedTuple):
             self.numerics,
             self.flow,
         )
+
+    def with_surfaces(self, **changes: Any) -> "ClosureSettings":
+        """Return the settings with changed settings of the surfaces."""
+        return self._replace(surfaces=self.surfaces._replace(**changes))
 
     def with_effects(self, effects: Effects) -> "ClosureSettings":
         """Return the settings with other effects."""

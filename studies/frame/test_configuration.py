@@ -276,7 +276,11 @@ def of_inputs(**inputs):
 
 
 REFUSED = [
-    ("assessment", {"assessment": {"joints": 1}}, "assessment.joints = 1: must be greater than or equal to 2"),
+    (
+        "assessment",
+        {"assessment": {"joints": 1}},
+        "assessment.joints = 1: must be greater than or equal to 2",
+    ),
     ("assessment", {"assessment": {"stress_MPa": [0.5]}}, "stress_MPa = 0.5: must be more than"),
     ("global_sensitivity", {"global_sensitivity": {"rows": 48}}, "rows = 48: must be a power of 2"),
     ("global_sensitivity", of_inputs(jrc={"values": [6]}), "inputs.jrc: must have either"),
@@ -317,7 +321,7 @@ def test_a_study_without_the_section_does_not_run_the_experiment_nor_bear_its_na
 def test_a_point_closed_alone_has_the_bits_that_it_has_in_its_job(name):
     experiment = experiment_named(name)
     assert set(experiment.quantities) <= set(QUANTITIES)
-    points = list(next(iter(experiment.design(checked_study(TINY[name])).jobs.values())))[:2]
+    points = list(next(iter(experiment.design(checked_study(TINY[name])).jobs().values())))[:2]
     together = close_points(points, experiment.quantities).drop(columns="seconds")
     alone = close_points(points[-1:], experiment.quantities).drop(columns="seconds")
     own = together.tail(len(alone)).reset_index(drop=True)

@@ -9,8 +9,8 @@ from jointclosure.walls.measured import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.files import ConfigurationError
-from studies.frame.rocks import check_files
 from studies.frame.keys import Grid
+from studies.frame.rocks import check_files
 from studies.frame.walls import (
     Cutter,
     cut_walls,

@@ -19,7 +19,7 @@ TINY = {
 
 @pytest.fixture(scope="module")
 def points():
-    jobs = experiment_named("assessment").design(checked_study(TINY)).jobs
+    jobs = experiment_named("assessment").design(checked_study(TINY)).jobs()
     variants = {"slate": "without_breakage_and_gouge", "dolerite": "without_interaction"}
     return [
         point

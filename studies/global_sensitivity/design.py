@@ -166,19 +166,6 @@ def settings_of_rock(
     return settings
 
 
-def settings_of_choices(
-    sampling: Sampling, settings: Callable[[int, np.ndarray], ClosureSettings]
-) -> list[ClosureSettings]:
-    """Return settings at all combinations of discrete inputs, but for those of the surface."""
-    places = [
-        [0.5]
-        if one.key[0] == "surface"
-        else [(place + 0.5) / len(one.values) for place in range(len(one.values))] or [0.5]
-        for one in sampling.inputs
-    ]
-    return [settings(0, np.array(point)) for point in itertools.product(*places)]
-
-
 def is_positive(one: Input, keys: Mapping, rock: str) -> bool:
     """Return whether an input varies continuously over positive numbers, and has elasticities."""
     return not one.values and range_of(one, keys, rock)[0] > 0.0

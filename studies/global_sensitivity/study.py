@@ -1,6 +1,6 @@
 """Experiment on global sensitivity: variance indices of properties and of open choices."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -13,12 +13,10 @@ from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Design, Experiment, Tables
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
-from studies.frame.points import Point, Sample
+from studies.frame.points import Jobs, Point
 from studies.global_sensitivity.design import (
-    SURFACES,
     check_sampling,
     sampling_of,
-    settings_of_choices,
     settings_of_rock,
 )
 from studies.global_sensitivity.table import (
@@ -30,27 +28,6 @@ from studies.global_sensitivity.table import (
 )
 
 PREFIX = "global_sensitivity_"
-TRIED = 8
-"""Number of rows whose first point is closed to estimate the time of a rock."""
-
-
-class JobsOnDemand(Mapping[str, Sequence[Point]]):
-    """Jobs whose points are made when first used, by ``points_of`` from the arguments of a job."""
-
-    def __init__(
-        self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
-    ) -> None:
-        self._arguments = arguments
-        self._made = cache(lambda name: points_of(*arguments[name]))
-
-    def __getitem__(self, name: str) -> Sequence[Point]:
-        return self._made(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._arguments)
-
-    def __len__(self) -> int:
-        return len(self._arguments)
 
 
 def global_sensitivity_design(configured: Configured) -> Design:
@@ -58,38 +35,23 @@ def global_sensitivity_design(configured: Configured) -> Design:
     keys, sampling = configured.keys, sampling_of(configured.typed)
     makers = {rock: settings_of_rock(sampling, configured, rock) for rock in sampling.rocks}
 
-    def points_of(rock: str, rows: range) -> list[Point]:
-        return [
-            Point({"rock": rock, "row": row, "point": place}, makers[rock](row, point))
-            for row in rows
-            for place, point in enumerate(sampling.points()[row])
-        ]
-
-    def samples() -> dict[str, list[Sample]]:
-        joints = sampling.rows * (len(sampling.inputs) + 2) * SURFACES
-        rows = range(min(TRIED, sampling.rows))
+    @cache
+    def jobs() -> Jobs:
         return {
-            rock: [Sample([points_of(rock, range(row, row + 1))[0] for row in rows], joints)]
-            for rock in sampling.rocks
+            f"{rock}.{rows.start}": [
+                Point({"rock": rock, "row": row, "point": place}, maker(row, point))
+                for row in rows
+                for place, point in enumerate(sampling.points()[row])
+            ]
+            for rock, maker in makers.items()
+            for rows in sampling.blocks()
         }
 
     return Design(
-        JobsOnDemand(
-            {
-                f"{rock}.{rows.start}": (rock, rows)
-                for rock in sampling.rocks
-                for rows in sampling.blocks()
-            },
-            points_of,
-        ),
+        jobs,
         tuple(PREFIX + name for name in ("indices", "elasticities", "conclusions", "margins")),
         tuple(PREFIX + name for name in FIGURES),
-        {
-            "sampling": sampling,
-            "rocks": {rock: keys["rocks"][rock] for rock in sampling.rocks},
-        },
-        compiled=lambda: settings_of_choices(sampling, makers[sampling.rocks[0]]),
-        samples=samples,
+        {"sampling": sampling, "rocks": {rock: keys["rocks"][rock] for rock in sampling.rocks}},
     )
 
 

@@ -211,7 +211,7 @@ def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices
 
 def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
     design = EXPERIMENT.design(tiny_study())
-    points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
+    points = [point for point in design.jobs()["slate.0"] if point.coordinates["row"] == 2]
     joints = close_points(points, QUANTITIES)
     closed = by_rock(joints)["slate"]
     assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}

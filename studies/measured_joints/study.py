@@ -60,7 +60,7 @@ def measured_joints_design(configured: Configured) -> Design:
     film_cells = (FILM_CELL / configuration.grid.spacing) ** 2
     parameters = {"film_cells": film_cells, "root_seed": configuration.study.root_seed}
     tables = ("measured_joints", "measured_joints_scores", "measured_joints_predictions")
-    return Design(jobs, tables, ("measured_joints",), parameters)
+    return Design(lambda: jobs, tables, ("measured_joints",), parameters)
 
 
 def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, Point]:

@@ -19,7 +19,7 @@ def observables(design, joints):
 
 
 def test_all_walls_are_closed_with_all_choices(design, observables):
-    assert list(design.jobs) == ["500um", "1500um", "3000um", "independent"]
+    assert list(design.jobs()) == ["500um", "1500um", "3000um", "independent"]
     assert set(observables.variant) == {
         BASE,
         "strength 40 MPa",

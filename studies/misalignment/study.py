@@ -68,7 +68,7 @@ def misalignment_design(configured: Configured) -> Design:
             jobs[f"{rock}.{label}"] = [
                 Point(walls | angle, settings, f"{__name__}:misaligned", angle) for angle in angles
             ]
-    return Design(jobs, ("misalignment",), ("misalignment",), {})
+    return Design(lambda: jobs, ("misalignment",), ("misalignment",), {})
 
 
 def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:

@@ -21,10 +21,10 @@ def run(joints):
 
 
 def test_every_tilt_and_every_rotation_is_closed_alone(design, joints):
-    assert list(design.jobs) == ["slate.770um", "slate.independent"]
+    assert list(design.jobs()) == ["slate.770um", "slate.independent"]
     angles = [
         (point.coordinates["tilt"], point.coordinates["rotation"])
-        for point in design.jobs["slate.770um"]
+        for point in design.jobs()["slate.770um"]
     ]
     assert angles == [(0.0, 0.0), (3.0, 0.0), (0.0, 45.0)]
     assert joints.wavelength.unique().tolist() == [0.77e-3, np.inf]
@@ -32,7 +32,7 @@ def test_every_tilt_and_every_rotation_is_closed_alone(design, joints):
 
 
 def test_aligned_walls_close_as_everywhere(design, run):
-    settings = design.jobs["slate.770um"][0].settings
+    settings = design.jobs()["slate.770um"][0].settings
     surfaces = settings.surfaces
     made = {"mismatch_wavelength": 0.77e-3, "roll_off": surfaces.surface.roll_off}
     spacing, seed = surfaces.grid.spacing, seeds_of(surfaces)[2]

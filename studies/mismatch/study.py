@@ -49,7 +49,7 @@ def mismatch_design(configured: Configured) -> Design:
                 at["shift"] = configuration.grid.spacing * shift
                 points.append(Point(at, settings_of(configuration, case, **walls)))
     parameters = {"tolerance": design.tolerance, "root_seed": study.root_seed}
-    return Design(jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
+    return Design(lambda: jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
 
 
 def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:

@@ -18,7 +18,7 @@ def run(joints):
 
 
 def test_wavelengths_are_closed_in_order_with_independent_walls_last(design, joints):
-    assert list(design.jobs) == ["slate.1000um", "slate.3000um", "slate.independent"]
+    assert list(design.jobs()) == ["slate.1000um", "slate.3000um", "slate.independent"]
     assert joints.wavelength.unique().tolist() == [1e-3, 3e-3, np.inf]
     # independent walls are not shifted
     shifts = joints.groupby("wavelength")["shift"].unique()

@@ -431,7 +431,7 @@ def test_a_budget_sets_the_start_and_must_suffice_for_two_surfaces():
     [
         ({"numerics": {"breakage": "resolved", "tolerance": 0.001}}, "tolerance = 0.001: must"),
         ({"statistics": {"control_variates": 150}}, "control_variates = 150: must be more"),
-        ({"study": {"accuracy": {"within": 1.5}}}, "study.accuracy.within = 1.5: must be less than 1"),
+        ({"study": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be less than 1"),
         ({"study": {"accuracy": {"within": 0.1, "of": "median"}}}, "mean, interval, stiffness"),
     ],
 )

@@ -309,7 +309,7 @@ def size_design(configured: Configured) -> Design:
         },
         "strength_ratio": configuration.output.wall_strength_ratio,
     }
-    return Design(jobs, TABLES, ("size",), parameters)
+    return Design(lambda: jobs, TABLES, ("size",), parameters)
 
 
 def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:

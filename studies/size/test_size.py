@@ -31,7 +31,7 @@ ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 def points_of(spectrum, patch, spacing, **study):
     """Points of patches of a size, by their position."""
-    jobs = EXPERIMENT.design(checked_study(TINY, {"study": study})).jobs
+    jobs = EXPERIMENT.design(checked_study(TINY, {"study": study})).jobs()
     return [
         point
         for point in jobs[f"slate.{spectrum}"]

@@ -20,12 +20,12 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
     shutil.copy(HERE / config, folder)
     configured = checked_study(tiny(name))
     design = experiments_in(configured.keys)[name].design(configured)
-    joints = sum(sample.joints for samples in design.timed().values() for sample in samples)
+    joints = joints_of(design.points())
     assert f"{joints} joints will take about" in snakemake(folder, name, config=config)
     results = folder / f"results/tiny_{name}"
     dataset = read_netcdf(results / f"{name}.nc")
     assert "configuration" in dataset.attrs
-    points = [point for job in design.jobs.values() for point in job]
+    points = design.points()
     rows = sum(joints_of([point]) * point.settings.cycles for point in points)
     assert len(as_table(dataset)) == rows
     for table in design.tables:
@@ -36,7 +36,7 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
     for figure in design.figures:
         assert (results / f"figures/{figure}.png").stat().st_size > 10000
     assert planned(folder, name, config=config) == {}
-    for job in design.jobs:
+    for job in design.jobs():
         assert (results / f"{name}/{job}.nc").exists()
     (results / f"tables/{design.tables[0]}.csv").unlink()
     again = planned(folder, name, config=config)
