@@ -32,7 +32,7 @@ from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
-from jointclosure.storage.files import save_figure, write_csv
+from jointclosure.storage.files import write, write_csv
 from studies.frame.settings import walls_of
 
 BRANCHES = ("loading", "unloading", "reloading")
@@ -290,7 +290,7 @@ def main(realizations: int, stress: float, output: Path) -> None:
     for folder in ("tables", "figures"):
         (output / folder).mkdir(parents=True, exist_ok=True)
     write_csv(table, output / "tables/continuum.csv")
-    save_figure(continuum_figure(histories, stresses), output / "figures/continuum.png")
+    write(continuum_figure(histories, stresses), output / "figures/continuum.png")
 
 
 if __name__ == "__main__":

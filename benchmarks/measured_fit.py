@@ -25,7 +25,7 @@ from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit
 from jointclosure.plotting.joint import fit_figure
-from jointclosure.storage.files import save_figure, write_csv
+from jointclosure.storage.files import write, write_csv
 from jointclosure.walls.synthesis import ROLL_OFF
 from studies.measured_joints.observables import digitised_curve
 
@@ -141,7 +141,7 @@ def main() -> None:
             about = {"joint": joint, "side_mm": 1e3 * SPACING * cells}
             fits.append(about | fitted(result))
             readings += [about | reading._asdict() for reading in both.agreements()]
-            save_figure(fit_figure(both, f"joint {joint}"), OUTPUT / f"fit_{joint}_{cells}.png")
+            write(fit_figure(both, f"joint {joint}"), OUTPUT / f"fit_{joint}_{cells}.png")
             print(joint, cells, *result.sentences(), *both.sentences(), sep="\n- ", flush=True)
     write_csv(pd.DataFrame(fits), OUTPUT / "measured_fit.csv")
     write_csv(pd.DataFrame(readings), OUTPUT / "measured_fit_readings.csv")

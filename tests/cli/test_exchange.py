@@ -20,7 +20,7 @@ from jointclosure.cli.exports import (
 )
 from jointclosure.joint.curves import cycle_table, stress_table
 from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.storage.files import write_vtu
+from jointclosure.storage.files import write
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING, on_softer_half_spaces
 
@@ -177,7 +177,7 @@ def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     axes = {name: SPACING * np.arange(n) for name, n in zip("yx", upper.shape, strict=True)}
     walls = {"upper_final": (("y", "x"), upper), "lower_final": (("y", "x"), lower)}
     (mesh,) = fracture_mesh(xr.Dataset(walls, axes), pd.DataFrame()).values()
-    write_vtu(*mesh, tmp_path / "a.vtu")
+    write(mesh, tmp_path / "a.vtu")
     read = meshio.read(tmp_path / "a.vtu")
     ny, nx = upper.shape
     triangles = read.cells_dict["triangle"]

@@ -17,10 +17,10 @@ from jointclosure.storage.files import (
     DamagedFileError,
     add_file,
     atomically,
+    check_record,
     read_csv,
     replace_files,
     write_csv,
-    written_files,
 )
 from jointclosure.storage.netcdf import (
     read_netcdf,
@@ -179,34 +179,25 @@ def test_the_file_of_a_running_writer_is_left_alone_by_another(tmp_path):
 
 
 def some_files(*names):
-    """A function that writes files with their names and number."""
-
-    def write(folder):
-        for name in names:
-            (folder / name).write_text(f"{name} of {len(names)}")
-
-    return write
+    """Texts of files with their names and number."""
+    return {name: f"{name} of {len(names)}" for name in names}
 
 
 def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
     folder = tmp_path / "joint"
-    assert replace_files(folder, "close", some_files("b", "a", "export")) == ["a", "b", "export"]
+    replace_files(folder, "close", some_files("b", "a", "export"))
+    assert check_record(folder) == {"close": ["a", "b", "export"]}
     replace_files(folder, "fit", some_files("fit"))
     add_file(folder, "close", "page")
     (folder / "page").touch()
     (folder / "notes").write_text("mine")
-
-    def fail(temporary):
-        (temporary / "a").write_text("half")
-        raise RuntimeError("disk full")
-
-    with pytest.raises(RuntimeError, match="disk full"):
-        replace_files(folder, "close", fail)
+    with pytest.raises(TypeError, match="not JSON serializable"):
+        replace_files(folder, "close", {"a": "half", "b": object()})
     assert (folder / "a").read_text() == "a of 3"
-    assert replace_files(folder, "close", some_files("a", "b")) == ["a", "b"]
+    replace_files(folder, "close", some_files("a", "b"))
     assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", RECORD]
     assert (folder / "a").read_text() == "a of 2"
-    assert written_files(folder, "close") == ["a", "b"]
+    assert check_record(folder)["close"] == ["a", "b"]
 
 
 @pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])

@@ -21,7 +21,6 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import branch_of
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
-from jointclosure.storage.files import csv_text
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -64,7 +63,8 @@ def export_files(
         curves.loc[here, bandis] = 1e3 * law.closure(above[here])
     tables = {"curves": curve_table(history), "cycles": cycle_table(history), "answer": curves}
     tables["laws"] = fitted_laws(history)
-    files: dict[str, Any] = {f"{name}.csv": csv_text(tables[name], FIGURES) for name in tables}
+    form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
+    files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
     for export in (itasca_tables, porepy_files, geos_files, fracture_mesh):
         try:

@@ -19,7 +19,7 @@ from jointclosure.joint.curves import cycle_table, has_flow, stress_table
 from jointclosure.joint.history import branch_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
-from jointclosure.storage.files import replace_files, save_animation, write
+from jointclosure.storage.files import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 
 FIGURES = 7
@@ -165,17 +165,12 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
     from jointclosure.plotting.snapshots import crushing_animation
 
     if closed.sizes["snapshot"]:
-        save_animation(crushing_animation(closed, title), arguments.animation)
+        write(crushing_animation(closed, title), arguments.animation)
         print(f"wrote {arguments.animation}")
     return with_snapshots(closed, getattr(arguments, "snapshots", ()))
 
 
 def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:
     """Replace the files of a command's earlier run, and return the line that names them."""
-
-    def fill(place: Path) -> None:
-        for name, content in files.items():
-            write(content, place / name)
-
-    names = replace_files(folder, command, fill)
-    return f"wrote {folder}: {', '.join(names) or 'no file'}"
+    replace_files(folder, command, files)
+    return f"wrote {folder}: {', '.join(sorted(files)) or 'no file'}"

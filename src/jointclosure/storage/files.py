@@ -11,19 +11,15 @@ import os
 import shutil
 import socket
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-
-if TYPE_CHECKING:  # not loaded by jobs that draw nothing
-    from matplotlib.animation import FuncAnimation
-    from matplotlib.figure import Figure
 
 RECORD = "written.json"
 """File in a folder of results with the names of the files that each command wrote."""
@@ -129,15 +125,10 @@ def check_seal(path: Path) -> None:
             )
 
 
-def csv_text(frame: pd.DataFrame, figures: int | None = None) -> str:
-    """Return a table as CSV; numbers have all digits, or ``figures`` significant ones."""
-    form = None if figures is None else f"%.{figures}g"
-    return frame.to_csv(index=False, float_format=form)
-
-
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
-    """Write a table as `csv_text`."""
-    write_text(csv_text(frame, figures), path)
+    """Write a table; numbers have all digits, or ``figures`` significant ones."""
+    form = None if figures is None else f"%.{figures}g"
+    write_text(frame.to_csv(index=False, float_format=form), path)
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
@@ -158,72 +149,54 @@ def write_text(text: str, path: str | Path) -> None:
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure in the format of its path, without a time stamp."""
-    metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
-    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
+def write(content: Any, path: str | Path) -> None:
+    """Write a dataset, table, figure, animation, mesh, text or record for JSON, by its type.
 
-
-def save_animation(animation: "FuncAnimation", path: str | Path) -> None:
-    """Write an animation as a GIF."""
-    atomically(path, lambda temporary: animation.save(str(temporary), writer="pillow", dpi=100))
-
-
-def write_vtu(
-    points: np.ndarray, triangles: np.ndarray, cell_fields: dict[str, np.ndarray], path: str | Path
-) -> None:
-    """Write a surface of points (n, 3) [m] and triangles (m, 3), with fields (m,) of these."""
-    with needs("exchange", "VTU"):
-        import meshio
-    mesh = meshio.Mesh(
-        points, [("triangle", triangles)], cell_data={k: [v] for k, v in cell_fields.items()}
-    )
-    atomically(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
-
-
-def write(content: Any, path: Path) -> None:
-    """Write a dataset, table, figure, mesh, text or record for JSON in the form of its type."""
-    if path.suffix == ".vtu":
-        points, triangles, fields = content
-        write_vtu(points, triangles, fields, path)
-    elif path.suffix == ".nc":
+    A mesh has points (n, 3) [m], triangles (m, 3), and fields (m,) of these by name.
+    """
+    path = Path(path)
+    if path.suffix == ".nc":
         from jointclosure.storage.netcdf import write_netcdf  # a library that few jobs need
 
         write_netcdf(content, path)
+    elif path.suffix == ".vtu":
+        with needs("exchange", "VTU"):
+            import meshio
+        points, triangles, fields = content
+        data = {name: [values] for name, values in fields.items()}
+        mesh = meshio.Mesh(points, [("triangle", triangles)], cell_data=data)
+        atomically(path, partial(mesh.write, file_format="vtu"))
+    elif path.suffix == ".gif":
+        atomically(path, partial(content.save, writer="pillow", dpi=100))
+    elif hasattr(content, "savefig"):  # a PDF without a time stamp
+        metadata = {"CreationDate": None} if path.suffix == ".pdf" else None
+        atomically(path, partial(content.savefig, metadata=metadata))
     elif isinstance(content, pd.DataFrame):
         write_csv(content, path)
-    elif hasattr(content, "savefig"):
-        save_figure(content, path)
     else:
         text = content if isinstance(content, str) else json.dumps(content, indent=1) + "\n"
         write_text(text, path)
 
 
-def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
-    """Replace the files of a command's earlier run, if no error occurs; return the new names."""
+def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
+    """Replace the files of a command's earlier run by others, by name, if no error occurs."""
     folder.mkdir(exist_ok=True)
-    earlier = written_files(folder, command)
+    earlier = check_record(folder).get(command, [])
     with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
-        write(Path(unfinished))
-        names = sorted(os.listdir(unfinished))
+        for name, content in files.items():
+            write(content, Path(unfinished) / name)
         # if the process ends here, the next run has all names in the record
-        _record(folder, command, sorted({*earlier, *names}))
-        for name in names:
+        _record(folder, command, [*earlier, *files])
+        for name in files:
             os.replace(Path(unfinished) / name, folder / name)
-    for name in set(earlier) - set(names):
+    for name in set(earlier) - set(files):
         (folder / name).unlink(missing_ok=True)
-    _record(folder, command, names)
-    return names
+    _record(folder, command, files)
 
 
 def add_file(folder: Path, command: str, name: str) -> None:
     """Record a file as one of the files of a command, to be replaced with them."""
-    _record(folder, command, sorted({*written_files(folder, command), name}))
-
-
-def written_files(folder: Path, command: str) -> list[str]:
-    """Return the names of the files that the last run of a command wrote into a folder."""
-    return check_record(folder).get(command, [])
+    _record(folder, command, [*check_record(folder).get(command, []), name])
 
 
 def check_record(folder: Path) -> dict[str, list[str]]:
@@ -244,6 +217,6 @@ def check_record(folder: Path) -> dict[str, list[str]]:
     return commands
 
 
-def _record(folder: Path, command: str, names: list[str]) -> None:
-    commands = check_record(folder) | {command: names}
+def _record(folder: Path, command: str, names: Iterable[str]) -> None:
+    commands = check_record(folder) | {command: sorted({*names})}
     write_text(json.dumps(commands, indent=1, sort_keys=True) + "\n", folder / RECORD)

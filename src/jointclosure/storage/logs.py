@@ -31,7 +31,7 @@ class Logbook:
 
 @contextlib.contextmanager
 def logging_to(path: str | Path) -> Iterator[Logbook]:
-    """Open a logbook in a file, also for standard output; copied to `failed_log` on failure."""
+    """Open a logbook in a file, also for standard output; copied to PATH.failed on failure."""
     with (
         open(path, "w", encoding="utf-8", buffering=1) as stream,
         contextlib.redirect_stdout(stream),
@@ -42,13 +42,8 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
         except BaseException as error:
             traceback.print_exception(error, file=stream)
             print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
-            shutil.copyfile(path, failed_log(path))
+            shutil.copyfile(path, f"{path}.failed")
             raise
-
-
-def failed_log(path: str | Path) -> Path:
-    """Return the path of the log of a failed job."""
-    return Path(f"{path}.failed")
 
 
 @contextlib.contextmanager
