@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.engine.cache import digest
-from jointclosure.storage.files import read_text
 from jointclosure.walls.scans import files_of
 from studies.commands.report import CAPTIONS, report_page
 from studies.frame.cases import closed_keys, dataset_of, ensembles_of, wall_digests
@@ -15,7 +14,7 @@ from studies.frame.closing import Ensemble, close_ensemble, price_accuracy
 from studies.frame.configuration import Configured
 from studies.frame.experiments import cached, experiments_in, steps_of
 from studies.frame.files import DEFAULT, PAPER_TABLE_3
-from studies.frame.plan import Plan
+from studies.frame.plan import step_of
 from studies.frame.products import EARLY, Step
 from studies.frame.rocks import (
     ScannedWalls,
@@ -41,7 +40,7 @@ class Pipeline:
         self.folder = f"results/{self.typed.study.name}"
         self._apart = apart
         check_files(self.typed.rocks)
-        measured_curves(self.typed.curves, read_text)
+        measured_curves(self.typed.curves)
         experiments = experiments_in(self.keys)
         for experiment in experiments.values() if check else ():
             experiment.check(configured)
@@ -50,9 +49,8 @@ class Pipeline:
         self.cached = functools.cache(functools.partial(cached, configured))
         scanned = (name for name, rock in self.typed.rocks.items() if rock.walls)
         self.walls = [f"{self.folder}/walls/{name}.nc" for name in scanned]
-        plan = Plan(configured)
-        planned = {name: part for name, part in PRODUCTS.items() if part.when(plan)}
-        products = {name: plan.step(part) for name, part in planned.items()}
+        planned = {name: part for name, part in PRODUCTS.items() if part.when(self.typed)}
+        products = {name: step_of(part, configured) for name, part in planned.items()}
         files = [f for name in planned if not planned[name].apart for f in products[name].files]
         joints = self._ensembles()
         self.steps = joints | {

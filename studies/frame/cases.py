@@ -150,6 +150,6 @@ def block_settings(
         numerics=configuration.numerics,
         stress_points=configuration.output.stress_points,
         largest_stress=configuration.output.largest_stress,
-        effects_chosen_to=configuration.effects_chosen_to,
+        effects_chosen_to=configuration.effects.auto,
         flow=configuration.flow,
     )

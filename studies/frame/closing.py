@@ -156,7 +156,7 @@ class Ensemble:
     @property
     def chosen(self) -> bool:
         """Whether pilots choose the effects of the rocks."""
-        return self.configuration.effects_chosen_to is not None
+        return self.configuration.effects.auto is not None
 
     def settings(self, label: str, block: range) -> ClosureSettings:
         """Settings of a case and a block, with all effects that may be chosen."""

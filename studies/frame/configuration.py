@@ -107,9 +107,24 @@ class Configuration(Section):
         return self._replace(rocks=rocks, output=output, numerics=numerics, seating_stress=seating)
 
     @property
-    def effects_chosen_to(self) -> float | None:
-        """Tolerance by which a pilot chooses effects; None where they are as configured."""
-        return self.effects.auto
+    def pooled(self) -> bool:
+        """Whether the study has a pool, by which the model is judged."""
+        return self.study.pool is not None
+
+    @property
+    def varied(self) -> bool:
+        """Whether a property is varied."""
+        return any(rock.levels for rock in self.rocks.values())
+
+    @property
+    def variates(self) -> bool:
+        """Whether means are adjusted by covariates; those of scanned walls are not known."""
+        synthetic = any(rock.walls is None for rock in self.rocks.values())
+        return self.statistics.control_variates is not None and synthetic
+
+    def file(self, name: str) -> str:
+        """Return the path of a file of the study."""
+        return f"results/{self.study.name}/{name}"
 
     def problems_of_walls(self, name: str) -> Iterator[str]:
         """Generate keys of walls that mate in part, in a study that sets these keys itself."""
@@ -235,12 +250,6 @@ def refuse(problems: Iterable[str]) -> None:
 def refusal(problems: Iterable[str]) -> ConfigurationError:
     """Return the error that lists problems, one line each."""
     return ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
-
-
-def problem_lines(error: InputError) -> list[str]:
-    """The lines of an error of `refuse`, or of another one."""
-    lines = str(error).removeprefix("configuration:").split("\n")
-    return [line.strip() for line in lines if line.strip()]
 
 
 def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:

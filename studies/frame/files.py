@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import read_text
 from jointclosure.storage.provenance import origin
 
 _STUDIES = Path(__file__).parents[1]
@@ -59,48 +60,33 @@ def read_plain(path: str | Path) -> dict:
 
     A file with ``__use_yte__`` is refused, as Snakemake would run its Python expressions.
     """
-
-    def refused(reason: str) -> ConfigurationError:
-        return ConfigurationError(f"{path}: {reason}")
-
     try:
-        text = Path(path).read_bytes().decode("utf-8")
-    except FileNotFoundError:
-        raise refused("file not found") from None
+        settings = yaml.load(read_text(path), Loader=_Loader)
+        reason = _not_plain(settings)
+    except InputError as error:  # not a text
+        raise ConfigurationError(str(error)) from None
     except OSError as error:
-        raise refused((error.strerror or str(error)).lower()) from None
-    except UnicodeDecodeError as error:
-        byte = f"byte {error.object[error.start]:#04x} at {error.start}"
-        raise refused(f"is not UTF-8 text ({byte}): save it as UTF-8") from None
-    settings = _parsed(text, path)
-    if settings is None:
-        raise refused("is empty, must contain keys and values")
-    if not isinstance(settings, dict):
-        raise refused(f"must contain keys and values, not {_short(settings)}")
-    if "__use_yte__" in settings:
-        raise refused(
-            f"__use_yte__ = {_short(settings['__use_yte__'])}: must be left out; Snakemake would "
-            "run the Python in templates"
-        )
-    if reason := _not_plain(settings):
-        raise refused(reason)
+        reason = "file not found" if not Path(path).exists() else str(error.strerror or error)
+    except (yaml.YAMLError, ValueError) as error:
+        where = getattr(error, "problem_mark", None)
+        line = f"line {where.line + 1}: " if where else ""
+        problem = getattr(error, "problem", None) or " ".join(str(error).split())
+        reason = f"not plain YAML: {line}{problem}"
+    except RecursionError:
+        reason = "not plain YAML: nested too deeply"
+    if reason:
+        raise ConfigurationError(f"{path}: {reason}")
     return settings
 
 
-def _parsed(text: str, path: str | Path) -> object:
-    try:
-        return yaml.load(text, Loader=_Loader)
-    except (yaml.YAMLError, ValueError) as error:
-        where = getattr(error, "problem_mark", None)
-        problem = getattr(error, "problem", None) or " ".join(str(error).split())
-        line = f"line {where.line + 1}: " if where else ""
-        raise ConfigurationError(f"{path}: not plain YAML: {line}{problem}") from None
-    except RecursionError:
-        raise ConfigurationError(f"{path}: not plain YAML: nested too deeply") from None
-
-
-def _not_plain(settings: dict) -> str:
+def _not_plain(settings: object) -> str:
     """Return what is wrong with data that are too deep, too large with aliases, or not plain."""
+    if settings is None:
+        return "is empty, must contain keys and values"
+    if not isinstance(settings, dict):
+        return f"must contain keys and values, not {short(settings)}"
+    if "__use_yte__" in settings:
+        return "__use_yte__: must be left out; Snakemake would run the Python in templates"
     waiting: list[tuple[object, int]] = [(settings, 0)]
     count = 0
     while waiting:
@@ -123,9 +109,10 @@ def _not_plain(settings: dict) -> str:
     return ""
 
 
-def _short(value: object) -> str:
+def short(value: object) -> str:
+    """Format a value for a message, in one line of limited length."""
     text = reprlib.repr(value) if isinstance(value, dict | list) else repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return text if len(text) <= 100 else f"{text[:97]}..."
 
 
 def provenance(configuration: dict[str, Any]) -> dict[str, str]:

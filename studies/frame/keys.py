@@ -44,6 +44,7 @@ from jointclosure.parameters.units import documented, ends_of, name_and_unit, to
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
+from studies.frame.files import short
 
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
@@ -457,9 +458,3 @@ def _known(keys: type[pydantic.BaseModel], path: tuple) -> list[str]:
         within = "items" if isinstance(part, int) else "additionalProperties"
         schema = schema.get("properties", {}).get(part) or schema[within]
     return list(schema["properties"])
-
-
-def short(value: object) -> str:
-    """Format a value for a message, in one line of limited length."""
-    text = repr(value)
-    return text if len(text) <= 100 else f"{text[:97]}..."

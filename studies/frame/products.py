@@ -66,10 +66,10 @@ class Step(NamedTuple):
 
 
 class Product(NamedTuple):
-    """Function that makes files of a study, of which a `studies.frame.plan.Plan` makes a `Step`.
+    """Function that makes files of a study, by a step (`studies.frame.plan.step_of`).
 
-    ``files`` gives their paths in the study's folder, and ``when`` whether a study has them, of a
-    plan. Those that stand ``apart`` are made only if they are asked for.
+    ``files`` gives their paths in the study's folder, and ``when`` whether it has them, of its
+    configuration. Those that stand ``apart`` are made only if they are asked for.
     """
 
     make: Callable[..., Any]
@@ -91,14 +91,14 @@ PRODUCTS: dict[str, Product] = {}
 def product(
     *files: str,
     listed: Callable[[Any], Iterable[str]] | None = None,
-    when: Callable[[Any], bool] = lambda plan: True,
+    when: Callable[[Any], bool] = lambda study: True,
     early: bool = False,
     apart: bool = False,
 ) -> Callable[[Callable], Callable]:
-    """Declare that a function makes files, named here or ``listed`` of a plan."""
+    """Declare that a function makes files, named here or ``listed`` of a study."""
 
     def declared(make: Callable) -> Callable:
-        files_of = listed or (lambda plan: files)
+        files_of = listed or (lambda study: files)
         PRODUCTS[make.__name__] = Product(make, files_of, when, EARLY if early else 0, apart)
         return make
 

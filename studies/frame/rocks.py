@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -12,6 +12,7 @@ from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
+from jointclosure.storage.files import read_text
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
@@ -276,17 +277,15 @@ class CurveSettings(NamedTuple):
     seating_stress: float
 
 
-def measured_curves(
-    settings: dict[str, CurveSettings], read: Callable[[str], str]
-) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock; ``read`` returns the text of a file."""
+def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
+    """Read and check measured curves by rock."""
     curves = {}
     for rock, of_rock in settings.items():
         about, largest = of_rock.measured, of_rock.max_normal_stress
         file = about.file
         if not Path(file).is_file():
             raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")
-        curve = parsed_curve(read(file), file, about.stress_unit, about.closure_unit)
+        curve = parsed_curve(read_text(file), file, about.stress_unit, about.closure_unit)
         for line, cycle, stress in zip(curve.line, curve.cycle, curve.stress, strict=True):
             where = f"{file}, line {line}"
             if cycle > of_rock.cycles:

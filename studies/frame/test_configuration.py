@@ -212,9 +212,9 @@ def test_a_study_is_read_again_from_the_keys_that_it_left():
 
 def test_auto_is_short_for_all_effects_to_two_percent():
     study = study_of(written_out({"effects": "auto"}))
-    assert study.effects_chosen_to == 0.02
+    assert study.effects.auto == 0.02
     assert all(study.rocks["slate"].effects)
-    assert study_of().effects_chosen_to is None
+    assert study_of().effects.auto is None
     assert written_out(DEFAULT) is DEFAULT
 
 
@@ -228,7 +228,7 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
 FILES = {
     "empty": (b"", "is empty"),
     "a list": (b"- study\n- grid\n", "must contain keys and values, not ['study', 'grid']"),
-    "latin-1": ("study: {name: caf\xe9}\n".encode("latin-1"), "is not UTF-8 text (byte 0xe9"),
+    "latin-1": ("study: {name: caf\xe9}\n".encode("latin-1"), "must be UTF-8 text"),
     "a tag": (b"study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
     "a template": (b"__use_yte__: true\nstudy:\n  name: ?open('ran', 'w').name\n", "left out"),
     "a key twice": (b"grid: {cells_x: 5}\ngrid: {cells_y: 6}\n", "line 2: the key grid must be"),

@@ -18,7 +18,6 @@ from studies.frame.configuration import (
     configured,
     merged,
     overlaid,
-    problem_lines,
     refuse,
     resolved,
 )
@@ -184,6 +183,7 @@ def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
             try:
                 configured(merged(keys, keys_at(sampled[0], keys, rock, sampled[1]), _alone(rock)))
             except InputError as error:
-                yield f"{where}: {'; '.join(problem_lines(error))}"
+                lines = str(error).removeprefix("configuration:\n").splitlines()
+                yield f"{where}: {'; '.join(map(str.strip, lines))}"
             except KeyError as error:
                 yield f"{where}: {error}: there is no such key"

@@ -10,7 +10,7 @@ import xarray as xr
 
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
-from jointclosure.storage.files import read_csv, read_text
+from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Grid, Statistics, Surface
@@ -43,7 +43,7 @@ Known = Annotated[Covariates, _known]
 Log = Callable[[str], object]
 
 
-@product("covariates.nc", when=lambda plan: plan.variates, early=True)
+@product("covariates.nc", when=lambda study: study.variates, early=True)
 def measure_covariates(
     study: Closures, grid: Grid, surface: Surface, control_variates: int, root_seed: int
 ):
@@ -52,7 +52,7 @@ def measure_covariates(
     return as_dataset(Covariates(measure(study, grid, surface), means), study)
 
 
-@product("pool_covariates.nc", when=lambda plan: plan.variates and plan.pooled)
+@product("pool_covariates.nc", when=lambda study: study.variates and study.pooled)
 def measure_pool_covariates(pool: Closures, covariates: Known, grid: Grid, surface: Surface):
     """Measure the covariates of the pool's joints; their means are those of the study."""
     return as_dataset(Covariates(measure(pool, grid, surface), covariates.known), pool)
@@ -86,7 +86,7 @@ def find_indifference_intervals(
     )
 
 
-@product("tables/measured_fit.csv", when=lambda plan: plan.typed.curves, early=True)
+@product("tables/measured_fit.csv", when=lambda study: study.curves, early=True)
 def fit_measured(
     study: Curves,
     curve_files: list[str],
@@ -94,16 +94,16 @@ def fit_measured(
     seating_stress: float,
 ):
     """Find the realisations that fit the measured curves best."""
-    return closure_tables.fit_table(study, measured_curves(curves, read_text), seating_stress)
+    return closure_tables.fit_table(study, measured_curves(curves), seating_stress)
 
 
-@product("tables/hydraulic_aperture.csv", when=lambda plan: plan.typed.flow, early=True)
+@product("tables/hydraulic_aperture.csv", when=lambda study: study.flow, early=True)
 def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
     """Hydraulic apertures of a study's cases as a table."""
     return flow_table(study)
 
 
-@product("tables/accuracy_reached.csv", when=lambda plan: plan.typed.study.accuracy, early=True)
+@product("tables/accuracy_reached.csv", when=lambda study: study.study.accuracy, early=True)
 def reach_accuracy(
     study: Closures, finest: Closures, accuracy: Accuracy, significance: float, log: Log
 ):
@@ -205,11 +205,11 @@ def conclude(
     return conclusion_table(claims, **tables)
 
 
-def _of_study(plan: Any) -> list[str]:
+def _of_study(study: Any) -> list[str]:
     names = ["fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"]
-    names += ["hydraulic_aperture"] if plan.typed.flow else []
+    names += ["hydraulic_aperture"] if study.flow else []
     return figure_files(
-        names + (["table_3_intervals", "trends_max_closure"] if plan.varied else [])
+        names + (["table_3_intervals", "trends_max_closure"] if study.varied else [])
     )
 
 
@@ -233,7 +233,7 @@ def draw_figures(
 
     measured = plotting.Measurements()
     if fits is not None:
-        measured = measured._replace(curves=measured_curves(curves, read_text), fits=fits)
+        measured = measured._replace(curves=measured_curves(curves), fits=fits)
     drawn = np.union1d(study.realization.values[: plotting.MOST_DRAWN], measured.best)
     shown = study.sel(realization=drawn.astype(int)).load()
     log(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
@@ -257,7 +257,7 @@ def draw_figures(
     return figures
 
 
-@product(listed=lambda plan: figure_files(["table_3_predictive"]), when=lambda plan: plan.varied)
+@product(listed=lambda study: figure_files(["table_3_predictive"]), when=lambda study: study.varied)
 def draw_pool_figures(
     lengths: Annotated[xr.Dataset, read_netcdf],
     paper: pd.DataFrame,

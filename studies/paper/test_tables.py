@@ -19,7 +19,7 @@ from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import cases_of, surface_settings
 from studies.frame.configuration import model
 from studies.frame.keys import json_schema
-from studies.frame.plan import Plan
+from studies.frame.plan import inputs_of, settings_of
 from studies.frame.products import make_files
 from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
@@ -244,13 +244,9 @@ FAILED = ("pool", "volume", "at most 1e-12", "2e-9 of it", False)
 CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}}}}
 
 
-def plan(*changes: dict) -> Plan:
-    return Plan(checked_study(*changes))
-
-
 def settings(*changes: dict) -> dict[str, dict]:
-    study = plan(*changes)
-    return {name: study.settings(product) for name, product in PRODUCTS.items()}
+    study = checked_study(*changes)
+    return {name: settings_of(product, study) for name, product in PRODUCTS.items()}
 
 
 @pytest.fixture(scope="module")
@@ -290,13 +286,13 @@ def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
 @pytest.mark.parametrize("changes", [{}, {"flow": True} | CURVE, {"study": {"pool": None}}])
 def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(changes, monkeypatch):
     monkeypatch.chdir(ROOT)
-    study = plan(changes)
+    study = study_of(changes)
     planned = [product for product in PRODUCTS.values() if product.when(study)]
     made = [study.file(name) for product in planned for name in product.files(study)]
     assert len(set(made)) == len(made)
     known = [*made, *map(study.file, ("study.nc", "pool.nc", "first_walls.nc"))]
     for product in planned:
-        for paths in study.inputs(product).values():
+        for paths in inputs_of(product, study).values():
             for path in [paths] if isinstance(paths, str) else paths:
                 stored = not path.startswith("results/") and Path(path).is_file()
                 assert path in known or stored
@@ -323,7 +319,7 @@ def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows
 def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):
     monkeypatch.chdir(ROOT)
     for name, expected in (("paper", 4), ("mine", 0)):
-        inputs = plan({"study": {"name": name}}).inputs(PRODUCTS["conclude"])
+        inputs = inputs_of(PRODUCTS["conclude"], study_of({"study": {"name": name}}))
         beside = (inputs[key] for key in ("jrc_range", "readings", "choices", "margins"))
         assert sum(map(bool, beside)) == expected
 

@@ -78,13 +78,8 @@ def settings(tmp_path, text):
     return {"one": CurveSettings(MeasuredFile(file=str(path)), 2e6, 2, 0.5e6)}
 
 
-def read(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
-
-
 def test_only_rocks_with_a_file_have_a_curve(tmp_path):
-    assert list(measured_curves(settings(tmp_path, GOOD), read)) == ["one"]
+    assert list(measured_curves(settings(tmp_path, GOOD))) == ["one"]
     rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
     (stated,) = study_of({"rocks": rocks}).curves.values()
     assert stated == CurveSettings(MeasuredFile(file="lab.csv", stress_unit="MPa"), 30e6, 2, 0.5e6)
@@ -101,6 +96,6 @@ def test_only_rocks_with_a_file_have_a_curve(tmp_path):
 )
 def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text, printed):
     with pytest.raises(InputError) as error:
-        measured_curves(settings(tmp_path, text), read)
+        measured_curves(settings(tmp_path, text))
     assert printed in str(error.value)
     assert "lab.csv" in str(error.value)

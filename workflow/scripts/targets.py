@@ -18,7 +18,7 @@ from process_group import EndRequest
 
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
-from jointclosure.storage.files import read_csv, read_text, write_text
+from jointclosure.storage.files import read_csv, write_text
 from studies.frame.configuration import Configured, configured, merged_study, resolved, sections
 from studies.frame.experiments import checked_design
 from studies.frame.files import read_plain
@@ -135,7 +135,7 @@ def checked_name(name: str, override: str) -> str:
             f"({target.configuration} has one)"
         )
     target.check(study)
-    measured_curves(study.typed.curves, read_text)
+    measured_curves(study.typed.curves)
     return study.typed.study.name
 
 
