@@ -21,9 +21,7 @@ from jointclosure.measured.fit import Fit, fit
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    options.add_measured_curve(command)
-    options.add_keywords(command.add_argument_group("fit"), fit, "first_loading", "fit_strength")
-    options.add_measured_joint(command, RESOLVED)
+    options.add_measured(command, RESOLVED, "fit", fit, "first_loading", "fit_strength")
     options.add_file(command, "--output", "folder of the results and a figure")
 
 

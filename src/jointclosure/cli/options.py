@@ -210,8 +210,13 @@ def add_conditions(
     add_keywords(numerics, Numerics, *Numerics._fields, usual=usual._asdict())
 
 
-def add_measured_curve(command: argparse.ArgumentParser) -> None:
-    """Declare the curve that a function of `jointclosure.measured` compares joints with."""
+def add_measured(
+    command: argparse.ArgumentParser, usual: Numerics, title: str, function: Callable, *names: str
+) -> None:
+    """Declare a measured curve, keywords of a function, and the joints that are closed beside it.
+
+    ``usual`` are their numerics, and ``title`` is that of the keywords.
+    """
     from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
     from jointclosure.measured.joints import MeasuredJoint
 
@@ -222,12 +227,7 @@ def add_measured_curve(command: argparse.ArgumentParser) -> None:
         columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
         closure_error={"type": float, "metavar": "%", "default": 2.0},
     )  # fmt: skip
-
-
-def add_measured_joint(command: argparse.ArgumentParser, usual: Numerics) -> None:
-    """Declare the joints that are closed beside a curve, with usual numerics."""
-    from jointclosure.measured.joints import MeasuredJoint
-
+    add_keywords(command.add_argument_group(title), function, *names)
     joint = command.add_argument_group("joint")
     scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
     add_keywords(joint, MeasuredJoint, "units", "orientation", scans=scans)

@@ -9,11 +9,11 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
+from jointclosure.cli.results import with_bands
 from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.joint.curves import members
 from jointclosure.joint.laws import LAWS, fitted_laws, law_words
 from jointclosure.joint.protocol import LOADING
 from jointclosure.statistics.standard_errors import ABSENT, number_text
@@ -92,9 +92,7 @@ def _curves(curves: pd.DataFrame) -> pd.DataFrame:
     """Return curves over stress as text, each with the band of its values."""
     shown = curves[["cycle", "normal_stress_MPa"]].copy()
     for name in filter(curves.columns.__contains__, CURVES):
-        values = curves[members(curves, name)].map(lambda value: number_text(value, 3))
-        middle, *ends = (values[column] for column in values)
-        shown[name] = middle + (" (" + ends[0] + " to " + ends[1] + ")" if ends else "")
+        shown[name] = with_bands(curves, name, 3)
     return shown
 
 

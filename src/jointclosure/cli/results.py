@@ -11,11 +11,12 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, results_of, table_of
+from jointclosure.engine.budget import QUANTITIES as BUDGETED
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
-from jointclosure.joint.curves import cycle_table, has_flow, stress_table
+from jointclosure.joint.curves import cycle_table, has_flow, members, stress_table
 from jointclosure.joint.history import branch_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
@@ -55,26 +56,26 @@ def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = No
         value = float(results.loc[cycle, name])
         return NOT_MODELLED if abs(value) <= ROUNDING else number_text(value)
 
-    beside = {
-        title: {name: significant(value, 2) for name, value in values.items()}
-        for title, values in law_values(closed, laws).items()
-    }
-    table = budget.table(beside) if budget else table_of(results.index, text, beside)
+    table = budget.table() if budget else table_of(results.index, text)
+    for title, values in law_values(closed, laws).items():
+        table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
     curves = stress_table(closed) if budget is None else budget.curves
     highest = curves[curves.branch == LOADING].groupby("cycle").tail(1)
     for name in _FLOW if has_flow(closed) else ():
         title = CURVES[name][0].replace(" (", ", at the maximum stress (")
-        texts = [_with_range(row, name) for _, row in highest.iterrows()]
-        table.loc[title] = [*texts, *[""] * len(beside)]
+        table.loc[title] = [
+            *with_bands(highest, name, 2 if budget else 4),
+            *[""] * len(laws.by_cycle),
+        ]
     return table
 
 
-def _with_range(row: pd.Series, name: str) -> str:
-    """Return a quantity of a row of bands as text, the median first."""
-    numbers = [row.get(f"{name}_{end}") for end in ("median", "low", "high")]
-    if None in numbers:
-        return number_text(row[name])
-    return "{} ({} to {})".format(*(number_text(value, 2) for value in numbers))
+def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
+    """Return a quantity of `stress_table` as text, each value with its band if that is known."""
+    columns = members(curves, name)
+    values = curves[columns].map(lambda value: number_text(value, figures))
+    middle, *ends = (values[column] for column in columns)
+    return middle + " (" + ends[0] + " to " + ends[1] + ")" if ends else middle
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:

@@ -19,10 +19,8 @@ from jointclosure.measured.region import NUMERICS, validate
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    options.add_measured_curve(command)
-    tried = command.add_argument_group("constants that are tried")
-    options.add_keywords(tried, validate, "strengths", "shifts", "crushed_strength_ratios")
-    options.add_measured_joint(command, NUMERICS)
+    tried = "strengths", "shifts", "crushed_strength_ratios"
+    options.add_measured(command, NUMERICS, "constants that are tried", validate, *tried)
     options.add_file(command, "--output", "folder of the tables, the figure, and closed joints")
 
 

@@ -10,7 +10,6 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
@@ -24,12 +23,7 @@ from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
-from jointclosure.joint.conditions import (
-    Changes,
-    Conditions,
-    conditions_from,
-    takes_conditions,
-)
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels
@@ -424,18 +418,13 @@ def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, f
     return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
 
 
-@cache
-def _hard_cases() -> pd.DataFrame:
-    return read_csv(HARD_CASES)
-
-
 def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
     """Return the hard case with the most similar features, and the distance to it.
 
     It is the root mean square, over the features, of the difference between the shares of hard
     cases that have less.
     """
-    cases, apart = _hard_cases(), []
+    cases, apart = read_csv(HARD_CASES), []
     for name in FEATURES:
         known = np.sort(cases[name].dropna())
         both = np.append(cases[name], features[name])

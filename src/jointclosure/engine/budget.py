@@ -208,9 +208,9 @@ class Budget(NamedTuple):
             for (cycle, quantity), row in rows.iterrows()
         ]
 
-    def table(self, beside: Mapping[str, Mapping[str, str]] = {}) -> pd.DataFrame:
-        """Return the results as text, quantities over cycles, and texts beside them."""
-        return table_of(self.ranges.index.unique("cycle"), self.text, beside)
+    def table(self) -> pd.DataFrame:
+        """Return the results as text, quantities over cycles."""
+        return table_of(self.ranges.index.unique("cycle"), self.text)
 
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
@@ -259,16 +259,9 @@ def results_of(history: xr.Dataset, largest: float) -> pd.DataFrame:
     return table[["cycle", *QUANTITIES]]
 
 
-def table_of(
-    cycles: Iterable[int],
-    text: Callable[[int, str], str],
-    beside: Mapping[str, Mapping[str, str]] = {},
-) -> pd.DataFrame:
-    """Arrange texts of results, quantities over cycles, and further columns by their titles."""
+def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataFrame:
+    """Arrange texts of results, quantities over cycles."""
     columns = {f"cycle {cycle}": [text(cycle, name) for name in QUANTITIES] for cycle in cycles}
-    columns |= {
-        title: [texts.get(name, "") for name in QUANTITIES] for title, texts in beside.items()
-    }
     return pd.DataFrame(columns, index=list(QUANTITIES.values()))
 
 

@@ -13,12 +13,7 @@ from jointclosure.engine.progress import bar
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_count
-from jointclosure.joint.conditions import (
-    Changes,
-    Conditions,
-    conditions_from,
-    takes_conditions,
-)
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.walls.pairs import Walls

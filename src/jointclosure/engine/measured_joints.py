@@ -46,20 +46,16 @@ def measured_joints() -> pd.DataFrame:
 
 def measured(quantity: str, joint: str = ALL) -> Measured:
     """Return a measured value of a joint; a value without a range is its own range."""
-    table = measured_joints()
-    table = table[table.quantity == quantity]
-    rows = (
-        table[table.joint == joint] if (table.joint == joint).any() else table[table.joint == ALL]
-    )
+    rows = measured_joints().query("quantity == @quantity and joint in (@joint, @ALL)")
     if rows.empty:
         raise KeyError(f"{quantity} of joint {joint}")
-    value, low, high = rows.iloc[0][["value", "low", "high"]].astype(float)
+    row = rows.sort_values("joint").iloc[0]  # that of the joint before that of all
+    value, low, high = row[list(Measured._fields)].astype(float)
     return Measured(value, value if pd.isna(low) else low, value if pd.isna(high) else high)
 
 
 def measured_range(quantity: str) -> tuple[float, float]:
     """Return the smallest and the largest measured value of a quantity over the joints."""
-    values = [measured(quantity, joint) for joint in JOINTS]
-    ends = [part for each in values for part in (each.low, each.high)]
-    known = [each.value for each in values if not pd.isna(each.value)]
-    return (min(known), max(known)) if known else (min(ends), max(ends))
+    values = pd.DataFrame([measured(quantity, joint) for joint in JOINTS])
+    known = values.value.dropna()
+    return (known.min(), known.max()) if len(known) else (values.low.min(), values.high.max())

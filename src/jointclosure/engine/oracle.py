@@ -272,6 +272,7 @@ def judge(joint: Joint, state: State) -> Verdict:
     slope = slopes_of_forces(answer, compliance, law.substrate)
     summed = state.upper + state.lower
     ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
+    walls = (joint.upper, state.upper), (joint.lower, state.lower)
     return Verdict(
         negative_force=abs(min(float(force.min()), 0.0)),
         residual=over_total * float(np.abs(answer - carried).sum()),
@@ -279,14 +280,8 @@ def judge(joint: Joint, state: State) -> Verdict:
         without_overlap=over_total * float(carried[overlap <= 0].sum()),
         without_force=over_total * float(answer[carried == 0].sum()),
         load=abs(total - state.total_force) / total if total > 0 else abs(state.total_force),
-        volume=max(
-            volume_change(*pair)
-            for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
-        ),
-        raised=max(
-            raised(*pair, joint.effects.gouge)
-            for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
-        ),
+        volume=max(volume_change(*pair) for pair in walls),
+        raised=max(raised(*pair, joint.effects.gouge) for pair in walls),
         strength=_excess(joint, state),
     )
 

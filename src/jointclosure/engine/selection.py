@@ -20,18 +20,12 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 import pandas as pd
 import scipy
-import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
 from jointclosure.engine.joints import closed_walls, read_joint
 from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.inputs import check_below, check_count
-from jointclosure.joint.conditions import (
-    Changes,
-    Conditions,
-    conditions_from,
-    takes_conditions,
-)
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import warn_of_doubts
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
@@ -104,16 +98,6 @@ class Closed(NamedTuple):
     joint: ClosedWalls
     values: np.ndarray
 
-    @property
-    def dataset(self) -> xr.Dataset:
-        """Result of `jointclosure.simulate`."""
-        return self.joint.closed
-
-    @property
-    def seconds(self) -> float:
-        """Processor time [s]."""
-        return self.joint.seconds
-
 
 class Change(NamedTuple):
     """Mean change of `ASSESSED` (quantity, cycle) [1], and its standard deviation."""
@@ -180,7 +164,7 @@ class Pilot:
         scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
         few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
         with_it, without_it = (self._close(first.joint.final, scene, **few) for scene in scenes)
-        self.frozen_seconds += with_it.seconds + without_it.seconds
+        self.frozen_seconds += with_it.joint.seconds + without_it.joint.seconds
         mean = (without_it.values - with_it.values) / first.values
         parts = np.array([PRIORS[name] for name in ASSESSED])
         parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, self.broken()))]
@@ -200,12 +184,12 @@ class Pilot:
 
     def seconds(self, effects: Effects) -> float:
         """Return the mean time [s] of a joint with some effects."""
-        return float(np.mean([pair.seconds for pair in self.closed[effects]]))
+        return float(np.mean([pair.joint.seconds for pair in self.closed[effects]]))
 
     def lost(self, selected: Effects) -> float:
         """Return the time [s] of all closures but those of joints with the selected effects."""
         others = (pairs for effects, pairs in self.closed.items() if effects != selected)
-        return self.frozen_seconds + sum(pair.seconds for pairs in others for pair in pairs)
+        return self.frozen_seconds + sum(pair.joint.seconds for pairs in others for pair in pairs)
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
         """Return why effects are kept without a test, from the first joint; "" if they are not.
@@ -219,7 +203,7 @@ class Pilot:
         least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
         if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
             return f"changes by {percent(least)} or more, as it would be the same in all cycles"
-        bulk = self.closed[self.effects][0].dataset.max_bulk_indentation.values
+        bulk = self.closed[self.effects][0].joint.closed.max_bulk_indentation.values
         if "soft_peaks" in names and np.nanmax(bulk / gross) < CRUSHED:
             return "is not tested, as this saves little time"
         return ""
