@@ -18,7 +18,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
@@ -60,12 +60,10 @@ def enter_folder() -> None:
     if _held or _inherited():
         return
     LOCK.parent.mkdir(exist_ok=True)
-    file = open(LOCK, "a+", encoding="utf-8")  # noqa: SIM115 - open until this process ends
-    try:
+    with ExitStack() as opened:
+        file = opened.enter_context(open(LOCK, "a+", encoding="utf-8"))
         _lock(file)
-    except BaseException:
-        file.close()
-        raise
+        opened.pop_all()  # it is open until this process ends
     _held.append(file)
     os.set_inheritable(file.fileno(), True)
     os.environ[HELD] = str(file.fileno())
@@ -87,24 +85,23 @@ def _lock(file: TextIO) -> None:
     The kernel holds the lock, so that it ends with the process, whatever ends this. On network file
     systems it may not know of other hosts: what one of them has not removed is an error.
     """
-    deadline = time.monotonic() + _ENDING
-    while True:
+    deadline, locked = time.monotonic() + _ENDING, False
+    while not locked:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             locked = True
         except BlockingIOError:
-            if time.monotonic() < deadline:
-                time.sleep(0.1)
-                continue
-            raise InputError(f"another run is at work in this folder ({_named(file)})") from None
+            if time.monotonic() > deadline:
+                named = _named(_content(file))
+                raise InputError(f"another run is at work in this folder ({named})") from None
+            time.sleep(0.1)
         except OSError:  # a file system without locks
-            locked = False
-        break
+            break
     left, here = _content(file), _this_process()
     elsewhere = left.get("host") != here["host"] and left.get("boot") != here["boot"]
     if left and (elsewhere or not locked):
         raise InputError(
-            f"another run may be at work in this folder ({_named(file)}): "
+            f"another run may be at work in this folder ({_named(left)}): "
             f"delete {LOCK} if it has ended"
         )
     try:
@@ -135,8 +132,8 @@ def _content(file: TextIO) -> dict[str, str]:
         return {}
 
 
-def _named(file: TextIO) -> str:
-    named = {"process": "?", "host": "?", "start": "?"} | _content(file)
+def _named(content: dict[str, str]) -> str:
+    named = {"process": "?", "host": "?", "start": "?"} | content
     return "process {process} on {host}, since {start}".format(**named)
 
 
@@ -150,6 +147,7 @@ def _this_process() -> dict[str, str]:
 ENGINE = "JOINTCLOSURE_ENGINE"
 """Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
 OTHER_SETTINGS = "the file was made with other settings, or by other code"
+_UNLISTED = "no seal lists the file"
 _AGAIN = "delete it and start again; missing files are made again"
 _NEED_NO_SEAL = (".nc", ".txt")
 """Suffixes of files without a seal: files of a cache have their key, and notes are not read."""
@@ -175,9 +173,9 @@ def job(snakemake) -> Iterator[Logbook]:
     log = Path(snakemake.log[0])
     try:
         with logging_to(log) as logbook, measured(snakemake.log.benchmark):
-            study = next(folder.parent for folder in log.parents if folder.name == "logs")
+            study = study_of(log)
             inputs = [path for path in snakemake.input if Path(path).is_relative_to(study.parent)]
-            check_inputs(inputs, study.parent)
+            check_inputs(inputs)
             yield logbook
             if is_sealed(snakemake.output, snakemake.params):
                 seal = study / "seals" / log.relative_to(study / "logs").with_suffix(".json")
@@ -220,7 +218,7 @@ def write_seal(
     """Write the seal, in the folder ``seals`` of a study, of files made of inputs."""
     folder = next(parent.parent for parent in Path(seal).parents if parent.name == "seals")
     read = [os.path.normpath(path) for path in inputs]
-    listed = {p: d for study in _studies(read, folder.parent) for p, d in sealed_files(study)}
+    listed = {p: d for study in {*map(study_of, read)} for p, d in sealed_files(study).items()}
     content = {
         "settings": settings_digest(settings),
         "files": {os.path.relpath(path, folder): file_digest(path) for path in outputs},
@@ -232,18 +230,16 @@ def write_seal(
     atomically(seal, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def check_inputs(inputs: Iterable[str | Path], results: Path) -> None:
-    """Raise `ForeignFileError` unless files of the studies in a folder match their seals."""
+def check_inputs(inputs: Iterable[str | Path]) -> None:
+    """Raise `ForeignFileError` unless files of studies match their seals."""
     paths = {os.path.normpath(path) for path in inputs}
     unlisted = {path for path in paths if Path(path).suffix not in _NEED_NO_SEAL}
-    for study in _studies(paths, results):
+    for study in sorted(set(map(study_of, paths))):
         for _, _, reason in unmet_seals(study, among=paths):
-            raise ForeignFileError(reason)
-        unlisted -= dict(sealed_files(study)).keys()
+            raise ForeignFileError(f"{reason}: {_AGAIN}")
+        unlisted -= sealed_files(study).keys()
     for path in sorted(unlisted):
-        raise ForeignFileError(
-            f"{path}: no seal lists the file, so its origin is unknown: {_AGAIN}"
-        )
+        raise ForeignFileError(f"{path}: {_UNLISTED}, so its origin is unknown: {_AGAIN}")
 
 
 def unmet_seals(
@@ -256,27 +252,27 @@ def unmet_seals(
     ``expected`` returns the `settings_digest` that a seal must have, empty to accept any. Seals of
     no file ``among`` some do not count: other jobs may write their files.
     """
-    listed = dict(sealed_files(folder))
+    listed = sealed_files(folder)
     for path, seal in seals_in(folder).items():
         if seal is None:
-            yield path, None, f"{path}: is not a seal of jointclosure: {_AGAIN}"
+            yield path, None, f"{path}: is not a seal of jointclosure"
         elif among is not None and not among & seal.files.keys():
             continue
         elif reason := _reason(seal, listed, expected(seal)):
-            yield path, seal, f"{reason}: {_AGAIN}"
+            yield path, seal, reason
 
 
-def sealed_files(folder: Path) -> Iterator[tuple[str, str]]:
-    """Generate paths and digests of the files that the seals of a study list."""
-    for seal in seals_in(folder).values():
-        yield from seal.files.items() if seal else ()
+def sealed_files(folder: Path) -> dict[str, str]:
+    """Return digests by path of the files that the seals of a study list."""
+    seals = filter(None, seals_in(folder).values())
+    return {path: digest for seal in seals for path, digest in seal.files.items()}
 
 
 def check_folder(folder: Path) -> list[Path]:
     """Return the sealed files of a study; `ForeignFileError` unless all are as they were made."""
     for _, _, reason in unmet_seals(folder):
-        raise ForeignFileError(reason)
-    files = [Path(path) for path, _ in sealed_files(folder)]
+        raise ForeignFileError(f"{reason}: {_AGAIN}")
+    files = [Path(path) for path in sealed_files(folder)]
     for file in files:
         if not file.is_file():
             raise ForeignFileError(f"{file}: is missing, but a job wrote it: start again")
@@ -314,12 +310,6 @@ def _read(path: Path, folder: Path) -> Seal | None:
         return None
 
 
-def _studies(paths: Iterable[str], results: Path) -> list[Path]:
-    """Return the folders of studies in which files lie."""
-    inside = [Path(path) for path in paths if Path(path).is_relative_to(results)]
-    return sorted({results / path.relative_to(results).parts[0] for path in inside})
-
-
 def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
     """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them; return their list."""
     from jointclosure.compilation.kernels import cache_folder
@@ -347,20 +337,20 @@ def withdraw_unmet(steps: Iterable["Step"], report: Callable[[str], None], remov
         maker = makers.get(next(iter(seal.files), ""))
         return settings_digest(maker.params()) if maker else ""
 
+    sealed = {file for file, step in makers.items() if is_sealed(step.files, {})}
     for folder in sorted({study_of(file) for file in makers}):
         unmet = list(unmet_seals(folder, expected))
-        reasons = [reason.partition(": delete")[0] for _, _, reason in unmet]
+        reasons = [reason for _, _, reason in unmet]
         other = [reason for reason in reasons if OTHER_SETTINGS in reason]
-        for reason in [reason for reason in reasons if reason not in other] + other[:1]:
-            report(f"jointclosure: {reason}")
-        if len(other) > 1:
-            report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
-        listed = dict(sealed_files(folder))
-        sealed = (file for file, step in makers.items() if is_sealed(step.files, {}))
-        foreign = {file for file in sealed if Path(file).is_relative_to(folder)} - listed.keys()
+        foreign = {
+            file for file in sealed - sealed_files(folder).keys() if study_of(file) == folder
+        }
         foreign = {file for file in foreign if Path(file).is_file()}
-        for file in sorted(foreign):
-            report(f"jointclosure: {file}: no seal lists the file")
+        lines = [reason for reason in reasons if reason not in other] + other[:1]
+        if len(other) > 1:
+            lines.append(f"{folder}: the same of {len(other) - 1} more jobs")
+        for line in (*lines, *(f"{file}: {_UNLISTED}" for file in sorted(foreign))):
+            report(f"jointclosure: {line}")
         if remove:
             for path, _, _ in unmet:
                 path.unlink(missing_ok=True)
