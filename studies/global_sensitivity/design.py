@@ -13,7 +13,6 @@ from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import (
-    Configuration,
     Configured,
     configured,
     merged,
@@ -47,12 +46,15 @@ class Input(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """Inputs, numbers of rows in all and of a job; ``dependent`` pairs with their correlation."""
+    """Inputs, numbers of rows in all and of a job, and keys of the rocks by their names.
+
+    ``dependent`` are pairs of inputs with their correlation.
+    """
 
     inputs: tuple[Input, ...]
     rows: int
     rows_per_job: int
-    rocks: tuple[str, ...]
+    rocks: dict[str, dict]
     seed: int
     dependent: list[tuple[str, str, float]]
 
@@ -80,14 +82,14 @@ class Sampling(NamedTuple):
 _points = lru_cache(maxsize=None)(sampled_rows)
 
 
-def sampling_of(configuration: Configuration) -> Sampling:
+def sampling_of(configured: Configured) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
-    study, section = configuration.study, configuration.section(GlobalSensitivity)
+    study, section = configured.typed.study, configured.typed.section(GlobalSensitivity)
     return Sampling(
         inputs=tuple(_input(name, one) for name, one in section.inputs.items()),
         rows=section.rows,
         rows_per_job=section.rows_per_job,
-        rocks=study.rocks,
+        rocks={rock: configured.keys["rocks"][rock] for rock in study.rocks},
         seed=seed_of(study.root_seed, "global sensitivity"),
         dependent=[
             (one, other, pair.correlation)
@@ -105,12 +107,12 @@ def _input(name: str, one: Varied) -> Input:
 
 def check_sampling(configured: Configured) -> None:
     """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
-    sampling, keys = sampling_of(configured.typed), configured.keys
+    sampling, keys = sampling_of(configured), configured.keys
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))
 
 
-def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
+def keys_at(sampling: Sampling, rock: str, point) -> dict:
     """Return the keys that a point (d,) of the unit cube sets, to be merged over the study's."""
     answer: dict = {}
     for one, u in zip(sampling.inputs, point, strict=True):
@@ -118,23 +120,23 @@ def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
         within = answer
         for part in path:
             within = within.setdefault(part, {})
-        within[last] = value_at(one, keys, rock, float(u))
+        within[last] = value_at(one, sampling.rocks[rock], float(u))
     return answer
 
 
-def value_at(one: Input, keys: Mapping, rock: str, u: float):
-    """Return the value of an input at u of [0, 1], in the unit of its key."""
+def value_at(one: Input, rock: Mapping, u: float):
+    """Return the value of an input at u of [0, 1], in the unit of its key, for keys of a rock."""
     if one.values:
         return one.values[int(part_of(u, len(one.values)))]
-    low, high = range_of(one, keys, rock)
+    low, high = range_of(one, rock)
     return float(low * (high / low) ** u if one.logarithmic else low + (high - low) * u)
 
 
-def range_of(one: Input, keys: Mapping, rock: str) -> tuple[float, float]:
+def range_of(one: Input, rock: Mapping) -> tuple[float, float]:
     """Return the ends of an input that varies continuously, in the unit of its key."""
     if one.low is not None and one.high is not None:
         return one.low, one.high
-    base, levels = (of[one.key[-1]] for of in (keys["rocks"][rock], keys["rocks"][rock]["levels"]))
+    base, levels = (of[one.key[-1]] for of in (rock, rock["levels"]))
     return float(min(*levels, base)), float(max(*levels, base))
 
 
@@ -157,7 +159,7 @@ def settings_of_rock(
     }
 
     def settings(row: int, point: np.ndarray) -> ClosureSettings:
-        typed = resolved(overlaid(plain, keys_at(sampling, keys, rock, point)))
+        typed = resolved(overlaid(plain, keys_at(sampling, rock, point)))
         case = base_case(rock, typed.rocks[rock])
         block = range(SURFACES * row, SURFACES * (row + 1))
         return block_settings(typed, {case.label: case}, case.label, block)
@@ -165,9 +167,9 @@ def settings_of_rock(
     return settings
 
 
-def is_positive(one: Input, keys: Mapping, rock: str) -> bool:
+def is_positive(one: Input, rock: Mapping) -> bool:
     """Return whether an input varies continuously over positive numbers, and has elasticities."""
-    return not one.values and range_of(one, keys, rock)[0] > 0.0
+    return not one.values and range_of(one, rock)[0] > 0.0
 
 
 def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
@@ -181,7 +183,7 @@ def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
             point[place] = u
             sampled = (sampling, point) if together else (alone, [u])
             try:
-                configured(merged(keys, keys_at(sampled[0], keys, rock, sampled[1]), _alone(rock)))
+                configured(merged(keys, keys_at(sampled[0], rock, sampled[1]), _alone(rock)))
             except InputError as error:
                 lines = str(error).removeprefix("configuration:\n").splitlines()
                 yield f"{where}: {'; '.join(map(str.strip, lines))}"

@@ -32,7 +32,7 @@ PREFIX = "global_sensitivity_"
 
 def global_sensitivity_design(configured: Configured) -> Design:
     """Make a job for each rock and block of rows; added rows change no earlier block."""
-    keys, sampling = configured.keys, sampling_of(configured.typed)
+    sampling = sampling_of(configured)
     makers = {rock: settings_of_rock(sampling, configured, rock) for rock in sampling.rocks}
 
     @cache
@@ -51,17 +51,17 @@ def global_sensitivity_design(configured: Configured) -> Design:
         jobs,
         tuple(PREFIX + name for name in ("indices", "elasticities", "conclusions", "margins")),
         tuple(PREFIX + name for name in FIGURES),
-        {"sampling": sampling, "rocks": {rock: keys["rocks"][rock] for rock in sampling.rocks}},
+        {"sampling": sampling},
     )
 
 
 def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return indices, elasticities, shares of choices for which conclusions hold, and margins."""
     sampling, closed = parameters["sampling"], by_rock(joints)
-    held, margins = conclusion_tables(sampling, parameters, closed)
+    held, margins = conclusion_tables(sampling, closed)
     tables = {
         "indices": index_table(sampling, closed),
-        "elasticities": elasticity_table(sampling, parameters, closed),
+        "elasticities": elasticity_table(sampling, closed),
         "conclusions": held,
         "margins": margins,
     }
@@ -182,7 +182,7 @@ FIGURES: dict[str, tuple] = {
 
 def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
     """Draw indices, their convergence with the rows, or the shares for which conclusions hold."""
-    titles = {rock: keys["title"] for rock, keys in parameters["rocks"].items()}
+    titles = {rock: keys["title"] for rock, keys in parameters["sampling"].rocks.items()}
     draw, table = FIGURES[name.removeprefix(PREFIX)]
     return draw(tables[PREFIX + table], titles)
 

@@ -80,15 +80,14 @@ class Responses(NamedTuple):
 class FittedElasticities(NamedTuple):
     """FittedElasticities of a response of a rock by property (k).
 
-    ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the same without each group of
-    rows; ``single`` (k, N) of single rows, with their noise, whose numbers are ``rows``;
+    ``drawn`` (k, 1 + groups, n) at n drawn choices, of all rows and then without each group of
+    them; ``single`` (k, N) of single rows, with their noise, whose numbers are ``rows``;
     ``fit_over_noise`` (k,): variance of the rows' changes about the regression, over that of the
     difference of two surfaces (1: noise alone).
     """
 
     inputs: list[str]
     drawn: np.ndarray
-    left_out: np.ndarray
     single: np.ndarray
     rows: np.ndarray
     fit_over_noise: np.ndarray
@@ -143,37 +142,29 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
 
 
-def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
+def elasticity_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Compute elasticities: mean, spread and share above 0 over other inputs, by jackknife."""
     rows = []
     for response in filter(has_elasticities, responses_of(sampling, closed)):
-        if not _properties(sampling, keys, response.rock):
+        if not _properties(sampling, response.rock):
             continue
-        fit = elasticities_at(sampling, keys, response, choices_drawn(sampling))
-
-        def statistics(drawn: np.ndarray) -> dict[str, np.ndarray]:
-            return {
-                "elasticity": drawn.mean(axis=-1),
-                "spread": drawn.std(axis=-1),
-                "share_positive": (drawn > 0.0).mean(axis=-1),
-            }
-
-        values = statistics(fit.drawn)
-        errors = {
-            name: jackknife_error(parts.T) for name, parts in statistics(fit.left_out).items()
+        fit = elasticities_at(sampling, response, choices_drawn(sampling))
+        statistics = {
+            "elasticity": fit.drawn.mean(axis=-1),
+            "spread": fit.drawn.std(axis=-1),
+            "share_positive": (fit.drawn > 0.0).mean(axis=-1),
         }
         about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
         for place, name in enumerate(fit.inputs):
             row = about | {"input": name}
-            for column in values:
-                row |= {column: values[column][place], f"{column}_error": errors[column][place]}
+            for column, values in statistics.items():
+                errors = jackknife_error(values[:, 1:].T)
+                row |= {column: values[place, 0], f"{column}_error": errors[place]}
             rows.append(row | {"fit_over_noise": fit.fit_over_noise[place]})
     return pd.DataFrame(rows, columns=list(ELASTICITY_COLUMNS))
 
 
-def elasticities_at(
-    sampling: Sampling, keys: Mapping, response: Responses, at: np.ndarray
-) -> FittedElasticities:
+def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> FittedElasticities:
     """Fit d ln(response)/d ln(property) at drawn choices (n, d), and compute that of single rows.
 
     Between the two points of a row that differ in a property alone, on the same surfaces,
@@ -187,29 +178,31 @@ def elasticities_at(
     functions = first_functions(response.points[:, 0], sampling.values)
     logarithms = np.log(response.values)
     inputs, answers = [], []
-    for place, one in _properties(sampling, keys, response.rock):
+    for place, one in _properties(sampling, response.rock):
         others = [other for other in range(len(sampling.inputs)) if other != place]
-        step = _logarithm(one, keys, response.rock, response.points[:, 2 + place, place])
-        step = step - _logarithm(one, keys, response.rock, response.points[:, 0, place])
+        known = sampling.rocks[response.rock]
+        after, before = (
+            np.log([value_at(one, known, float(u)) for u in response.points[:, point, place]])
+            for point in (2 + place, 0)
+        )
+        step = after - before
         change = logarithms[:, 2 + place] - logarithms[:, 0]  # (row, surface)
         matrix = np.column_stack([np.ones(len(step)), functions[:, others]]) * step[:, None]
         slopes = _shrunk_slopes(matrix, change.mean(axis=-1), response.rows)
         columns = np.column_stack([np.ones(len(at)), drawn_functions[:, others]])
         drawn = np.stack([columns @ slope for slope in slopes])
         inputs.append(one.name)
-        answers.append(
-            (drawn[0], drawn[1:], change.mean(axis=-1) / step, _over_noise(matrix, change))
-        )
-    drawn, left_out, single, over_noise = map(np.array, zip(*answers, strict=True))
-    return FittedElasticities(inputs, drawn, left_out, single, response.rows, over_noise)
+        answers.append((drawn, change.mean(axis=-1) / step, _over_noise(matrix, change)))
+    drawn, single, over_noise = map(np.array, zip(*answers, strict=True))
+    return FittedElasticities(inputs, drawn, single, response.rows, over_noise)
 
 
-def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int, Input]]:
+def _properties(sampling: Sampling, rock: str) -> list[tuple[int, Input]]:
     """Return the inputs with elasticities, and their places."""
     return [
         (place, one)
         for place, one in enumerate(sampling.inputs)
-        if one.property and is_positive(one, keys, rock)
+        if one.property and is_positive(one, sampling.rocks[rock])
     ]
 
 
@@ -297,10 +290,6 @@ def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
     return np.linalg.lstsq(matrix[rows], change[rows], rcond=None)[0]
 
 
-def _logarithm(one: Input, keys: Mapping, rock: str, u: np.ndarray) -> np.ndarray:
-    return np.log([value_at(one, keys, rock, float(part)) for part in u])
-
-
 NAMES = ("max_closure", "max_closure_net")
 """Responses for which conclusions are judged."""
 COLUMNS = (
@@ -312,16 +301,15 @@ MARGIN_COLUMNS = (
 
 
 class _Margins(NamedTuple):
-    """Margins at drawn choices (n,), without each group (groups, n), and of single rows (N,)."""
+    """Margins at drawn choices (1 + groups, n), as elasticities, and of single rows (N,)."""
 
     drawn: np.ndarray
-    left_out: np.ndarray
     single: np.ndarray
     rows: np.ndarray
 
 
 def conclusion_tables(
-    sampling: Sampling, keys: Mapping, closed
+    sampling: Sampling, closed: Mapping[str, xr.Dataset]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Compute shares of choices for which conclusions hold, and the inputs behind their margins.
 
@@ -330,12 +318,11 @@ def conclusion_tables(
     changes, noise included, it holds. The second table: ``share`` of the margin's variance due to
     each input.
     """
-    fits = _elasticities(sampling, keys, closed)
+    fits = _elasticities(sampling, closed)
     shares: list[dict] = []
     margins: list[dict] = []
-    bases = {rock: _bases(sampling, keys, rock) for rock in sampling.rocks}
     for name, cycle, statement in itertools.product(NAMES, (1, 2), statements_of_elasticities()):
-        of_rocks = _of_rocks(sampling, fits, bases, statement, name, cycle)
+        of_rocks = _of_rocks(sampling, fits, statement, name, cycle)
         about = _about(statement, name, cycle)
         shares += [about | row for row in _shares(of_rocks, statement.true_above())]
         margins += [about | row for row in _variances(sampling, of_rocks)]
@@ -348,17 +335,18 @@ def conclusion_tables(
     )
 
 
-def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, FittedElasticities]:
+def _elasticities(
+    sampling: Sampling, closed: Mapping[str, xr.Dataset]
+) -> dict[tuple, FittedElasticities]:
     """Return elasticities by rock, response and cycle; none if a rock has none."""
     missing = sorted(set(sampling.rocks) - set(closed))
     if missing:
         raise InputError(f"the joints of {', '.join(missing)} are missing")
-    for rock in sampling.rocks:
-        if not any(one.property and is_positive(one, keys, rock) for one in sampling.inputs):
-            return {}
+    if not all(_properties(sampling, rock) for rock in sampling.rocks):
+        return {}
     at = choices_drawn(sampling)
     return {
-        (one.rock, one.name, one.cycle): elasticities_at(sampling, keys, one, at)
+        (one.rock, one.name, one.cycle): elasticities_at(sampling, one, at)
         for one in responses_of(sampling, closed)
         if one.name in NAMES and has_elasticities(one)
     }
@@ -369,10 +357,10 @@ def _about(statement: Statement, name: str, cycle: int) -> dict:
     return about | {"response": name, "cycle": cycle}
 
 
-def _bases(sampling: Sampling, keys: Mapping, rock: str) -> dict[str, float]:
+def _bases(sampling: Sampling, rock: str) -> dict[str, float]:
     """Return the rock's values of the properties that vary [SI]."""
     return {
-        one.property: PROPERTIES[one.property].size * keys["rocks"][rock][one.key[-1]]
+        one.property: PROPERTIES[one.property].size * sampling.rocks[rock][one.key[-1]]
         for one in sampling.inputs
         if one.property
     }
@@ -396,7 +384,7 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
 
 
 def _of_rocks(
-    sampling: Sampling, fits: dict[tuple, FittedElasticities], bases: dict, statement: Statement,
+    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: Statement,
     name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Return margins by rock; none if a rock lacks an elasticity of the statement."""
@@ -419,11 +407,10 @@ def _of_rocks(
                 for c, fit in of_cycles.items()
                 for one, values in zip(fit.inputs, part(fit), strict=True)
             }
-            return statement.least(Elasticities(by_cycle, bases[rock]), cycle)
+            return statement.least(Elasticities(by_cycle, _bases(sampling, rock)), cycle)
 
         margins[rock] = _Margins(
             least(lambda fit: fit.drawn),
-            least(lambda fit: fit.left_out),
             least(lambda fit, rows=rows: fit.single[:, np.isin(fit.rows, rows)]),
             rows,
         )
@@ -435,20 +422,17 @@ def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
     if not of_rocks:
         return
     for rock, margin in of_rocks.items():
-        parts = (margin.drawn, margin.left_out, margin.single)
-        yield {"rock": rock} | _share(*(part > above for part in parts))
+        yield {"rock": rock} | _share(margin.drawn > above, margin.single > above)
     together = of_rocks.values()
     rows = set.intersection(*(set(margin.rows.tolist()) for margin in together))
     single = [margin.single[np.isin(margin.rows, list(rows))] > above for margin in together]
-    yield {"rock": "all"} | _share(
-        np.all([margin.drawn > above for margin in together], axis=0),
-        np.all([margin.left_out > above for margin in together], axis=0),
-        np.all(single, axis=0),
-    )
+    drawn = np.all([margin.drawn > above for margin in together], axis=0)
+    yield {"rock": "all"} | _share(drawn, np.all(single, axis=0))
 
 
-def _share(drawn: np.ndarray, left_out: np.ndarray, single: np.ndarray) -> dict:
-    share, error = float(drawn.mean()), float(jackknife_error(left_out.mean(axis=1)))
+def _share(drawn: np.ndarray, single: np.ndarray) -> dict:
+    share, *left_out = drawn.mean(axis=1).tolist()
+    error = float(jackknife_error(np.array(left_out)))
     interval = t_interval((share, error), GROUPS)
     at_best = frequency(round(share * single.size), single.size)
     return {
@@ -466,9 +450,8 @@ def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[di
     functions = first_functions(choices_drawn(sampling), sampling.values)
     matrix = np.column_stack([np.ones(len(functions)), functions])
     for rock, margin in of_rocks.items():
-        margins = np.vstack([margin.drawn, margin.left_out])
-        slopes = np.linalg.lstsq(matrix, margins.T, rcond=None)[0][1:]
-        variances = margins.var(axis=1)
+        slopes = np.linalg.lstsq(matrix, margin.drawn.T, rcond=None)[0][1:]
+        variances = margin.drawn.var(axis=1)
         parts = functions.var(axis=0)[:, None] * slopes**2
         shares = np.divide(parts, variances, out=np.full_like(parts, np.nan), where=variances > 0)
         errors = jackknife_error(shares[:, 1:].T)

@@ -6,7 +6,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
-from studies.frame.configuration import configured, merged, resolved
+from studies.frame.configuration import configured, merged
 from studies.frame.experiments import experiment_named
 from studies.frame.files import read_plain
 from studies.frame.points import close_points
@@ -36,24 +36,19 @@ def section(**changes) -> dict:
 
 
 @pytest.fixture(scope="module")
-def keys():
-    return tiny_study(**section(rows=64)).keys  # rows beyond the file's 16
+def design():
+    return sampling_of(tiny_study(**section(rows=64)))  # rows beyond the file's 16
 
 
 @pytest.fixture(scope="module")
-def design(keys):
-    return sampling_of(resolved(keys))
-
-
-@pytest.fixture(scope="module")
-def world(design, keys):
+def world(design):
     """Closures that are powers of the properties, twice as large with current peaks, and noise."""
     closed = {}
     for rock in design.rocks:
         points, random = design.points(), np.random.default_rng(3)
         own = np.empty(points.shape[:2])
         for where in np.ndindex(own.shape):
-            at = keys_at(design, keys, rock, points[where])
+            at = keys_at(design, rock, points[where])
             values = at["rocks"][rock]
             powers = (
                 values["youngs_modulus_GPa"] ** -0.9
@@ -103,12 +98,12 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
         read_plain(ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"),
         section(**changes),
     )
-    sampling = sampling_of(full.typed)
+    sampling = sampling_of(full)
     for rock in sampling.rocks:
         settings = settings_of_rock(sampling, full, rock)
         for row, point in enumerate(sampling.points()[:3, 0]):
             alone = {"study": {"rocks": [rock], "draws": "common"}}
-            keys = merged(full.keys, keys_at(sampling, full.keys, rock, point), alone)
+            keys = merged(full.keys, keys_at(sampling, rock, point), alone)
             typed = configured(keys).typed
             case = base_case(rock, typed.rocks[rock])
             block = range(2 * row, 2 * row + 2)
@@ -116,8 +111,8 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
             assert repr(settings(row, point)) == repr(expected)
 
 
-def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design, keys):
-    table = elasticity_table(design, keys, world)
+def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design):
+    table = elasticity_table(design, world)
     for row in table.itertuples():
         truth = ELASTICITIES.get(row.input, 0.0)
         # surfaces are noise of a row, which changes within a row do not have
@@ -139,8 +134,8 @@ def test_the_choice_that_doubles_the_closure_has_most_of_its_variance(world, des
     assert inputs.shapley_dependent.sum() == pytest.approx(1.0)
 
 
-def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design, keys):
-    table, margins = conclusion_tables(design, keys, world)
+def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design):
+    table, margins = conclusion_tables(design, world)
     assert set(table.rock) == {"dolerite", "slate", "all"}
     for number in ("1a", "2a", "3", "5a", "5b", "5c"):
         assert (table[table.number == number].share > 0.95).all(), number
@@ -160,11 +155,11 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
     switched = {name: each.copy() for name, each in world.items()}
     for each in switched.values():
         each["max_closure"] = 1.0 / each.max_closure
-    shares = conclusion_tables(design, keys, switched)[0]
+    shares = conclusion_tables(design, switched)[0]
     shares = shares[shares.response == "max_closure"].set_index("number").share
     assert (shares[["5a", "5b", "5c"]] < 0.05).all()
     with pytest.raises(InputError, match="the joints of slate are missing"):
-        conclusion_tables(design, keys, {"dolerite": world["dolerite"]})
+        conclusion_tables(design, {"dolerite": world["dolerite"]})
 
 
 def mixed(world, design, part: float) -> dict:
@@ -180,16 +175,16 @@ def mixed(world, design, part: float) -> dict:
     return changed
 
 
-def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design, keys):
+def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design):
     random = np.random.default_rng(5)
     noisy = {}
     for name, each in world.items():
         noise = np.exp(0.01 * random.standard_normal(each.max_closure.shape))
         noisy[name] = each.assign(max_closure=each.max_closure * noise)
-    fits = elasticity_table(design, keys, noisy)
+    fits = elasticity_table(design, noisy)
     fits = fits[fits.response == "max_closure"]
     assert fits.fit_over_noise.between(0.4, 2.0).all()
-    missed = elasticity_table(design, keys, mixed(noisy, design, 0.5))
+    missed = elasticity_table(design, mixed(noisy, design, 0.5))
     of_modulus = missed[(missed.response == "max_closure") & (missed.input == "youngs_modulus")]
     assert (of_modulus.fit_over_noise > 2.0).all()
 
@@ -229,8 +224,8 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
         assert float(here) == row.max_closure
 
 
-def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design, keys):
-    margins = conclusion_tables(design, keys, mixed(world, design, 0.5))[1]
+def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design):
+    margins = conclusion_tables(design, mixed(world, design, 0.5))[1]
     here = margins[(margins.number == "5a") & (margins.response == "max_closure")]
     assert (here[here.input == "poisson_ratio"].share > 0.9).all()
     assert (here[here.input != "poisson_ratio"].share < 0.1).all()
