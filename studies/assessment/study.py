@@ -16,10 +16,10 @@ from jointclosure.engine.assess import (
     HARD_CASES,
     JUDGED,
     READ,
-    assessed,
     variants_of,
     worst_first,
 )
+from jointclosure.engine.assess import Assessment as Assessed
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
@@ -184,7 +184,7 @@ def assessment_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Ta
     differences, hardness, lines = [], [], ["# Assessment", ""]
     for at, part in grouped(closures, "rock", "jrc", "stress"):
         stated, ladder = parameters["ladders"][at["rock"]]
-        found = assessed(part, ladder, stated, parameters["within"], None)
+        found = Assessed(part, ladder, stated, parameters["within"])
         percent = (100.0 * found.differences[_VALUES]).add_suffix("_percent")
         verdicts = {name: found.verdict(name) for name in found.effects.index}
         table = found.differences.drop(columns=_VALUES).join(percent)

@@ -11,7 +11,7 @@ from jointclosure.engine.assess import (
     FEATURES,
     HARD_CASES,
     JUDGED,
-    assessed,
+    Assessment,
     nearest_hard_case,
 )
 from jointclosure.plotting.assessment import assessment_figure
@@ -80,17 +80,17 @@ def test_a_plan_reaches_its_half_width_and_a_budget_is_kept():
 
 
 def test_differences_verdicts_and_limits_are_those_that_were_put_in():
-    assessment = assessed(closures(), LADDER, "middle", 0.05, None)
+    assessment = Assessment(closures(), LADDER, "middle", 0.05)
     table = assessment.differences.set_index(["variant", "quantity"])
     for variant, bias in (("coarse", 0.1), ("middle", 0.02), ("without gouge", 0.0)):
         row = table.loc[(variant, JUDGED[0])]
         assert row.low < bias < row.high < bias + 0.03
     assert assessment.verdict("without gouge") == "can be left out"
     assert (
-        assessed(closures(effect=0.3), LADDER, "middle", 0.05, None).verdict("without gouge")
+        Assessment(closures(effect=0.3), LADDER, "middle", 0.05).verdict("without gouge")
         == "needed"
     )
-    sharp = assessed(closures(scatter=1e-4), LADDER, "middle", 0.05, None)
+    sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
 
 
@@ -113,9 +113,7 @@ def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
     ],
 )
 def test_hardness_has_its_defined_verdict(changes, verdict):
-    assert (
-        assessed(closures(**changes), LADDER, "middle", 0.05, None).hardness.verdict[0] == verdict
-    )
+    assert Assessment(closures(**changes), LADDER, "middle", 0.05).hardness.verdict[0] == verdict
 
 
 def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
@@ -181,18 +179,18 @@ def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
 
 def test_what_cannot_be_had_is_said_with_the_least_that_can():
     made = closures()
-    words = assessed(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
+    words = Assessment(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
     assert "budget = 0.001 s: buys no mean, which takes at least 80 s" in words
     fails = made.assign(**{name: made[name].where(made.variant != "fine") for name in JUDGED})
-    assert "fewer than two joints" in assessed(fails, LADDER, "middle", 0.05, None).sentences[1]
+    assert "fewer than two joints" in Assessment(fails, LADDER, "middle", 0.05).sentences[1]
     lone = closures(joints=1, scatter=0.3)
     assert (
         "budget = 0.001 s: a joint takes"
-        in assessed(lone, LADDER, "middle", 0.05, 1e-3).sentences[1]
+        in Assessment(lone, LADDER, "middle", 0.05, 1e-3).sentences[1]
     )
     assert (
         "no setting answers a request below"
-        in assessed(lone, LADDER, "middle", 0.05, None).sentences[-1]
+        in Assessment(lone, LADDER, "middle", 0.05).sentences[-1]
     )
 
 

@@ -10,8 +10,10 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
@@ -75,7 +77,8 @@ with the tolerance."""
 FINEST = list(LADDER.values())[-1]
 
 
-class Assessment(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Assessment:
     """What accuracy costs on a scene, how hard it is, and which effects it needs.
 
     Attributes
@@ -84,26 +87,57 @@ class Assessment(NamedTuple):
         One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
         `ASSESSED` and `FEATURES` but the spread [SI], ``oracle_ratio``, and the ``error`` of walls
         that could not be closed.
-    differences : DataFrame
-        One row per variant, quantity of `ASSESSED` and cycle: the mean difference from the
-        ``reference`` on the same walls over the mean of the reference, with its 95 % interval
-        (``value``, ``low``, ``high`` [1]), and ``seconds`` of a joint. The reference of a setting
-        of the numerics is the finest one, that of a scene without effects has all of them.
-    hardness : DataFrame
-        One row per joint, the worst first: ``verdict``, `FEATURES`, the ``nearest`` hard case and
-        the ``distance`` to it, ``oracle_ratio``, and the ``reason`` of the verdict.
-    sentences : tuple of str
-        What follows for the request.
+    ladder : list of str
+        Settings of the numerics, from the cheapest to the finest.
+    stated : str
+        Variant as the scene is stated.
     within, budget : float
         Request [1], and time [s] or None.
     """
 
     closures: pd.DataFrame
-    differences: pd.DataFrame
-    hardness: pd.DataFrame
-    sentences: tuple[str, ...]
+    ladder: Sequence[str]
+    stated: str
     within: float
     budget: float | None = None
+
+    @cached_property
+    def differences(self) -> pd.DataFrame:
+        """Mean difference of each variant, quantity of `ASSESSED` and cycle from a ``reference``.
+
+        It is that on the same walls, over the mean of the reference, with its 95 % interval
+        (``value``, ``low``, ``high`` [1]), beside the ``seconds`` of a joint. The reference of a
+        setting of the numerics is the finest one, that of a scene without effects has all of them.
+        """
+        rows = []
+        every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
+        for (variant, seconds), quantity, cycle in every:
+            reference = self.stated if str(variant).startswith(_EFFECT) else self.ladder[-1]
+            row = {"variant": variant, "reference": reference, "seconds": seconds}
+            row |= {"quantity": quantity, "cycle": cycle}
+            rows.append(row | self._apart((variant, reference), cycle, quantity)._asdict())
+        return pd.DataFrame(rows)
+
+    @cached_property
+    def hardness(self) -> pd.DataFrame:
+        """Verdict on each joint, the worst first: ``verdict``, its ``reason``, and what gave it.
+
+        That is `FEATURES`, the ``nearest`` hard case and the ``distance`` to it, and
+        ``oracle_ratio``, of scenes with all effects.
+        """
+        of_scene = self.closures[~self.closures.variant.str.startswith(_EFFECT)]
+        rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
+        return worst_first(pd.DataFrame(rows))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What follows for the request."""
+        worst = self.hardness.iloc[0]
+        subject = "this joint" if self._lone else f"joint {worst.joint}"
+        words = f"{subject} is {worst.verdict}: {worst.reason}"
+        if self._lone and worst.spread > self.within:
+            words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
+        return [*self._limits(), self._of_joint() if self._lone else self._of_mean(), words]
 
     @property
     def price(self) -> pd.DataFrame:
@@ -140,6 +174,155 @@ class Assessment(NamedTuple):
         effects = self.effects[[c for c in self.effects if not c.startswith(("gross", "aperture"))]]
         tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
         return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
+
+    @property
+    def _lone(self) -> bool:
+        return len(self.closures.joint.unique()) == 1
+
+    @cached_property
+    def _compared(self) -> pd.DataFrame:
+        """Closures of a lone joint and its copies, or of several joints as they are."""
+        as_they_are = self.closures[self.closures.copy_of_walls == "as it is"]
+        return self.closures if self._lone else as_they_are
+
+    @cached_property
+    def _seconds(self) -> pd.Series:
+        """Mean processor time of a joint [s] by variant."""
+        return self._compared.groupby("variant", sort=False).seconds.mean()
+
+    @property
+    def _cycles(self) -> list[int]:
+        return sorted(self._compared.cycle.unique())
+
+    def _paired(
+        self, variants: Sequence[str], cycle: int, quantity: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return values (n,) of two variants in a cycle, of what both closed."""
+        rows = self._compared[self._compared.cycle == cycle]
+        one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
+        known = np.isfinite(one) & np.isfinite(two)
+        return one[known], two[known]
+
+    def _apart(self, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
+        """Return the relative difference of the means of two variants."""
+        one, two = self._paired(variants, cycle, quantity)
+        if not one.size:
+            return Interval(math.nan, -math.inf, math.inf)
+        return t_interval((one - two) / two.mean())
+
+    def _hardness(self, own: pd.DataFrame) -> dict[str, Any]:
+        """Return a row of `hardness` from the closures of a joint."""
+        copies = own[own.variant == self.stated]
+        features = features_of(own, self.stated, self.ladder[-1])
+        nearest, distance = nearest_hard_case(features)
+        share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
+        failed = own[~(own.status < FAILURE)]
+        if len(failed):
+            first, verdict = failed.iloc[0], "not stable"
+            flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
+            reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
+        elif judged > 1.0:
+            verdict = "not stable"
+            reason = f"the independent implementation finds a state {judged:.2g} times beyond a "
+            reason += "limit"
+        else:
+            easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
+            verdict = "easy" if easy else "hard"
+            spreads = (f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items())
+            reason = (
+                f"copies that must close alike scatter by {', '.join(spreads)} (easy: "
+                f"{50 * self.within:.2g} %), {100 * share:.2g} % of its force is on contacts that "
+                f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump "
+                f"is {100 * features['largest_jump']:.2g} % of its closure, and the hard case "
+                f"{nearest} is nearest ({distance:.2g})"
+            )
+        row = {"verdict": verdict} | features | {"nearest": nearest, "distance": distance}
+        return row | {"oracle_ratio": judged, "reason": reason}
+
+    def _limits(self) -> list[str]:
+        """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
+        lines, ladder = [], self.ladder
+        for cycle in self._cycles if len(ladder) > 2 else ():
+            lasts = {name: self._apart(ladder[-2:], cycle, name) for name in JUDGED}
+            known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
+            judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
+            coarse, last = self._apart(ladder[-3:-1], cycle, judged), lasts[judged]
+            limit = {
+                True: "it has a limit within the request",
+                False: "no limit was reached",
+                None: "these joints do not show whether it has a limit within the request",
+            }[last.within(self.within)]
+            if coarse.within(0.0) is False and last.within(0.0) is False:
+                order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
+                limit += f" (observed order {order:.2g})"
+            lines.append(
+                f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
+                f"{percent_of(last)} %: {limit}"
+            )
+        return lines
+
+    def _of_joint(self) -> str:
+        """Say which setting a lone joint needs, or what the budget buys."""
+        rows, ladder, budget = self.differences, self.ladder, self.budget
+        rows = rows[rows.variant.isin(ladder[:-1]) & rows.quantity.isin(JUDGED)]
+        errors = rows.assign(error=rows[["low", "high"]].abs().max(axis=1))
+        errors = errors.groupby("variant")[["seconds", "error"]].max()
+        limit, column = (self.within, "error") if budget is None else (budget, "seconds")
+        allowed, finest = errors[errors[column] <= limit], float(self._seconds[ladder[-1]])
+        takes = f"{ladder[-1]}, the finest setting, takes {finest:.2g} s of processor time"
+        if budget is not None and allowed.empty:
+            least = errors.seconds.min() if len(errors) else finest
+            return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
+        if budget is not None and budget >= finest:
+            return f"budget = {budget:g} s: suffices for all settings; {takes}"
+        if allowed.empty:
+            return f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}"
+        row = allowed.loc[(allowed.seconds if budget is None else allowed.error).idxmin()]
+        return (
+            f"{row.name} is within {100 * row.error:.2g} % and takes {row.seconds:.2g} s; {takes}"
+        )
+
+    def _of_mean(self) -> str:
+        """Say how many joints a mean takes to be within the request, or what the budget buys."""
+        finest, budget = self.ladder[-1], self.budget
+        plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
+        if not plans and budget is None:
+            return f"no mean can be planned, as fewer than two joints closed with {finest}"
+        if not plans:
+            least = FEWEST * float(self._seconds[finest])
+            return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
+        of = "seconds" if budget is None else "half_width"
+        name = min(plans, key=lambda name: getattr(plans[name], of))
+        plan, halves = plans[name], []
+        further = f", {plan.differences} of them with {finest} too" if name != finest else ""
+        for cycle in self._cycles:
+            closed = (self._paired((finest, finest), cycle, judged)[0] for judged in JUDGED)
+            means = [t_interval(values) for values in closed if values.size]
+            half = max(mean.high / mean.value - 1.0 for mean in means)
+            halves.append(f"{100 * half:.2g} % on cycle {cycle}")
+        return (
+            f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes "
+            f"{plan.joints} joints with {name}{further}: {plan.seconds:.3g} s of processor time "
+            f"(deviations of {self.closures.joint.nunique()} joints; their mean is known to "
+            f"{', '.join(halves)})"
+        )
+
+    def _plan(self, name: str) -> Plan | None:
+        """Return the plan of a mean with a setting that all closures of all cycles need."""
+        finest, plans = self.ladder[-1], list[Plan | None]()
+        cost = float(self._seconds[name])
+        both = cost + float(self._seconds[finest]) if name != finest else 0.0
+        for cycle, judged in itertools.product(self._cycles, JUDGED):
+            cheap, best = self._paired((name, finest), cycle, judged)
+            if best.size > 1:
+                first, second = (
+                    float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)
+                )
+                plans.append(best_plan((first, second), (cost, both), self.within, self.budget))
+        possible = [plan for plan in plans if plan]
+        if len(possible) < max(1, len(plans)):
+            return None
+        return max(possible, key=lambda plan: (plan.seconds, plan.half_width))
 
 
 @takes_conditions
@@ -199,7 +382,7 @@ def assess(
         for copy in (COPIES if name == stated or len(pairs) == 1 else ["as it is"])
     ]
     closures = closures_of(tasks, stated, variants, pairs, folder, workers, report)
-    return assessed(closures, ladder, stated, within, budget)
+    return Assessment(closures, ladder, stated, within, budget)
 
 
 def check_request(given: Conditions, within: float = 0.05, budget: float | None = None) -> None:
@@ -271,7 +454,7 @@ def closures_of(
         (tuple(COPIES[copy](wall) for wall in pairs[joint]), variants[name], copy == "as it is")
         for name, joint, copy in missing
     ]
-    used = [variants[name] for name, _, _ in missing]
+    used = (conditions for _, conditions, _ in asked)
     for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
         compile_kernels(*one)  # before processes need them, and no part of a measured time
     for done, (at, row) in enumerate(shared(close_variant, asked, processes), start=1):
@@ -307,96 +490,6 @@ def close_variant(walls: Walls, conditions: Conditions, judged: bool) -> dict[st
     row = close_joint(walls, Reading(conditions, READ if judged else READ[:-1]))
     row["seconds"] = row.pop("timing_simulation")
     return {name: np.asarray(values).tolist() for name, values in row.items()}
-
-
-def assessed(
-    closures: pd.DataFrame, ladder: Sequence[str], stated: str, within: float, budget: float | None
-) -> Assessment:
-    """Make an assessment of its closures.
-
-    ``ladder`` names the settings of the numerics, from the cheapest to the finest; ``stated`` is
-    the variant as the scene is stated.
-    """
-    lone = len(closures.joint.unique()) == 1
-    compared = closures if lone else closures[closures.copy_of_walls == "as it is"]
-    differences = paired_differences(compared, ladder, stated)
-    limits = limit_lines(compared, ladder, within)
-    hardness = hardness_of(closures, ladder, stated, within)
-    costs = (
-        _of_joint(differences, ladder, within, budget)
-        if lone
-        else _of_mean(compared, ladder, within, budget)
-    )
-    worst = hardness.iloc[0]
-    words = f"{'this joint' if lone else f'joint {worst.joint}'} is {worst.verdict}: {worst.reason}"
-    if lone and worst.spread > within:
-        words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
-    return Assessment(closures, differences, hardness, (*limits, costs, words), within, budget)
-
-
-def paired_differences(closures: pd.DataFrame, ladder: Sequence[str], stated: str) -> pd.DataFrame:
-    """Return `Assessment.differences`."""
-    rows = []
-    for variant, own in closures.groupby("variant", sort=False):
-        reference = stated if str(variant).startswith(_EFFECT) else ladder[-1]
-        for name, cycle in itertools.product(ASSESSED, sorted(closures.cycle.unique())):
-            row = {"variant": variant, "reference": reference, "seconds": own.seconds.mean()}
-            row |= {"quantity": name, "cycle": cycle}
-            rows.append(row | _apart(closures, (variant, reference), cycle, name)._asdict())
-    return pd.DataFrame(rows)
-
-
-def _paired(
-    closures: pd.DataFrame, variants: Sequence[str], cycle: int, quantity: str
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return values (n,) of two variants in a cycle, of the joints and copies that both closed."""
-    rows = closures[closures.cycle == cycle]
-    one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
-    known = np.isfinite(one) & np.isfinite(two)
-    return one[known], two[known]
-
-
-def _apart(closures: pd.DataFrame, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
-    """Return the relative difference of the means of two variants."""
-    one, two = _paired(closures, variants, cycle, quantity)
-    if not one.size:
-        return Interval(math.nan, -math.inf, math.inf)
-    return t_interval((one - two) / two.mean())
-
-
-def hardness_of(
-    closures: pd.DataFrame, ladder: Sequence[str], stated: str, within: float
-) -> pd.DataFrame:
-    """Return `Assessment.hardness`; scenes without an effect do not count."""
-    rows = []
-    for joint, own in closures[~closures.variant.str.startswith(_EFFECT)].groupby("joint"):
-        copies = own[own.variant == stated]
-        features = features_of(own, stated, ladder[-1])
-        nearest, distance = nearest_hard_case(features)
-        share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
-        failed = own[~(own.status < FAILURE)]
-        by_cycle = [f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items()]
-        reason = (
-            f"copies that must close alike scatter by {', '.join(by_cycle)} (easy: "
-            f"{50 * within:.2g} %), {100 * share:.2g} % of its force is on contacts that cannot "
-            f"break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump is "
-            f"{100 * features['largest_jump']:.2g} % of its closure, and the hard case {nearest} "
-            f"is nearest ({distance:.2g})"
-        )
-        hard = not features["spread"] <= 0.5 * within or share > LARGEST_UNBREAKABLE_SHARE
-        verdict = "hard" if hard else "easy"
-        if len(failed):
-            first = failed.iloc[0]
-            flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
-            reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
-        elif judged > 1.0:
-            reason = f"the independent implementation finds a state {judged:.2g} times beyond a "
-            reason += "limit"
-        verdict = "not stable" if len(failed) or judged > 1.0 else verdict
-        row = {"joint": joint, "verdict": verdict} | features
-        row |= {"nearest": nearest, "distance": distance, "oracle_ratio": judged}
-        rows.append(row | {"reason": reason})
-    return worst_first(pd.DataFrame(rows))
 
 
 def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
@@ -436,92 +529,6 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
         return "", math.nan
     distances = np.sqrt(np.nanmean(np.square(apart)[:, comparable], axis=0))
     return str(cases.name[comparable].iloc[distances.argmin()]), float(distances.min())
-
-
-def limit_lines(closures: pd.DataFrame, ladder: Sequence[str], within: float) -> list[str]:
-    """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
-    lines = []
-    for cycle in sorted(closures.cycle.unique()) if len(ladder) > 2 else ():
-        lasts = {name: _apart(closures, ladder[-2:], cycle, name) for name in JUDGED}
-        known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
-        judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
-        coarse, last = _apart(closures, ladder[-3:-1], cycle, judged), lasts[judged]
-        limit = {
-            True: "it has a limit within the request",
-            False: "no limit was reached",
-            None: "these joints do not show whether it has a limit within the request",
-        }[last.within(within)]
-        if coarse.within(0.0) is False and last.within(0.0) is False:
-            order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
-            limit += f" (observed order {order:.2g})"
-        lines.append(
-            f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
-            f"{percent_of(last)} %: {limit}"
-        )
-    return lines
-
-
-def _of_joint(
-    differences: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
-) -> str:
-    """Say which setting a lone joint needs, or what the budget buys."""
-    rows = differences[differences.variant.isin(ladder[:-1]) & differences.quantity.isin(JUDGED)]
-    errors = rows.assign(error=rows[["low", "high"]].abs().max(axis=1))
-    errors = errors.groupby("variant")[["seconds", "error"]].max()
-    limit, column = (within, "error") if budget is None else (budget, "seconds")
-    allowed = errors[errors[column] <= limit]
-    finest = float(differences.seconds[differences.variant == ladder[-1]].iloc[0])
-    takes = f"{ladder[-1]}, the finest setting, takes {finest:.2g} s of processor time"
-    if budget is not None and allowed.empty:
-        least = errors.seconds.min() if len(errors) else finest
-        return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
-    if budget is not None and budget >= finest:
-        return f"budget = {budget:g} s: suffices for all settings; {takes}"
-    if allowed.empty:
-        return f"no cheaper setting is within {100 * within:g} % of the finest; {takes}"
-    row = allowed.loc[(allowed.seconds if budget is None else allowed.error).idxmin()]
-    return f"{row.name} is within {100 * row.error:.2g} % and takes {row.seconds:.2g} s; {takes}"
-
-
-def _of_mean(
-    closures: pd.DataFrame, ladder: Sequence[str], within: float, budget: float | None
-) -> str:
-    """Say how many joints a mean takes to be within the request, or what the budget buys."""
-    seconds, finest = closures.groupby("variant").seconds.mean(), ladder[-1]
-    cycles, plans = sorted(closures.cycle.unique()), dict[str, Plan]()
-    for name in ladder:
-        both = float(seconds[name] + seconds[finest]) if name != finest else 0.0
-        possible: list[Plan | None] = []
-        for cycle, judged in itertools.product(cycles, JUDGED):
-            cheap, best = _paired(closures, (name, finest), cycle, judged)
-            if best.size > 1:
-                first, second = (
-                    float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)
-                )
-                times = float(seconds[name]), both
-                possible.append(best_plan((first, second), times, within, budget))
-        of_all = [plan for plan in possible if plan]
-        if of_all and len(of_all) == len(possible):
-            plans[name] = max(of_all, key=lambda plan: (plan.seconds, plan.half_width))
-    if not plans and budget is None:
-        return f"no mean can be planned, as fewer than two joints closed with {finest}"
-    if not plans:
-        least = FEWEST * float(seconds[finest])
-        return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
-    of = "seconds" if budget is None else "half_width"
-    name = min(plans, key=lambda name: getattr(plans[name], of))
-    plan, halves = plans[name], []
-    further = f", {plan.differences} of them with {finest} too" if name != finest else ""
-    for cycle in cycles:
-        closed = (_paired(closures, (finest, finest), cycle, judged)[0] for judged in JUDGED)
-        means = [t_interval(values) for values in closed if values.size]
-        half = max(mean.high / mean.value - 1.0 for mean in means)
-        halves.append(f"{100 * half:.2g} % on cycle {cycle}")
-    return (
-        f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes {plan.joints} "
-        f"joints with {name}{further}: {plan.seconds:.3g} s of processor time (deviations of "
-        f"{len(closures.joint.unique())} joints; their mean is known to {', '.join(halves)})"
-    )
 
 
 def percent_of(row: Any) -> str:
