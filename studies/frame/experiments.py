@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pandas as pd
@@ -47,14 +46,13 @@ class Design(NamedTuple):
     """Points of each job, and names of the tables and figures, for one configuration.
 
     ``jobs`` makes the points when they are needed. ``parameters`` are what tables and figures need
-    besides the joints, and ``files`` further tables (CSV) that are read into them.
+    besides the joints.
     """
 
     jobs: Callable[[], Jobs]
     tables: tuple[str, ...]
     figures: tuple[str, ...]
     parameters: dict[str, Any]
-    files: Mapping[str, str] = MappingProxyType({})
 
     def points(self) -> list[Point]:
         """Return the points of all jobs."""
@@ -150,7 +148,7 @@ def estimate_time(config: dict, name: str, log: Logbook) -> pd.DataFrame:
 
 
 def close_experiment(
-    config: dict, name: str, files: list[pd.DataFrame], folder: Path, workers: int, log: Logbook
+    config: dict, name: str, folder: Path, workers: int, log: Logbook
 ) -> dict[str, Any]:
     """Close the joints of an experiment that are missing, and make its tables."""
     experiment, design = design_in(config, name)
@@ -158,19 +156,15 @@ def close_experiment(
     prepare = partial(compile_all, design.kernels(), log)
     make_missing(entries, folder, workers, log.show, "joints closed", prepare)
     joints = as_table(*(read_netcdf(entry.file(folder)) for entry in entries))
-    parameters = design.parameters | dict(zip(design.files, files, strict=True))
     dataset = as_dataset(joints).assign_attrs(provenance(config))
-    return {f"{name}.nc": dataset, **experiment.tabulate(joints, parameters)}
+    return {f"{name}.nc": dataset, **experiment.tabulate(joints, design.parameters)}
 
 
-def draw_experiment(
-    config: dict, name: str, tables: list[str], files: list[pd.DataFrame]
-) -> dict[str, Any]:
+def draw_experiment(config: dict, name: str, tables: list[str]) -> dict[str, Any]:
     """Draw the figures of an experiment from its tables."""
     experiment, design = design_in(config, name)
     read = {Path(path).stem: read_csv(path) for path in tables if path.endswith(".csv")}
-    parameters = design.parameters | dict(zip(design.files, files, strict=True))
-    return {figure: experiment.draw(figure, read, parameters) for figure in design.figures}
+    return {figure: experiment.draw(figure, read, design.parameters) for figure in design.figures}
 
 
 def steps_of(
@@ -180,12 +174,11 @@ def steps_of(
     named = [table if "." in table else f"{table}.csv" for table in design.tables]
     tables = [f"{folder}/tables/{table}" for table in named]
     figures = figure_files(design.figures, f"{folder}/figures")
-    estimate, files = f"{folder}/tables/{name}_estimate.csv", list(design.files.values())
     given: dict[str, Any] = {"settings": {"name": name}, "uses": f"studies.{name}"}
     return {
         f"estimate_{name}": Step(
             estimate_time,
-            [estimate],
+            [f"{folder}/tables/{name}_estimate.csv"],
             settings={"name": name},
             depends=lambda: digest(tried_points(design.points())),
             priority=100,
@@ -193,7 +186,7 @@ def steps_of(
         f"close_{name}": Step(
             close_experiment,
             [f"{folder}/{name}.nc", *tables],
-            {"closed": closed, "files": files},
+            {"closed": closed},
             depends=lambda: digest(key(), design.parameters),
             all_cores=True,
             **given,
@@ -201,7 +194,7 @@ def steps_of(
         f"draw_{name}": Step(
             draw_experiment,
             figures,
-            {"tables": tables, "files": files},
+            {"tables": tables},
             depends=lambda: digest(design.parameters),
             **given,
         ),

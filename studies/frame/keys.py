@@ -336,8 +336,7 @@ def _written_out(schema: dict, parts: dict) -> dict:
     if "$ref" in schema:
         schema = parts[schema["$ref"].rpartition("/")[2]] | schema
     schema = {k: v for k, v in schema.items() if k not in ("$ref", "title", "default")}
-    options = schema.pop("anyOf", schema.pop("oneOf", []))
-    for kind in (_written_out(option, parts) for option in options):
+    for kind in (_written_out(option, parts) for option in schema.pop("anyOf", [])):
         names = [*_kinds(schema), *_kinds(kind)]
         schema = kind | schema | ({"type": names if len(names) > 1 else names[0]} if names else {})
         if "enum" in schema and "null" in names and None not in schema["enum"]:
@@ -347,13 +346,10 @@ def _written_out(schema: dict, parts: dict) -> dict:
     for name in ("items", "additionalProperties"):
         if isinstance(schema.get(name), dict):
             schema[name] = _written_out(schema[name], parts)
-    if "const" in schema:
-        schema["enum"] = [schema.pop("const")]
     if inner := schema.get("properties"):
         schema["properties"] = {name: _written_out(part, parts) for name, part in inner.items()}
     if "description" in schema:
         schema["description"] = " ".join(schema["description"].split())
-    schema.pop("discriminator", None)
     return schema
 
 

@@ -23,17 +23,20 @@ from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
 from studies.frame.settings import SurfaceSettings, seeds_of
 
+REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
+"""Keys of scanned walls that their registration takes."""
+
 
 def walls_of_files(
     walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
     """Read the scans of a rock, and return `prepared_walls` of them."""
-    given: dict[str, Any] = {
+    stated: dict[str, Any] = {
         "units": walls.units,
         "scan_spacing": walls.spacing,
         "variable": walls.variable,
     }
-    scans = {side: read_scan(file, **given) for side, file in wall_files(walls).items()}
+    scans = {side: read_scan(file, **stated) for side, file in wall_files(walls).items()}
     return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
 
 
@@ -46,32 +49,28 @@ def prepared_walls(
 ) -> xr.Dataset:
     """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
-    together = settings.bring_together
+    files, together = f"{settings.upper} and {settings.lower}", settings.bring_together
     if together:
-        files = f"{settings.upper} and {settings.lower}"
         if len(scans) < 2:
             raise InputError(
                 f"{files}: bring_together must be false in a study where one wall is flat"
             )
+        stated: dict[str, Any] = {name: getattr(settings, name) for name in REGISTRATION} | scans
         with naming(files):
-            pair = registered(
-                scans["upper"],
-                scans["lower"],
-                spacing,
-                orientation=settings.orientation,
-                shift=settings.shift,
-                spikes=settings.spikes,
-                largest_filled_share=settings.largest_filled_share,
-                unusual_values=unusual_values,
-            )
+            pair = registered(spacing=spacing, unusual_values=unusual_values, **stated)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
         if not unusual_values:
             scans = {side: without_plateaus(scan) for side, scan in scans.items()}
-        heights = _as_they_lie(scans, settings, spacing)
-    if not (unusual_values or together):
-        _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
+        bounds = _common_bounds(scans)
+        heights = _as_they_lie(scans, bounds, settings, spacing)
+        if not unusual_values:
+            lying = {side: wall for side, (wall, _) in heights.items()}
+            both = len(lying) == 2
+            problems = doubts(**lying, spacing=spacing) if both else slope_doubts(lying, spacing)
+            if problems := problems or unit_doubts(lying, spacing)[0]:
+                raise InputError(f"{files}: {'; '.join(problems)}; {AS_IT_IS}")
     for side, (wall, share) in heights.items():
         # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
         z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
@@ -86,7 +85,6 @@ def prepared_walls(
         }
         remarks = scans[side].remarks
         if not together:  # else in the registration's report
-            bounds = _common_bounds(scans)
             low = None if bounds is None else bounds[0]
             remarks += smoothing_of(scans[side], wall, spacing, low)
         if remarks:  # what reading left out is stored with the results
@@ -97,21 +95,13 @@ def prepared_walls(
     return walls
 
 
-def _check_plausible(walls: dict[str, np.ndarray], settings: ScannedWalls, spacing: float) -> None:
-    """Raise `InputError` if units or orientation of the walls are probably wrong."""
-    both = len(walls) == 2
-    problems = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
-    if problems := problems or unit_doubts(walls, spacing)[0]:
-        raise InputError(
-            f"{settings.upper} and {settings.lower}: {'; '.join(problems)}; {AS_IT_IS}"
-        )
-
-
 def _as_they_lie(
-    scans: dict[str, Scan | Cloud], settings: ScannedWalls, spacing: float
+    scans: dict[str, Scan | Cloud],
+    bounds: np.ndarray | None,
+    settings: ScannedWalls,
+    spacing: float,
 ) -> dict[str, tuple[np.ndarray, float]]:
     """Return unregistered walls, heights towards the other wall, with shares of missing cells."""
-    bounds = _common_bounds(scans)
     heights: dict[str, tuple[np.ndarray, float]] = {}
     for side, scan in scans.items():
         try:

@@ -19,7 +19,14 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_csv, write_text
-from studies.frame.configuration import Configured, configured, merged_study, resolved, sections
+from studies.frame.configuration import (
+    Configuration,
+    Configured,
+    configured,
+    merged,
+    merged_study,
+    sections,
+)
 from studies.frame.experiments import checked_design
 from studies.frame.files import read_plain
 from studies.frame.jobs import enter_folder
@@ -78,9 +85,9 @@ def run_target(name: str, request: EndRequest) -> int:
     """Run a target and return the exit status of Snakemake."""
     target = TARGETS[name]
     override = "" if target.study else os.environ.get("CONFIG") or target.configuration
-    folder = Path("results") / (target.study or checked_name(name, override))
+    study, files = checked(name, override)
+    folder, accuracy = Path("results") / (target.study or study.study.name), study.study.accuracy
     command = snakemake(os.environ.get("PROFILE") or _PROFILE, os.environ.get("CORES", ""))
-    files = [target.usual] if takes_usual(target, merged_keys(override)) else []
     files += [f"./{override}" if override.startswith("-") else override] if override else []
     given = ["--configfile", *files] if files else []
     enter_folder()
@@ -92,10 +99,10 @@ def run_target(name: str, request: EndRequest) -> int:
     with open(log, "a", encoding="utf-8") as stream:
 
         def run(goal: str) -> int:
-            words = [*command, *given, *planned(override, folder), "--", goal]
+            words = [*command, *given, *planned(accuracy, folder), "--", goal]
             return follow(words, stream, log, request)
 
-        status = reach(override, folder, run) if {"all", "report"} & {*target.goals} else 0
+        status = reach(accuracy, folder, run) if {"all", "report"} & {*target.goals} else 0
         for goal in target.goals:
             status = status or run(goal)
         if status:
@@ -110,25 +117,16 @@ def run_target(name: str, request: EndRequest) -> int:
     return 0
 
 
-def merged_keys(override: str) -> dict:
-    """Return the keys of a study, not yet checked."""
-    return merged_study(*([Path(override)] if override else []))
+def checked(name: str, override: str) -> tuple[Configuration, list[str]]:
+    """Return the study of a configuration file, checked for a target.
 
-
-def takes_usual(target: Target, keys: dict) -> bool:
-    """Return whether keys lack the section of a target that has a usual one."""
-    return bool(target.usual) and not keys.get(target.section)
-
-
-def checked_name(name: str, override: str) -> str:
-    """Return the name of the study of a configuration file, checked for a target."""
+    The list has the file with the usual section of the target, if the configuration lacks it.
+    """
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
-    target = TARGETS[name]
-    keys = merged_keys(override)
-    if takes_usual(target, keys):
-        keys |= read_plain(Path(target.usual))
-    study = configured(keys)
+    target, keys = TARGETS[name], merged_study(*([Path(override)] if override else []))
+    usual = [target.usual] if target.usual and not keys.get(target.section) else []
+    study = configured(merged(keys, *map(read_plain, usual)))
     if target.section and not study.keys.get(target.section):
         raise InputError(
             f"{override}: has no section {target.section}, which make {name} needs "
@@ -136,24 +134,19 @@ def checked_name(name: str, override: str) -> str:
         )
     target.check(study)
     measured_curves(study.typed.curves)
-    return study.typed.study.name
+    return study.typed, usual
 
 
 PLAN = "accuracy_plan.yaml"
 """File in a study's folder with the numbers of surfaces for its requested accuracy."""
 
 
-def requested(override: str) -> Accuracy | None:
-    """Return the accuracy that a configuration file requests, if any."""
-    return resolved(merged_keys(override)).study.accuracy
-
-
-def planned(override: str, folder: Path) -> list[str]:
+def planned(asked: Accuracy | None, folder: Path) -> list[str]:
     """Return the file with the numbers of surfaces for the requested accuracy, if there is one.
 
     It follows that of the study after one --configfile, as Snakemake takes the last only.
     """
-    plan, asked = folder / PLAN, requested(override)
+    plan = folder / PLAN
     if not plan.is_file():
         return []
     earlier = Accuracy(**read_plain(plan)["study"]["accuracy"])
@@ -163,9 +156,9 @@ def planned(override: str, folder: Path) -> list[str]:
     return [str(plan)]
 
 
-def reach(override: str, folder: Path, run: Callable[[str], int]) -> int:
+def reach(accuracy: Accuracy | None, folder: Path, run: Callable[[str], int]) -> int:
     """Close surfaces until the requested accuracy is reached, if any; return the exit status."""
-    accuracy, tables = requested(override), folder / "tables"
+    tables = folder / "tables"
     if accuracy is None:
         return 0
 
@@ -174,7 +167,7 @@ def reach(override: str, folder: Path, run: Callable[[str], int]) -> int:
         study = {"realizations": counts.surfaces, "accuracy": asked}
         write_text(yaml.safe_dump({"study": study}), folder / PLAN)
 
-    if not planned(override, folder):
+    if not planned(accuracy, folder):
         if accuracy.budget_core_minutes is None:
             plan(START)
         elif status := run("price_accuracy"):
