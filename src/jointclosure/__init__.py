@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
     from jointclosure.engine.assess import assess
-    from jointclosure.engine.ensembles import simulate_ensemble
+    from jointclosure.engine.joints import simulate_ensemble
     from jointclosure.engine.scanned_joint import close
     from jointclosure.engine.selection import choose_effects
     from jointclosure.inputs import InputError
@@ -45,7 +45,7 @@ _MODULES = {
     "plot": "plotting",
     "read_scan": "walls.scans",
     "simulate": "joint.simulation",
-    "simulate_ensemble": "engine.ensembles",
+    "simulate_ensemble": "engine.joints",
     "validate": "measured.region",
     "wall_pair": "walls.synthesis",
 }

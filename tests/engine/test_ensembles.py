@@ -11,9 +11,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine import ensembles, progress
 from jointclosure.engine import expected_cost as estimation
-from jointclosure.engine.ensembles import NOT_SIMULATED
+from jointclosure.engine import joints, progress
 from jointclosure.engine.expected_cost import (
     BYTES,
     EXPONENTS,
@@ -22,7 +21,7 @@ from jointclosure.engine.expected_cost import (
     check_cells,
     expected_cost,
 )
-from jointclosure.engine.joints import Reading, close_joint
+from jointclosure.engine.joints import NOT_SIMULATED, Reading, close_joint
 from jointclosure.engine.progress import Countdown
 from jointclosure.engine.uncertainty import sources_of, variants_of
 from jointclosure.engine.workers import Failed, in_threads, shared
@@ -122,9 +121,7 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
     marker = tmp_path / "killed"
-    monkeypatch.setattr(
-        ensembles, "close_joint", functools.partial(kill_worker_once, marker=marker)
-    )
+    monkeypatch.setattr(joints, "close_joint", functools.partial(kill_worker_once, marker=marker))
     with pytest.warns(UserWarning, match=r"closing again: seeds \[1\]") as warned:
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1

@@ -1,18 +1,27 @@
-"""Joints that are closed, timed and read, and datasets of many."""
+"""Joints that are closed, timed and read, one by one or many of the same rock and load."""
 
 import time
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.quantities import QUANTITIES, ClosedWalls
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.engine.progress import bar
+from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
+from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
+from jointclosure.inputs import InputError, check_count
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.joint.protocol import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.pairs import CrushedWalls, Walls
+from jointclosure.walls.plausibility import doubts
 
+NOT_SIMULATED = np.int16(2 * max(FLAGS))
+"""Status bit of a joint that could not be closed; its ``error`` states the reason."""
 Row = dict[str, Any]
 """Quantities of a joint by name; a failed joint has only those of effort."""
 
@@ -81,3 +90,143 @@ def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading
         values = np.stack([row.get(name, missing) for row in rows])
         joined[name] = ("realization", *quantity.dims), values, quantity.attributes
     return joined
+
+
+@takes_conditions
+def simulate_ensemble(
+    walls: Iterable[Walls] | Callable[[int], Walls],
+    *,
+    conditions: Conditions | None = None,
+    seeds: Iterable[int] = range(20),
+    stress_points: int = 31,
+    workers: int | None = None,
+    progress: bool = False,
+    **changes: Unpack[Changes],
+) -> xr.Dataset:
+    """Close many joints of the same rock under the same load, as a study does for a case.
+
+    Parameters
+    ----------
+    walls : iterable of (upper, lower), or callable
+        Pairs of walls as for `jointclosure.simulate`; or a function that returns the pair
+        of a seed, such as ``lambda seed: jc.wall_pair(8, (50, 50), 0.25e-3, seed)``.
+    conditions, **changes
+        As for `jointclosure.simulate`.
+    seeds : iterable of int
+        Arguments of the function; not used if pairs of walls are given.
+    stress_points : int
+        Number of evenly spaced stresses, from 0 to the largest, at which curves are stored; at
+        least 2.
+    workers : int, optional
+        Number of processes, by default that of the processors available to this process. It
+        affects only ``timing_simulation`` [s].
+    progress : bool
+        Whether to show a progress bar on a terminal.
+
+    Returns
+    -------
+    Dataset
+        Over ``realization``, ``cycle``, ``branch`` and ``stress`` [Pa], with the variables of
+        a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], for each cycle
+        ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` is
+        the seed, or the position of a given pair. ``error`` states why a joint could not be
+        closed, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
+        affect other joints, and is named in a warning; one whose simulation failed has a status of
+        16 or more, counts and NaN. A joint whose process was killed is first
+        tried once more.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to close, or if no joint could be closed; the message is that of the
+        first joint.
+    """
+    check_count("stress_points", stress_points, 2)
+    stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
+    spacing = stated.grid_spacing
+    conditions = stated.checked()
+    stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
+    reading = Reading(conditions, names_of_case(conditions.flow), stresses)
+    labels, pairs = _pairs(walls, seeds, spacing)
+    if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
+        warnings.warn(doubtful, stacklevel=2)
+    answers = _rows(pairs, reading, labels, number_of_workers(workers), progress)
+    if all(isinstance(answer, Failed) for answer in answers):
+        raise answers[0].error
+    rows = [{"status": NOT_SIMULATED} if isinstance(a, Failed) else a for a in answers]
+    errors = [
+        f"{type(a.error).__name__}: {a.error}" if isinstance(a, Failed) else "" for a in answers
+    ]
+    ensemble = stacked(rows, np.arange(len(rows)), labels, reading)
+    about = ensemble.status.attrs
+    about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
+    about["flag_meanings"] += " not_simulated"
+    why = {"long_name": "why a joint failed"}
+    attributes = {"title": "closure of many rough joints"} | conditions.attributes()
+    return ensemble.assign(error=("realization", np.array(errors, dtype=object), why)).assign_attrs(
+        attributes
+    )
+
+
+def _rows(
+    pairs: list[Any], reading: Reading, labels: np.ndarray, workers: int, progress: bool
+) -> list[Any]:
+    """Return rows of all joints; joints whose process was lost are tried once more."""
+    rows = pairs.copy()
+
+    def close(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
+        tasks = [(pairs[place], reading) for place in places]
+        for done, (at, row) in enumerate(shared(close_joint, tasks, workers), start=1):
+            rows[places[at]] = row
+            show(done / len(tasks), f"joint {done} of {len(tasks)}")
+
+    def failed(kind: type[Exception]) -> list[int]:
+        return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
+
+    valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
+    with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
+        close(valid, workers, show)
+        if lost := failed(ProcessLostError):
+            _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
+            # fewer at a time, because the usual reason is lack of memory; never in this process
+            close(lost, min(workers, 2), show)
+    if 0 < len(without := failed(Exception)) < len(rows):
+        _warn(
+            f"{len(without)} of {len(rows)} joints could not be closed and are NaN: seeds "
+            f"{labels[without].tolist()}; `error` states the reasons, the first is "
+            f"{rows[without[0]].error}"
+        )
+    return rows
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, stacklevel=4)
+
+
+def _pairs(walls: Any, seeds: Iterable[int], spacing: float) -> tuple[np.ndarray, list[Any]]:
+    """Return seeds, and checked pairs of walls, `Failed` for those that are not allowed.
+
+    They are made in this process, so that functions are not pickled.
+    """
+    numbers = list(seeds) if callable(walls) else []
+    made = [walls(number) for number in numbers] if callable(walls) else list(walls)
+    if not made:
+        raise InputError("walls: there are none")
+    pairs: list[Any] = []
+    for upper, lower in made:
+        try:
+            pairs.append(checked_walls(upper, lower, spacing))
+        except InputError as error:
+            pairs.append(Failed(error))
+    return np.array(numbers or range(len(pairs))), pairs
+
+
+def _doubts(pairs: list[Any], labels: np.ndarray, spacing: float) -> str:
+    """Describe probable errors in pairs of walls."""
+    known = {at: pair for at, pair in enumerate(pairs) if not isinstance(pair, Failed)}
+    doubtful = [(at, words) for at, (a, b) in known.items() if (words := doubts(a, b, spacing))]
+    if not doubtful:
+        return ""
+    first, words = doubtful[0]
+    of = f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {labels[first]}: "
+    return of + "; ".join(words)

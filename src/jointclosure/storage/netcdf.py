@@ -60,18 +60,11 @@ def write_netcdf_regions(
             frame.to_netcdf(
                 temporary, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension]
             )
-            file = netCDF4.Dataset(temporary, "a")
-        try:
-            for stored in file.variables.values():
-                stored.set_var_chunk_cache(_CHUNK_CACHE)
-            for place, region in regions:
-                _put(file, region, place)
-        except BaseException:
-            with contextlib.suppress(RuntimeError):  # only the first error is reported
-                file.close()
-            raise
-        with _netcdf_errors():
-            file.close()
+            with netCDF4.Dataset(temporary, "a") as file:
+                for stored in file.variables.values():
+                    stored.set_var_chunk_cache(_CHUNK_CACHE)
+                for place, region in regions:
+                    _put(file, region, place)
         seal(temporary)
 
     atomically(path, write)
@@ -83,8 +76,7 @@ def _put(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
         dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
             index = tuple(place.get(size, slice(None)) for size in dimensions)
-            with _netcdf_errors():
-                file[str(name)][index] = variable.values
+            file[str(name)][index] = variable.values
 
 
 def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.page import provenance_rows
+from jointclosure.cli.report import provenance_rows
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import harmonic_mean, number_text, ratio_of_means

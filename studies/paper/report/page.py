@@ -13,8 +13,8 @@ from typing import NamedTuple
 import jinja2
 import pandas as pd
 
-from jointclosure.cli import page
-from jointclosure.cli.page import source
+from jointclosure.cli import report
+from jointclosure.cli.report import source
 from jointclosure.engine.quantities import HEADINGS
 from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
 
@@ -118,13 +118,13 @@ def _kind(cells: list[Cell]) -> str:
 
 def render(content: dict) -> str:
     """Render the content of `studies.paper.report.content.content` as HTML."""
-    return page.render(content | {"sheet": sheet}, "page.html.j2", "studies.paper.report")
+    return report.render(content | {"sheet": sheet}, "page.html.j2", "studies.paper.report")
 
 
 def template_digest() -> str:
     """Return the digest of the templates, which a page depends on besides the package's Python."""
     digest = hashlib.sha256()
-    for package in (page.LIBRARY, "studies.paper.report"):
+    for package in (report.LIBRARY, "studies.paper.report"):
         templates = resources.files(package).joinpath("templates")
         for file in sorted(templates.iterdir(), key=lambda file: file.name):
             digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
