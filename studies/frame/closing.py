@@ -132,7 +132,7 @@ def choose_for_rock(
     choice = choose_among(pilot, tolerance or 0.0, report)
     reading = reading_of_case(examined.with_effects(choice.effects))
     rows = [
-        read_joint(replace(closed.joint, stresses=reading.stresses), reading.names)
+        read_joint(replace(closed, stresses=reading.stresses), reading.names)
         for closed in choice.closed
     ]
     numbers = examined.surfaces.first_realization + np.arange(len(rows))

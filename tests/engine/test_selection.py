@@ -14,7 +14,6 @@ from jointclosure.engine.selection import (
     LOSS,
     SCATTER,
     Change,
-    Closed,
     Pilot,
     choose_among,
     choose_effects,
@@ -62,18 +61,18 @@ def test_joints_closed_with_the_selected_effects_are_realisations_of_the_case(to
     assert choice.effects == effects
     for pair, closed in zip(pairs, choice.closed, strict=False):
         again = jc.simulate(*pair, effects=effects, **setting)
-        assert closed.joint.closed.max_closure.equals(again.max_closure)
+        assert closed.closed.max_closure.equals(again.max_closure)
 
 
 def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change():
     strong = Conditions(SPACING, DOLERITE._replace(compressive_strength=1e9), 1e4, 2, 0.0)
     pilot = Pilot(joints(24, 1), strong.checked(), 20)
     changes = pilot.changes(FEWER, 1)[0]
-    assert float(pilot.closed[ALL][0].joint.closed.breakage_steps) == 0.0
+    assert float(pilot.closed[ALL][0].closed.breakage_steps) == 0.0
     predicted = pilot.predicted(FEWER)
     assert np.abs(changes[0]).max() > 1e-4
     np.testing.assert_allclose(predicted.mean, changes, rtol=2e-3, atol=1e-12)
-    assert pilot.lost(ALL) > pilot.closed[FEWER][0].joint.seconds  # frozen walls take time too
+    assert pilot.lost(ALL) > pilot.closed[FEWER][0].seconds  # frozen walls take time too
 
 
 def test_a_run_with_all_effects_shows_a_lower_bound_of_the_error_of_any_elastic_joint():
@@ -105,9 +104,13 @@ class MadeUp(Pilot):
             return None
         change = 0.0 if effects == ALL else self.given[number]
         values = np.full(SHAPE, 1.0 + change) * self.cycles
-        dataset = xr.Dataset({"max_bulk_indentation": ("cycle", self.bulk * self.cycles)})
+        bulk = {"max_bulk_indentation": ("cycle", self.bulk * self.cycles)}
+        dataset = xr.Dataset(bulk | {"read": (("quantity", "cycle"), values)})
         seconds = 1.0 if effects == ALL else self.time
-        return Closed(ClosedWalls(([], []), dataset, self.conditions, seconds, np.empty(0)), values)
+        return ClosedWalls(([], []), dataset, self.conditions, seconds, np.empty(0))
+
+    def read(self, joint):
+        return joint.closed.read.values
 
     def predicted(self, fewer):
         mean, deviation = self.prior or (0.0, np.inf)

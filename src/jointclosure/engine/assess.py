@@ -394,10 +394,7 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
 
 
 def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
-    """Return the names of the stated variant and of all settings, finest last, and all variants.
-
-    Joints that break have no equilibrium without a substrate.
-    """
+    """Return the names of the stated variant and of all settings, finest last, and all variants."""
     variants = {"as stated": given}
     if given.effects.breakage:
         points = given.numerics.curve_points  # of elastic curves, no part of a setting
@@ -411,6 +408,7 @@ def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions
     for names in DROPS:
         acting = [name for name in names if getattr(given.effects, name)]
         fewer = given.effects._replace(**dict.fromkeys(acting, False))
+        # joints that break have no equilibrium without a substrate
         if acting and (fewer.substrate or not fewer.breakage):
             name = f"without {' and '.join(acting)}".replace("_", " ")
             variants[name] = given._replace(effects=fewer)

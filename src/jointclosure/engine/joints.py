@@ -187,28 +187,24 @@ def _rows(
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
         close(valid, workers, show)
         if lost := failed(ProcessLostError):
-            _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
+            again = f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"
+            warnings.warn(again, stacklevel=3)
             # fewer at a time, because the usual reason is lack of memory; never in this process
             close(lost, min(workers, 2), show)
     if 0 < len(without := failed(Exception)) < len(rows):
-        _warn(
+        warnings.warn(
             f"{len(without)} of {len(rows)} joints could not be closed and are NaN: seeds "
             f"{labels[without].tolist()}; `error` states the reasons, the first is "
-            f"{rows[without[0]].error}"
+            f"{rows[without[0]].error}",
+            stacklevel=3,
         )
     return rows
 
 
-def _warn(message: str) -> None:
-    warnings.warn(message, stacklevel=4)
-
-
 def _pairs(walls: Any, seeds: Iterable[int], spacing: float) -> tuple[np.ndarray, list[Any]]:
-    """Return seeds, and checked pairs of walls, `Failed` for those that are not allowed.
-
-    They are made in this process, so that functions are not pickled.
-    """
+    """Return seeds, and checked pairs of walls, `Failed` for those that are not allowed."""
     numbers = list(seeds) if callable(walls) else []
+    # in this process, so that functions are not pickled
     made = [walls(number) for number in numbers] if callable(walls) else list(walls)
     if not made:
         raise InputError("walls: there are none")

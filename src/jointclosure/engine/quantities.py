@@ -82,6 +82,11 @@ class ClosedWalls:
         """Net closures and stiffness of each cycle (`net_responses`)."""
         return net_responses(self.closed, float(np.max(self.conditions.max_normal_stress)))
 
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """Apertures and contact of each cycle (`cycle_table`)."""
+        return cycle_table(self.closed)
+
     def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Read values of steps at stresses, over (cycle, branch, stress)."""
         tolerance = self.conditions.numerics.stress_tolerance
@@ -198,10 +203,6 @@ def _largest_jump(joint: ClosedWalls) -> float:
     return max(shares)
 
 
-def _contacts_at_max(joint: ClosedWalls) -> float:
-    return float(cycle_table(joint.closed).contact_at_max.max() * joint.walls[0].size)
-
-
 def _stress_over_strength(joint: ClosedWalls) -> float:
     weaker = min(rock.compressive_strength for rock in both_walls(joint.conditions.rock))
     return joint.conditions.largest_stress / weaker
@@ -278,11 +279,11 @@ QUANTITIES: dict[str, Quantity] = {
         "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
     "mean_aperture_at_max": Quantity(
         "mean aperture at the maximum stress", "m", CYCLE,
-        lambda joint: 1e-3 * cycle_table(joint.closed).mean_aperture_at_max_mm.to_numpy(),
+        lambda joint: 1e-3 * joint.table.mean_aperture_at_max_mm.to_numpy(),
         r"a_\mathrm{max}"),
     "contact_at_max": Quantity(
         "share of cells in contact at the maximum stress", "1", CYCLE,
-        lambda joint: cycle_table(joint.closed).contact_at_max.to_numpy(), r"A_\mathrm{c}"),
+        lambda joint: joint.table.contact_at_max.to_numpy(), r"A_\mathrm{c}"),
     "loop": Quantity(
         "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
         _loop, r"x_\mathrm{loop}"),
@@ -297,7 +298,8 @@ QUANTITIES: dict[str, Quantity] = {
         "largest closure of a loading at constant stress, over its closure", "1", (),
         _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
     "contacts_at_max": Quantity(
-        "largest number of cells in contact at the maximum stress", "1", (), _contacts_at_max),
+        "largest number of cells in contact at the maximum stress", "1", (),
+        lambda joint: float(joint.table.contact_at_max.max() * joint.walls[0].size)),
     "broken_share": Quantity(
         "share of the cells of both walls that broke", "1", (),
         lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),

@@ -69,6 +69,7 @@ MOST_PAIRS = 20
 """Number of pairs of walls that are closed at most."""
 _CORNER, _POINTS = 16, 4
 _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
+# stiffnesses are read as their inverse, because their mean over joints is harmonic
 _READ = ["compliance_net" if name == "stiffness_net" else name for name in ASSESSED]
 
 
@@ -87,16 +88,6 @@ def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
         fewer = [without(scene, names) for names in DROPS]
         scenes += [one for one in fewer if one is not None and one not in scenes]
     return scenes
-
-
-class Closed(NamedTuple):
-    """Closed joint, and its `ASSESSED` (quantity, cycle), NaN if it failed.
-
-    The net stiffness is its inverse, as its mean over joints is harmonic.
-    """
-
-    joint: ClosedWalls
-    values: np.ndarray
 
 
 class Change(NamedTuple):
@@ -133,7 +124,7 @@ class Pilot:
 
     def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
         self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
-        self.closed: dict[Effects, list[Closed]] = {}
+        self.closed: dict[Effects, list[ClosedWalls]] = {}
         self.frozen_seconds = 0.0
         self._pairs, self._loaded = pairs, set[Effects]()
 
@@ -142,39 +133,39 @@ class Pilot:
         closed = self.closed.setdefault(effects, [])
         while len(closed) < count and (more := self.close(len(closed), effects)):
             closed.append(more)
-        return np.array([pair.values for pair in closed[:count]])
+        return np.array([self.read(joint) for joint in closed[:count]])
 
-    def close(self, number: int, effects: Effects) -> Closed | None:
+    def read(self, joint: ClosedWalls) -> np.ndarray:
+        """Read `_READ` (quantity, cycle) of a joint, NaN if it failed."""
+        row, failed = read_joint(joint, _READ), np.full(self.conditions.cycle_count, np.nan)
+        return np.array([row.get(name, failed) for name in _READ])
+
+    def close(self, number: int, effects: Effects) -> ClosedWalls | None:
         """Close the pair of a number with some effects; None if there is no such pair."""
         return self._close(self._pairs[number], effects) if number < len(self._pairs) else None
 
-    def _close(self, walls: Walls, effects: Effects, **changes: Any) -> Closed:
+    def _close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
         stated = self.conditions._replace(effects=effects, **changes)
         if effects not in self._loaded:  # the time to load kernels is not that of the first joint
             upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
             close_walls(upper, lower, stated)
             self._loaded.add(effects)
-        joint = closed_walls(walls, stated)
-        row, failed = read_joint(joint, _READ), np.full(stated.cycle_count, np.nan)
-        return Closed(joint, np.array([row.get(name, failed) for name in _READ]))
+        return closed_walls(walls, stated)
 
     def predicted(self, fewer: Effects) -> Change:
         """Return the change without interaction, on the final walls of the first joint."""
         first = self.closed[self.effects][0]
         scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
         few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
-        with_it, without_it = (self._close(first.joint.final, scene, **few) for scene in scenes)
-        self.frozen_seconds += with_it.joint.seconds + without_it.joint.seconds
-        mean = (without_it.values - with_it.values) / first.values
+        frozen = [self._close(first.final, scene, **few) for scene in scenes]
+        self.frozen_seconds += sum(joint.seconds for joint in frozen)
+        with_it, without_it = map(self.read, frozen)
+        mean = (without_it - with_it) / self.read(first)
+        broken = 2 * first.walls[0].size * read_joint(first, ["broken_share"])["broken_share"]
         parts = np.array([PRIORS[name] for name in ASSESSED])
-        parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, self.broken()))]
+        parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, round(broken)))]
         deviation = np.linalg.norm(parts, axis=1)[:, None]
         return Change(mean, np.where(np.isfinite(mean), deviation, np.inf))
-
-    def broken(self) -> int:
-        """Count the cells of both walls that broke in the first joint with all effects."""
-        first = self.closed[self.effects][0].joint
-        return round(2 * first.walls[0].size * read_joint(first, ["broken_share"])["broken_share"])
 
     def changes(self, effects: Effects, count: int) -> np.ndarray:
         """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
@@ -184,12 +175,12 @@ class Pilot:
 
     def seconds(self, effects: Effects) -> float:
         """Return the mean time [s] of a joint with some effects."""
-        return float(np.mean([pair.joint.seconds for pair in self.closed[effects]]))
+        return float(np.mean([joint.seconds for joint in self.closed[effects]]))
 
     def lost(self, selected: Effects) -> float:
         """Return the time [s] of all closures but those of joints with the selected effects."""
-        others = (pairs for effects, pairs in self.closed.items() if effects != selected)
-        return self.frozen_seconds + sum(pair.joint.seconds for pairs in others for pair in pairs)
+        others = (joints for effects, joints in self.closed.items() if effects != selected)
+        return self.frozen_seconds + sum(joint.seconds for joints in others for joint in joints)
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
         """Return why effects are kept without a test, from the first joint; "" if they are not.
@@ -203,7 +194,7 @@ class Pilot:
         least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
         if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
             return f"changes by {percent(least)} or more, as it would be the same in all cycles"
-        bulk = self.closed[self.effects][0].joint.closed.max_bulk_indentation.values
+        bulk = self.closed[self.effects][0].closed.max_bulk_indentation.values
         if "soft_peaks" in names and np.nanmax(bulk / gross) < CRUSHED:
             return "is not tested, as this saves little time"
         return ""
@@ -211,10 +202,7 @@ class Pilot:
     def test(
         self, names: tuple[str, ...], before: Effects, tolerance: float
     ) -> tuple[bool, Change, str]:
-        """Test whether effects of a scene can be left out, by changes from all effects.
-
-        Returns whether they are, the change, and the reason.
-        """
+        """Test whether effects of a scene can be left out; return this, the change, and why."""
         fewer, full = before._replace(**dict.fromkeys(names, False)), self.effects
         first, bound = self.values(full, 1)[0], LOSS * self.joints * self.seconds(full)
         frozen = "interaction" in names and full.breakage and before == full
@@ -271,7 +259,7 @@ class Selection(NamedTuple):
     error: float
     changes: pd.DataFrame
     reasons: tuple[str, ...]
-    closed: tuple[Closed, ...]
+    closed: tuple[ClosedWalls, ...]
     lost_seconds: float
 
 
