@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 from jointclosure.engine.workers import end_with_parent
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import END_DIGEST, atomically
-from jointclosure.storage.logs import SHOWN, Logbook, logging_to, measured
+from jointclosure.storage.logs import SHOWN, Logbook, logging_to
 
 if TYPE_CHECKING:
     from studies.frame.products import Step
@@ -172,7 +172,7 @@ def job(snakemake) -> Iterator[Logbook]:
         end_with_parent(int(engine))
     log = Path(snakemake.log[0])
     try:
-        with logging_to(log) as logbook, measured(snakemake.log.benchmark):
+        with logging_to(log, snakemake.log.benchmark) as logbook:
             study = study_of(log)
             inputs = [path for path in snakemake.input if Path(path).is_relative_to(study.parent)]
             check_inputs(inputs)

@@ -17,6 +17,7 @@ from pathlib import Path
 import psutil
 
 from jointclosure.compilation.kernels import cache_folder
+from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
 
@@ -55,10 +56,10 @@ def findings(folder: Path) -> Iterator[Finding]:
     state = f"with {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}"
     without = f"; without {', '.join(missing)} ({installing(missing[0])})" if missing else ""
     yield "extras", state + without, ""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    cores = number_of_workers(None)
     yield "cores", f"{cores} for this process, {os.cpu_count()} of the machine", ""
-    yield _threads(cores or 1)
-    yield _memory(cores or 1)
+    yield _threads(cores)
+    yield _memory(cores)
     cache = cache_folder()
     kernels = len(list(cache.rglob("*.nbi")))
     state = f"warm, {kernels} kernels" if kernels else "cold; the first joint takes a minute more"

@@ -39,7 +39,16 @@ def summary(
     closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None
 ) -> tuple[str, dict[str, Any]]:
     """Format the results of each cycle with remarks on them; return them for JSON too."""
-    table, remarks = result_table(closed, laws, budget), remarks_on(closed, laws, budget)
+    remarks = [*(budget.sentences() if budget else []), laws.sentence()]
+    for cycle, aperture in cycle_table(closed)[["cycle", "mean_aperture_at_max_mm"]].to_numpy():
+        if aperture <= 0.0:
+            remarks.append(caution(
+                f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle:g}: the "
+                "walls overlap by more than the void that is left, and the model does not hold "
+                "there"
+            ))  # fmt: skip
+    remarks += _flow_remarks(closed) if has_flow(closed) else []
+    table = result_table(closed, laws, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
     head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     if budget is not None:
@@ -89,19 +98,6 @@ def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float
         }
         for cycle, law in laws.by_cycle.items()
     }
-
-
-def remarks_on(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> list[str]:
-    """Describe ranges, laws and flow of a joint, and warn where the model does not hold."""
-    remarks = [*(budget.sentences() if budget else []), laws.sentence()]
-    cycles = cycle_table(closed)
-    full = cycles[cycles.mean_aperture_at_max_mm <= 0.0]
-    for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
-        remarks.append(caution(
-            f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the walls "
-            "overlap by more than the void that is left, and the model does not hold there"
-        ))  # fmt: skip
-    return remarks + (_flow_remarks(closed) if has_flow(closed) else [])
 
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:

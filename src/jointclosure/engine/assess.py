@@ -194,6 +194,11 @@ class Assessment:
     def _cycles(self) -> list[int]:
         return sorted(self._compared.cycle.unique())
 
+    @property
+    def _judged(self) -> list[tuple[int, str]]:
+        """Cycles and closures to which the request applies."""
+        return list(itertools.product(self._cycles, JUDGED))
+
     def _paired(
         self, variants: Sequence[str], cycle: int, quantity: str
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -263,24 +268,24 @@ class Assessment:
 
     def _of_joint(self) -> str:
         """Say which setting a lone joint needs, or what the budget buys."""
-        rows, ladder, budget = self.differences, self.ladder, self.budget
-        rows = rows[rows.variant.isin(ladder[:-1]) & rows.quantity.isin(JUDGED)]
-        errors = rows.assign(error=rows[["low", "high"]].abs().max(axis=1))
-        errors = errors.groupby("variant")[["seconds", "error"]].max()
-        limit, column = (self.within, "error") if budget is None else (budget, "seconds")
-        allowed, finest = errors[errors[column] <= limit], float(self._seconds[ladder[-1]])
-        takes = f"{ladder[-1]}, the finest setting, takes {finest:.2g} s of processor time"
-        if budget is not None and allowed.empty:
-            least = errors.seconds.min() if len(errors) else finest
+        *cheaper, finest = self.ladder
+        budget, seconds, judged = self.budget, self._seconds, self._judged
+        errors = {
+            name: max(self._apart((name, finest), *at).most for at in judged) for name in cheaper
+        }
+        limited, limit = (errors, self.within) if budget is None else (seconds, budget)
+        allowed = [name for name in cheaper if limited[name] <= limit]
+        takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
+        if budget is not None and not allowed:
+            least = min(seconds[name] for name in (cheaper or [finest]))
             return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
-        if budget is not None and budget >= finest:
+        if budget is not None and budget >= seconds[finest]:
             return f"budget = {budget:g} s: suffices for all settings; {takes}"
-        if allowed.empty:
+        if not allowed:
             return f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}"
-        row = allowed.loc[(allowed.seconds if budget is None else allowed.error).idxmin()]
-        return (
-            f"{row.name} is within {100 * row.error:.2g} % and takes {row.seconds:.2g} s; {takes}"
-        )
+        name = min(allowed, key=lambda name: seconds[name] if budget is None else errors[name])
+        reached = f"{name} is within {100 * errors[name]:.2g} %"
+        return f"{reached} and takes {seconds[name]:.2g} s; {takes}"
 
     def _of_mean(self) -> str:
         """Say how many joints a mean takes to be within the request, or what the budget buys."""
@@ -312,8 +317,8 @@ class Assessment:
         finest, plans = self.ladder[-1], list[Plan | None]()
         cost = float(self._seconds[name])
         both = cost + float(self._seconds[finest]) if name != finest else 0.0
-        for cycle, judged in itertools.product(self._cycles, JUDGED):
-            cheap, best = self._paired((name, finest), cycle, judged)
+        for at in self._judged:
+            cheap, best = self._paired((name, finest), *at)
             if best.size > 1:
                 first, second = (
                     float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)

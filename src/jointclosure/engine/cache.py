@@ -16,7 +16,7 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.progress import Countdown
 from jointclosure.engine.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError
-from jointclosure.storage.logs import logging_to, measured
+from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
 
@@ -108,13 +108,8 @@ def make_missing(
 
 def _make(entry: Entry, key: str, folder: Path) -> None:
     """Make the file of an entry, in a worker."""
-    log, benchmark = (
-        folder / kind / f"{entry.name}{suffix}"
-        for kind, suffix in (("logs", ".log"), ("benchmarks", ".tsv"))
-    )
-    for path in (log, benchmark):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    with logging_to(log) as logbook, measured(benchmark):
+    log, benchmark = folder / f"logs/{entry.name}.log", folder / f"benchmarks/{entry.name}.tsv"
+    with logging_to(log, benchmark) as logbook:
         made = entry.make(*entry.settings, **entry.options, report=logbook)
         write_netcdf(made.assign_attrs(key=key), entry.file(folder))
 

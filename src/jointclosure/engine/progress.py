@@ -15,14 +15,7 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     from rich import console, progress
 
     screen = console.Console(stderr=True)
-    columns = (
-        progress.TextColumn("{task.description}"),
-        progress.BarColumn(),
-        progress.TextColumn("{task.percentage:>3.0f} %"),
-        progress.TimeElapsedColumn(),
-        progress.TextColumn("left"),
-        progress.TimeRemainingColumn(),
-    )
+    columns = (*progress.Progress.get_default_columns(), progress.TimeElapsedColumn())
     off = not screen.is_terminal
     with progress.Progress(*columns, console=screen, transient=True, disable=off) as shown:
         task = shown.add_task(title, total=1.0)

@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine import oracle
+from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, hysteresis, net_responses
 from jointclosure.joint.history import (
@@ -20,6 +22,7 @@ from jointclosure.joint.history import (
 )
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING, unbreakable_share
+from jointclosure.joint.simulation import height_datum
 from jointclosure.parameters import both_walls
 from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
@@ -28,6 +31,8 @@ CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")
 _ROUNDING = 1e-13
 """Change of a height [m] that is no breakage."""
+_MOST_CONTACTS = 20_000
+"""Number of cells in contact above which no snapshot is judged, because the oracle is dense."""
 _SHOWN = {
     "m": ("mm", 1e3),
     "Pa": ("MPa", 1e-6),
@@ -209,9 +214,28 @@ def _stress_over_strength(joint: ClosedWalls) -> float:
 
 
 def _oracle_ratio(joint: ClosedWalls) -> float:
-    from jointclosure.engine.judging import oracle_ratio
+    """Return the oracle's largest number over its limit, at the first maximum.
 
-    return oracle_ratio(joint.walls, joint.closed, joint.conditions)
+    NaN for more cells in contact than it can judge, and where breakage passed the maximum.
+    """
+    closed, given = joint.closed, joint.conditions
+    loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
+    if not loaded.sizes["snapshot"]:
+        return np.nan
+    snapshot, step = loaded.isel(snapshot=0), int(loaded.snapshot_step[0])
+    force, area = snapshot.snapshot_force.values, joint.walls[0].size * given.grid_spacing**2
+    if np.count_nonzero(force) > _MOST_CONTACTS:
+        return np.nan
+    above, below = (height_datum(wall) for wall in joint.walls)  # which the solver takes off
+    upper, lower = snapshot.snapshot_upper.values - above, snapshot.snapshot_lower.values - below
+    reached, total = float(closed.closure[step]), float(closed.normal_stress[step]) * area
+    state = oracle.State(upper, lower, force, reached, total)
+    upper, lower = joint.walls[0] - above, joint.walls[1] - below
+    model = given.rock, given.effects, given.choices
+    pristine = oracle.Joint(upper, lower, given.grid_spacing, *model)
+    verdict = oracle.judge(pristine, state)
+    tolerances = tolerances_of(given.effects, given.numerics)
+    return largest_ratio(verdict._asdict(), limits_of(verdict, given.effects, tolerances))
 
 
 _OF_LAW = {"comment": "of the hyperbolic law of loading since seating"}

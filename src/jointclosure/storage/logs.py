@@ -30,10 +30,16 @@ class Logbook:
 
 
 @contextlib.contextmanager
-def logging_to(path: str | Path) -> Iterator[Logbook]:
-    """Open a logbook in a file, also for standard output; copied to PATH.failed on failure."""
+def logging_to(log: str | Path, benchmark: str | Path) -> Iterator[Logbook]:
+    """Open a logbook in a file, also for standard output; on failure it is copied to LOG.failed.
+
+    Otherwise time [s], largest memory [MB] and processor time [s] are written to ``benchmark``.
+    """
+    for path in (log, benchmark):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+    start, used = time.monotonic(), time.process_time()
     with (
-        open(path, "w", encoding="utf-8", buffering=1) as stream,
+        open(log, "w", encoding="utf-8", buffering=1) as stream,
         contextlib.redirect_stdout(stream),
         contextlib.redirect_stderr(stream),
     ):
@@ -42,16 +48,9 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
         except BaseException as error:
             traceback.print_exception(error, file=stream)
             print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
-            shutil.copyfile(path, f"{path}.failed")
+            shutil.copyfile(log, f"{log}.failed")
             raise
-
-
-@contextlib.contextmanager
-def measured(path: str | Path) -> Iterator[None]:
-    """Write the time [s], largest memory [MB] and processor time [s] of work in this process."""
-    start, used = time.monotonic(), time.process_time()
-    yield
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     memory = most / (1e6 if sys.platform == "darwin" else 1e3)
     row = f"{time.monotonic() - start:.2f}\t{memory:.2f}\t{time.process_time() - used:.2f}"
-    Path(path).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")
+    Path(benchmark).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")
