@@ -1,7 +1,7 @@
 """Inputs that vary together, the points of the sampling, and the settings of their joints."""
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -21,62 +21,47 @@ from studies.frame.configuration import (
     resolved,
 )
 from studies.frame.settings import ClosureSettings
-from studies.global_sensitivity.section import PROPERTY_OF, ROCK, GlobalSensitivity
-from studies.global_sensitivity.section import Input as Varied
+from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
 
 SURFACES = 2
 """Number of surface pairs of a row, the same for all its points."""
 
 
-class Input(NamedTuple):
-    """Key (path) between two numbers (None: the levels of the rock), or over a few values."""
-
-    name: str
-    title: str
-    key: tuple[str, ...]
-    low: float | None
-    high: float | None
-    logarithmic: bool
-    values: list
-
-    @property
-    def property(self) -> str | None:
-        """Return the property of a rock that the key is, if any."""
-        return PROPERTY_OF.get(".".join(self.key))
-
-
 class Sampling(NamedTuple):
-    """Inputs, numbers of rows in all and of a job, and keys of the rocks by their names.
+    """What varies over which rows of the unit cube, and the keys of the rocks by their names."""
 
-    ``dependent`` are pairs of inputs with their correlation.
-    """
-
-    inputs: tuple[Input, ...]
-    rows: int
-    rows_per_job: int
+    section: GlobalSensitivity
     rocks: dict[str, dict]
     seed: int
-    dependent: list[tuple[str, str, float]]
+
+    @property
+    def inputs(self) -> dict[str, Input]:
+        """Return the inputs by name."""
+        return self.section.inputs
 
     @property
     def values(self) -> tuple[int, ...]:
         """Return the number of values of each input; 0: it varies continuously."""
-        return tuple(len(one.values) for one in self.inputs)
+        return tuple(len(one.values or ()) for one in self.inputs.values())
 
     @property
     def correlations(self) -> dict[tuple[int, int], float]:
         """Return the correlations of pairs of inputs, by their places."""
-        place = {one.name: number for number, one in enumerate(self.inputs)}
-        return {(place[one], place[other]): value for one, other, value in self.dependent}
+        place = {name: number for number, name in enumerate(self.inputs)}
+        return {
+            (place[one], place[other]): pair.correlation
+            for pair in self.section.dependent
+            for one, other in [pair.inputs]
+        }
 
     def points(self) -> np.ndarray:
         """Return points (rows, inputs + 2, inputs) of the unit cube; added rows change none."""
-        return _points(len(self.inputs), self.rows, self.seed)
+        return _points(len(self.inputs), self.section.rows, self.seed)
 
     def blocks(self) -> list[range]:
         """Return the rows of each job."""
-        step = self.rows_per_job
-        return [range(i, min(i + step, self.rows)) for i in range(0, self.rows, step)]
+        rows, step = self.section.rows, self.section.rows_per_job
+        return [range(i, min(i + step, rows)) for i in range(0, rows, step)]
 
 
 _points = lru_cache(maxsize=None)(sampled_rows)
@@ -85,24 +70,8 @@ _points = lru_cache(maxsize=None)(sampled_rows)
 def sampling_of(configured: Configured) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
     study, section = configured.typed.study, configured.typed.section(GlobalSensitivity)
-    return Sampling(
-        inputs=tuple(_input(name, one) for name, one in section.inputs.items()),
-        rows=section.rows,
-        rows_per_job=section.rows_per_job,
-        rocks={rock: configured.keys["rocks"][rock] for rock in study.rocks},
-        seed=seed_of(study.root_seed, "global sensitivity"),
-        dependent=[
-            (one, other, pair.correlation)
-            for pair in section.dependent
-            for one, other in [pair.inputs]
-        ],
-    )
-
-
-def _input(name: str, one: Varied) -> Input:
-    low, high = one.between if isinstance(one.between, tuple) else (None, None)
-    path = tuple(one.path.split("."))
-    return Input(name, one.title, path, low, high, one.logarithmic, list(one.values or []))
+    rocks = {rock: configured.keys["rocks"][rock] for rock in study.rocks}
+    return Sampling(section, rocks, seed_of(study.root_seed, "global sensitivity"))
 
 
 def check_sampling(configured: Configured) -> None:
@@ -112,11 +81,13 @@ def check_sampling(configured: Configured) -> None:
     refuse(_refused(sampling, keys, together=True))
 
 
-def keys_at(sampling: Sampling, rock: str, point) -> dict:
-    """Return the keys that a point (d,) of the unit cube sets, to be merged over the study's."""
+def keys_at(sampling: Sampling, rock: str, point, only: Collection[str] = ()) -> dict:
+    """Return the keys that a point (d,) sets, or ``only`` some inputs, for merging over others."""
     answer: dict = {}
-    for one, u in zip(sampling.inputs, point, strict=True):
-        *path, last = (rock if part == ROCK else part for part in one.key)
+    for (name, one), u in zip(sampling.inputs.items(), point, strict=True):
+        if only and name not in only:
+            continue
+        *path, last = (rock if part == ROCK else part for part in one.parts)
         within = answer
         for part in path:
             within = within.setdefault(part, {})
@@ -134,9 +105,10 @@ def value_at(one: Input, rock: Mapping, u: float):
 
 def range_of(one: Input, rock: Mapping) -> tuple[float, float]:
     """Return the ends of an input that varies continuously, in the unit of its key."""
-    if one.low is not None and one.high is not None:
-        return one.low, one.high
-    base, levels = (of[one.key[-1]] for of in (rock, rock["levels"]))
+    if isinstance(one.between, tuple):
+        low, high = one.between
+        return low, high
+    base, levels = (of[one.parts[-1]] for of in (rock, rock["levels"]))
     return float(min(*levels, base)), float(max(*levels, base))
 
 
@@ -174,16 +146,15 @@ def is_positive(one: Input, rock: Mapping) -> bool:
 
 def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
     """Generate errors at the ends of each input, with others as in the study or in the middle."""
-    for rock, (place, one) in itertools.product(sampling.rocks, enumerate(sampling.inputs)):
-        where = f"global_sensitivity.inputs.{one.name}"
-        alone = sampling._replace(inputs=(one,), dependent=[])
-        count = len(one.values)
+    for rock, (place, name) in itertools.product(sampling.rocks, enumerate(sampling.inputs)):
+        where = f"global_sensitivity.inputs.{name}"
+        count = sampling.values[place]
         for u in [(value + 0.5) / count for value in range(count)] or [0.0, 1.0]:
             point = np.full(len(sampling.inputs), 0.5)
             point[place] = u
-            sampled = (sampling, point) if together else (alone, [u])
+            changed = keys_at(sampling, rock, point, () if together else {name})
             try:
-                configured(merged(keys, keys_at(sampled[0], rock, sampled[1]), _alone(rock)))
+                configured(merged(keys, changed, _alone(rock)))
             except InputError as error:
                 lines = str(error).removeprefix("configuration:\n").splitlines()
                 yield f"{where}: {'; '.join(map(str.strip, lines))}"

@@ -32,6 +32,16 @@ class Input(Section):
     logarithmic: bool = entry("Whether it is uniform in its logarithm.", False)
     values: Several[Any] | None = entry("The few values that it has, in place of a range.", None)
 
+    @property
+    def parts(self) -> list[str]:
+        """Return the names of the sections and of the key."""
+        return self.path.split(".")
+
+    @property
+    def of_rock(self) -> str | None:
+        """Return the property of a rock that the key is, if any."""
+        return PROPERTY_OF.get(self.path)
+
 
 class Dependent(Section):
     """Two inputs that depend on each other, for Shapley effects."""

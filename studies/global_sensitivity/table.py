@@ -178,7 +178,7 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
     functions = first_functions(response.points[:, 0], sampling.values)
     logarithms = np.log(response.values)
     inputs, answers = [], []
-    for place, one in _properties(sampling, response.rock):
+    for place, name, one in _properties(sampling, response.rock):
         others = [other for other in range(len(sampling.inputs)) if other != place]
         known = sampling.rocks[response.rock]
         after, before = (
@@ -191,18 +191,18 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
         slopes = _shrunk_slopes(matrix, change.mean(axis=-1), response.rows)
         columns = np.column_stack([np.ones(len(at)), drawn_functions[:, others]])
         drawn = np.stack([columns @ slope for slope in slopes])
-        inputs.append(one.name)
+        inputs.append(name)
         answers.append((drawn, change.mean(axis=-1) / step, _over_noise(matrix, change)))
     drawn, single, over_noise = map(np.array, zip(*answers, strict=True))
     return FittedElasticities(inputs, drawn, single, response.rows, over_noise)
 
 
-def _properties(sampling: Sampling, rock: str) -> list[tuple[int, Input]]:
-    """Return the inputs with elasticities, and their places."""
+def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
+    """Return the inputs with elasticities, with their places and names."""
     return [
-        (place, one)
-        for place, one in enumerate(sampling.inputs)
-        if one.property and is_positive(one, sampling.rocks[rock])
+        (place, name, one)
+        for place, (name, one) in enumerate(sampling.inputs.items())
+        if one.of_rock and is_positive(one, sampling.rocks[rock])
     ]
 
 
@@ -245,9 +245,9 @@ def choices_drawn(sampling: Sampling) -> np.ndarray:
 
 def _index_rows(sampling: Sampling, indices: Indices) -> Iterator[dict]:
     columns = ("first", "first_error", "total", "total_error")
-    for place, one in enumerate(sampling.inputs):
-        values = {name: getattr(indices, name)[place] for name in columns}
-        yield {"input": one.name, "title": one.title} | values
+    for place, (name, one) in enumerate(sampling.inputs.items()):
+        values = {column: getattr(indices, column)[place] for column in columns}
+        yield {"input": name, "title": one.title} | values
     title = "surfaces (share of a joint's variance)"
     whole = {"total": indices.surfaces, "total_error": indices.surfaces_error}
     yield {"input": "surfaces", "title": title} | whole
@@ -266,11 +266,11 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
     rows = []
     for number, (about, of_response) in enumerate(fits):
         here = slice(number * len(of_response), (number + 1) * len(of_response))
-        for place, one in enumerate(sampling.inputs):
-            row = about | {"input": one.name}
-            for name, effects in columns.items():
+        for place, name in enumerate(sampling.inputs):
+            row = about | {"input": name}
+            for column, effects in columns.items():
                 whole, *left_out = effects[place, here]
-                row |= {name: whole, f"{name}_error": jackknife_error(np.array(left_out))}
+                row |= {column: whole, f"{column}_error": jackknife_error(np.array(left_out))}
             rows.append(row)
     return pd.DataFrame(rows)
 
@@ -360,9 +360,9 @@ def _about(statement: Statement, name: str, cycle: int) -> dict:
 def _bases(sampling: Sampling, rock: str) -> dict[str, float]:
     """Return the rock's values of the properties that vary [SI]."""
     return {
-        one.property: PROPERTIES[one.property].size * sampling.rocks[rock][one.key[-1]]
-        for one in sampling.inputs
-        if one.property
+        one.of_rock: PROPERTIES[one.of_rock].size * sampling.rocks[rock][one.parts[-1]]
+        for one in sampling.inputs.values()
+        if one.of_rock
     }
 
 
@@ -388,7 +388,7 @@ def _of_rocks(
     name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Return margins by rock; none if a rock lacks an elasticity of the statement."""
-    properties = {one.name: one.property for one in sampling.inputs}
+    properties = {name: one.of_rock for name, one in sampling.inputs.items()}
     margins = {}
     for rock in sampling.rocks:
         of_cycles = {
@@ -455,6 +455,6 @@ def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[di
         parts = functions.var(axis=0)[:, None] * slopes**2
         shares = np.divide(parts, variances, out=np.full_like(parts, np.nan), where=variances > 0)
         errors = jackknife_error(shares[:, 1:].T)
-        for place, one in enumerate(sampling.inputs):
-            row = {"rock": rock, "input": one.name, "title": one.title}
+        for place, (name, one) in enumerate(sampling.inputs.items()):
+            row = {"rock": rock, "input": name, "title": one.title}
             yield row | {"share": shares[place, 0], "share_error": errors[place]}

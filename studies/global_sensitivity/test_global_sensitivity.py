@@ -146,7 +146,7 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
     assert set(zip(loops.cycle, loops.rock, loops.share, strict=True)) == {
         (cycle, rock, 2.0 - cycle) for cycle in (1, 2) for rock in ("dolerite", "slate", "all")
     }
-    assert set(margins.input) == {each.name for each in design.inputs}
+    assert set(margins.input) == set(design.inputs)
     # a share is not known closer than its rows tell: Wilson's 95 % interval of 64 that all agree
     sure = table[(table.number == "5a") & (table.rock == "all")]
     assert (sure.share_error == 0.0).all()
