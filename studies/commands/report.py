@@ -78,10 +78,13 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
     """Return sealed figures that have a caption, in the order in which they were drawn."""
     from studies.paper.report.page import Picture, read_caption
 
-    figures = [path for path in sealed if path.parent == folder / "figures"]
+    captions = {
+        path: CAPTIONS / f"{path.stem}.rst"
+        for path in sealed
+        if path.parent == folder / "figures" and path.suffix == ".png"
+    }
     return [
-        Picture(figure.stem, figure.read_bytes(), read_caption(text, configuration))
-        for figure in figures
-        if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
-        for text in [caption.read_text(encoding="utf-8")]
+        Picture(path.stem, path.read_bytes(), read_caption(read_text(caption), configuration))
+        for path, caption in captions.items()
+        if caption.is_file()
     ]

@@ -92,8 +92,10 @@ class Configuration(Section):
     @model_validator(mode="after")
     def _resolved(self) -> Self:
         """Take the rocks of the study in its order, and what other sections leave open."""
-        if unknown := list(_unknown(self.study.rocks, self.rocks)):
-            raise ValueError("\n".join(unknown))
+        if unknown := [name for name in self.study.rocks if name not in self.rocks]:
+            allowed = f"must be one of rocks ({', '.join(self.rocks)})"
+            meant = (f"{name!r}: {allowed}{did_you_mean(name, self.rocks)}" for name in unknown)
+            raise ValueError("\n".join(f"study.rocks = {line}" for line in meant))
         usual = self.effects.acting
         rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
         output, numerics, seating = self.output, self.numerics, self.seating_stress
@@ -158,13 +160,6 @@ class Configuration(Section):
         if section is None:
             raise InputError(f"{kind.name} = null: must be given for this study")
         return section
-
-
-def _unknown(names: Iterable[str], rocks: Iterable[str]) -> Iterator[str]:
-    for name in names:
-        if name not in rocks:
-            meant = did_you_mean(name, rocks)
-            yield f"study.rocks = {name!r}: must be one of rocks ({', '.join(rocks)}){meant}"
 
 
 @functools.cache

@@ -55,7 +55,6 @@ Text = Annotated[str, StringConstraints(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
 Share = Annotated[float, Field(gt=0, lt=1)]
 Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
-Poisson = Annotated[float, Field(**PROPERTIES["poisson_ratio"].bounds)]
 
 
 def entry(description: str, default: Any = ..., *, alias: str | None = None, **about: Any) -> Any:

@@ -6,7 +6,7 @@ A conclusion of the paper is judged by the share of its open choices for which i
 import functools
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -76,6 +76,11 @@ class Responses(NamedTuple):
     values: np.ndarray
     left_out: int
 
+    @property
+    def about(self) -> dict[str, Any]:
+        """Columns of tables that name the response."""
+        return {"rock": self.rock, "response": self.name, "cycle": self.cycle}
+
 
 class FittedElasticities(NamedTuple):
     """FittedElasticities of a response of a rock by property (k).
@@ -130,13 +135,12 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
             number = len(response.values) // share
             points, values = response.points[:number], response.values[:number]
             indices = variance_indices(points, values, sampling.values)
-            about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
-            about |= {"rows": number, "left_out": response.left_out, "fit_share": indices.fit_share}
+            about = response.about | {"rows": number, "left_out": response.left_out}
+            about |= {"fit_share": indices.fit_share}
             rows += [about | row for row in _index_rows(sampling, indices)]
         if enough:  # all of the rows came last
-            fits.append(
-                (about, [_fitted(response, kept, sampling) for kept in _kept(response.rows)])
-            )
+            kept = _kept(response.rows)
+            fits.append((about, [_fitted(response, part, sampling) for part in kept]))
     if not fits:
         return pd.DataFrame(columns=list(INDEX_COLUMNS))
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
@@ -154,9 +158,8 @@ def elasticity_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd
             "spread": fit.drawn.std(axis=-1),
             "share_positive": (fit.drawn > 0.0).mean(axis=-1),
         }
-        about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
         for place, name in enumerate(fit.inputs):
-            row = about | {"input": name}
+            row = response.about | {"input": name}
             for column, values in statistics.items():
                 errors = jackknife_error(values[:, 1:].T)
                 row |= {column: values[place, 0], f"{column}_error": errors[place]}
