@@ -62,9 +62,8 @@ def case_of(scene: str, seed: int, realisations: int):
         realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], yardstick.SCENES[scene],
         cycles=1, root_seed=seed,
     )  # fmt: skip
-    case = settings.case._replace(jrc=BASE["jrc"])
-    surfaces = settings.surfaces._replace(jrc=case.jrc)
-    return partial(close_block, settings._replace(case=case, surfaces=surfaces, seating_stress=0.0))
+    settings = settings.with_surfaces(jrc=BASE["jrc"]).under(seating_stress=0.0)
+    return partial(close_block, settings._replace(case=settings.case.changed("jrc", BASE["jrc"])))
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:

@@ -55,7 +55,7 @@ def shifted(pair: Walls, upper: int, lower: int) -> Walls:
 
 def loadings(pristine: Walls, settings: ClosureSettings) -> Iterator[dict]:
     """Generate a row of each later loading by each mechanism."""
-    once = settings.conditions()._replace(cycles=1)
+    once = settings.conditions._replace(cycles=1)
     first, crushed = loaded(pristine, pristine, once)
     for mechanism, (ratio, *shift) in MECHANISMS.items():
         weaker = once._replace(choices=once.choices._replace(crushed_strength_ratio=ratio))

@@ -108,7 +108,7 @@ def case_settings(
     configuration, (case, *_) = paper_study(
         {"grid": {"cells_x": cells, "cells_y": cells}, "study": {"rocks": ["dolerite"]} | study}
     )
-    case = case._replace(max_normal_stress=max_normal_stress, effects=effects)
+    case = case.under(max_normal_stress=max_normal_stress, effects=effects)
     settings = block_settings(configuration, {case.label: case}, case.label, range(realizations))
     return settings._replace(largest_stress=max_normal_stress)
 
@@ -148,7 +148,7 @@ def base_case(configuration: Configuration, case: Case, realization: int) -> tup
     block = range(realization, realization + 1)
     settings = block_settings(configuration, {case.label: case}, case.label, block)
     walls = next(walls_of(settings.surfaces))
-    return timed(lambda: close_walls(*walls, settings.conditions()))
+    return timed(lambda: close_walls(*walls, settings.conditions))
 
 
 class Pair:

@@ -57,7 +57,7 @@ def _closed(case, configuration, elasticities, irregular, loop, power) -> xr.Dat
         for j, (cycle, scatter) in enumerate(SCATTER.items()):
             z = scatter * (0.6 * surface[2] + 0.8 * surface[j]) + irregular * alone[j]
             z += sum(
-                power * np.log(case.property(name) / bases[name])
+                power * np.log(case.number(name) / bases[name])
                 for name, power in elasticities[cycle].items()
             )
             maxima[i, j] = (1e-3, 1e-4)[j] * np.exp(z)

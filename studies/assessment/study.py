@@ -131,12 +131,11 @@ def assessment_design(configured: Configured) -> Design:
         if settings.surfaces.walls:  # a scan has room for a number of joints
             count = min(count, configuration.study.realizations)
         settings = settings.with_surfaces(realizations=count)
-        stated, ladder, variants = variants_of(settings.conditions())
+        stated, ladder, variants = variants_of(settings.conditions)
         ladders[case.rock] = stated, ladder
         options = {"unusual_values": configuration.study.unusual_values == "allow"}
         for name, conditions in variants.items():
-            varied = settings._replace(numerics=conditions.numerics)
-            varied = varied.with_effects(conditions.effects)
+            varied = settings.under(numerics=conditions.numerics, effects=conditions.effects)
             at = {"rock": case.rock, "jrc": case.jrc, "stress": case.max_normal_stress}
             jobs[f"{case.rock}.{number}.{name.replace(' ', '_').replace(chr(39), '')}"] = [
                 Point(
@@ -155,12 +154,12 @@ def assessment_design(configured: Configured) -> Design:
 def _conditions(configuration: Configuration, section: Assessment) -> Iterator[Case]:
     """Generate the base case of each rock at each roughness and stress."""
     for name, rock in configuration.rocks.items():
-        base = base_case(name, rock)
+        base = base_case(configuration, name)
         roughnesses = (not rock.walls and section.jrc) or (base.jrc,)
         for jrc, stress in itertools.product(
             roughnesses, section.stress or (base.max_normal_stress,)
         ):
-            yield base._replace(jrc=jrc, max_normal_stress=stress)
+            yield base.changed("jrc", jrc).under(max_normal_stress=stress)
 
 
 def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterator[Walls]:

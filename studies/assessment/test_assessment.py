@@ -18,7 +18,7 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
     stated, ladder = design.parameters["ladders"]["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
     settings = next(iter(design.jobs().values()))[0].settings
-    conditions = settings.conditions()._replace(flow=False)
+    conditions = settings.conditions._replace(flow=False)
     found = jc.assess(list(walls_of(settings.surfaces)), conditions=conditions, workers=1)
     here = tables["assessment"].query("stress_MPa == 1")
     for column in ("value", "low", "high"):

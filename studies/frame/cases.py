@@ -5,11 +5,12 @@ are fields of `Case`, and coordinates of every dataset.
 """
 
 from jointclosure.engine.assess import FINEST
+from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Accuracy, Study
-from studies.frame.rocks import ScannedWalls, StudyRock, wall_files
+from studies.frame.rocks import ScannedWalls, wall_files
 from studies.frame.settings import BASE, Case, ClosureSettings, SurfaceSettings
 
 BLOCK, FEW = 10, 4
@@ -23,12 +24,14 @@ def level_names(levels: tuple[float, ...], base: float) -> list[str]:
     return [BASE if level == base else f"level_{i + 1}" for i, level in enumerate(levels)]
 
 
-def base_case(name: str, rock: StudyRock) -> Case:
+def base_case(configuration: Configuration, name: str) -> Case:
     """Return the case of a rock with its base values."""
-    label, load = f"{name}-{BASE}", rock.max_normal_stress
-    return Case(
-        label, name, BASE, BASE, float("nan"), rock.intact, rock.jrc, load, rock.effects, label
-    )
+    label, rock, study = f"{name}-{BASE}", configuration.rocks[name], configuration
+    conditions = Conditions(
+        study.grid.spacing, rock.intact, rock.max_normal_stress, study.study.cycles,
+        study.seating_stress, rock.effects, study.choices, study.numerics, study.flow,
+    )  # fmt: skip
+    return Case(label, name, BASE, BASE, float("nan"), rock.jrc, conditions, label)
 
 
 def cases_of(configuration: Configuration) -> list[Case]:
@@ -36,11 +39,11 @@ def cases_of(configuration: Configuration) -> list[Case]:
     common = configuration.study.draws == "common"
     cases = []
     for name, rock in configuration.rocks.items():
-        base = base_case(name, rock)
+        base = base_case(configuration, name)
         cases.append(base)
         for parameter in (name for name in PROPERTIES if name in rock.levels):
             levels = rock.levels[parameter]
-            named = zip(level_names(levels, base.property(parameter)), levels, strict=True)
+            named = zip(level_names(levels, base.number(parameter)), levels, strict=True)
             for level, value in named:
                 if level == BASE:
                     continue
@@ -144,12 +147,7 @@ def block_settings(
     return ClosureSettings(
         case=case,
         surfaces=surface_settings(configuration, cases[case.surface], block),
-        cycles=configuration.study.cycles,
-        seating_stress=configuration.seating_stress,
-        choices=configuration.choices,
-        numerics=configuration.numerics,
         stress_points=configuration.output.stress_points,
         largest_stress=configuration.output.largest_stress,
         effects_chosen_to=configuration.effects.auto,
-        flow=configuration.flow,
     )

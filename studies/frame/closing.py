@@ -42,7 +42,7 @@ ROWS = 256
 def reading_of_case(settings: ClosureSettings) -> Reading:
     """Return what is stored of the joints of a case."""
     stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
-    return Reading(settings.conditions(), names_of_case(settings.flow), stresses)
+    return Reading(settings.conditions, names_of_case(settings.conditions.flow), stresses)
 
 
 def close_block(
@@ -76,7 +76,7 @@ def close_block(
         rows.append(row)
     numbers = np.arange(first, first + len(rows))
     closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
-    return closed.assign_attrs(scene=scene_name(settings.case.effects))
+    return closed.assign_attrs(scene=scene_name(settings.conditions.effects))
 
 
 def _pairs(surfaces: SurfaceSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
@@ -120,7 +120,7 @@ def choose_for_rock(
 
     def order(label: str) -> tuple[float, bool]:
         case = settings[label].case
-        ratio = case.max_normal_stress / case.intact.compressive_strength
+        ratio = case.max_normal_stress / case.number("compressive_strength")
         return (-round(ratio, 12), case.parameter != BASE)
 
     label = min(settings, key=order)
@@ -128,9 +128,9 @@ def choose_for_rock(
     joints = sum(one.surfaces.realizations for one in settings.values())
     report(f"{label}, for {len(settings)} cases of {joints} joints together:")
     pairs = list(islice(_pairs(examined.surfaces, walls), MOST_PAIRS))
-    pilot = Pilot(pairs, examined.conditions().checked(), joints)
+    pilot = Pilot(pairs, examined.conditions.checked(), joints)
     choice = choose_among(pilot, tolerance or 0.0, report)
-    reading = reading_of_case(examined.with_effects(choice.effects))
+    reading = reading_of_case(examined.under(effects=choice.effects))
     rows = [
         read_joint(replace(closed, stresses=reading.stresses), reading.names)
         for closed in choice.closed
@@ -199,7 +199,7 @@ class Ensemble:
         case, settings = self.cases[label], self.settings(label, block)
         options: dict = {"again": self.again(folder, label)} | self._walls(case.rock, folder)
         if case.rock in chosen:
-            settings = settings.with_effects(Effects(**chosen[case.rock]["effects"]))
+            settings = settings.under(effects=Effects(**chosen[case.rock]["effects"]))
             if self.name == "cases":
                 options["pilot"] = pilots[case.rock]
         name = f"{self.name}/{label}.{block.start}"

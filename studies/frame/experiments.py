@@ -60,8 +60,8 @@ class Design(NamedTuple):
 
     def kernels(self) -> list[list[str]]:
         """Return the kernels that are compiled before the jobs start."""
-        settings = [point.settings for point in self.points()]
-        return kernels_of((one.case.effects, one.choices, one.numerics) for one in settings)
+        conditions = [point.settings.conditions for point in self.points()]
+        return kernels_of((one.effects, one.choices, one.numerics) for one in conditions)
 
 
 class Experiment(NamedTuple):

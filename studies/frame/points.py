@@ -62,13 +62,13 @@ def close_points(
     parts = []
     for point in points:
         settings, rows = point.settings, []
-        reading = Reading(settings.conditions(), ("status", "timing_simulation", *quantities))
+        reading = Reading(settings.conditions, ("status", "timing_simulation", *quantities))
         first = settings.surfaces.first_realization
         for realization, walls in enumerate(point.walls(), first):
             row = close_joint(walls, reading)
             at = point.coordinates | {
                 "realization": realization,
-                "cycle": np.arange(1, settings.cycles + 1),
+                "cycle": np.arange(1, settings.conditions.cycle_count + 1),
                 "status": int(row["status"]),
                 "seconds": row["timing_simulation"],
             }
@@ -92,7 +92,8 @@ def tried_points(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
     alike: dict[tuple, list[Point]] = {}
     for point in points:
         case, surfaces = point.settings.case, point.settings.surfaces
-        kind = case.rock, case.effects, point.settings.numerics, surfaces.grid, *point.options
+        model = case.conditions.effects, case.conditions.numerics
+        kind = case.rock, *model, surfaces.grid, *point.options
         alike.setdefault(kind, []).append(point)
     return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
 

@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.walls.pairs import Walls
 from jointclosure.walls.synthesis import wall_pair
@@ -19,10 +18,10 @@ BASE = "base"
 class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
-    ``rock`` is the name of the rock and ``intact`` its properties. ``effects`` are those of the
-    study, or those set for the rock. ``surface`` is the label of the case whose surfaces are
-    closed: this case itself, or the base case of the rock if draws are common and JRC is unchanged.
-    ``jrc`` is NaN for scanned walls.
+    ``rock`` is the name of the rock. ``conditions`` have its properties, and the effects of the
+    study or those set for the rock. ``surface`` is the label of the case whose surfaces are closed:
+    this case itself, or the base case of the rock if draws are common and JRC is unchanged. ``jrc``
+    is NaN for scanned walls.
     """
 
     label: str
@@ -30,21 +29,28 @@ class Case(NamedTuple):
     parameter: str
     level: str
     value: float
-    intact: Rock
     jrc: float
-    max_normal_stress: float
-    effects: Effects
+    conditions: Conditions
     surface: str
 
-    def property(self, name: str) -> float:
-        """Return a property of `jointclosure.parameters.PROPERTIES` [SI]."""
-        return self.jrc if name == "jrc" else getattr(self.intact, name)
+    @property
+    def max_normal_stress(self) -> float:
+        """Maximum stress of every cycle [Pa]."""
+        return self.conditions.largest_stress
+
+    def number(self, name: str) -> float:
+        """Return a property of the rock or a number of the case by its name [SI]."""
+        return getattr(self if hasattr(self, name) else self.conditions.rock, name)
 
     def changed(self, name: str, value: float) -> "Case":
         """Return the case with another value of a property [SI]."""
         if name == "jrc":
             return self._replace(jrc=value)
-        return self._replace(intact=self.intact._replace(**{name: value}))
+        return self.under(rock=self.conditions.rock._replace(**{name: value}))
+
+    def under(self, **changes: Any) -> "Case":
+        """Return the case under changed conditions."""
+        return self._replace(conditions=self.conditions._replace(**changes))
 
 
 class SurfaceSettings(NamedTuple):
@@ -74,36 +80,22 @@ class ClosureSettings(NamedTuple):
 
     case: Case
     surfaces: SurfaceSettings
-    cycles: int
-    seating_stress: float
-    choices: Choices
-    numerics: Numerics
     stress_points: int
     largest_stress: float
     effects_chosen_to: float | None
-    flow: bool
 
+    @property
     def conditions(self) -> Conditions:
         """Conditions at which the walls of the case are closed."""
-        return Conditions(
-            self.surfaces.grid.spacing,
-            self.case.intact,
-            self.case.max_normal_stress,
-            self.cycles,
-            self.seating_stress,
-            self.case.effects,
-            self.choices,
-            self.numerics,
-            self.flow,
-        )
+        return self.case.conditions
 
     def with_surfaces(self, **changes: Any) -> "ClosureSettings":
         """Return the settings with changed settings of the surfaces."""
         return self._replace(surfaces=self.surfaces._replace(**changes))
 
-    def with_effects(self, effects: Effects) -> "ClosureSettings":
-        """Return the settings with other effects."""
-        return self._replace(case=self.case._replace(effects=effects))
+    def under(self, **changes: Any) -> "ClosureSettings":
+        """Return the settings with changed conditions."""
+        return self._replace(case=self.case.under(**changes))
 
 
 def seeds_of(settings: SurfaceSettings) -> list[int]:

@@ -45,9 +45,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
     for name in ("rock", "parameter", "level"):
         coordinates[name] = ("case", columns[name], {"long_name": f"{name} of the case"})
     for name, about in _ABOUT.items():
-        values = [
-            case.property(name) if name in PROPERTIES else getattr(case, name) for case in cases
-        ]
+        values = [case.number(name) for case in cases]
         coordinates[name] = ("case", np.array(values, dtype=float), about)
     # with independent draws seeds differ between cases
     seeds = np.stack([part.seed.values for part in closed])

@@ -39,10 +39,11 @@ def test_the_default_is_the_papers_study():
     assert study.study.realizations == 20
     assert len({case.label for case in cases}) == 36
     dolerite = cases[0]
-    assert (dolerite.intact.youngs_modulus, dolerite.intact.compressive_strength) == (78e9, 165e6)
-    assert dolerite.max_normal_stress == 30e6
+    intact = dolerite.conditions.rock
+    assert (intact.youngs_modulus, intact.compressive_strength) == (78e9, 165e6)
+    assert dolerite.conditions.max_normal_stress == 30e6
     assert study.numerics.later_breakage_step == 2.5e-6
-    assert all(all(case.effects) for case in cases)
+    assert all(all(case.conditions.effects) for case in cases)
 
 
 def test_the_library_and_the_configuration_have_the_same_defaults():

@@ -48,7 +48,7 @@ def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, j
 def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
     point = points[5]
     upper, lower = list(point.walls())[1]
-    closed = close_walls(upper, lower, point.settings.conditions())
+    closed = close_walls(upper, lower, point.settings.conditions)
     here = (joints.realization == 1) & (joints.rock == "dolerite")
     here &= (joints.jrc == point.coordinates["jrc"]) & (
         joints.stress == point.coordinates["stress"]

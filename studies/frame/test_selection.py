@@ -41,7 +41,7 @@ def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_stren
     choice, examined = json.loads(pilot.attrs["chosen"]), pilot.attrs["case"]
     assert jc.Effects(**choice["effects"]) == jc.Effects()
     ratios = {
-        label: one.case.max_normal_stress / one.case.intact.compressive_strength
+        label: one.conditions.max_normal_stress / one.conditions.rock.compressive_strength
         for label, one in settings.items()
     }
     assert ratios[examined] == max(ratios.values())
@@ -69,7 +69,7 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     choice = json.loads(before.attrs["chosen"])
     effects = jc.Effects(**choice["effects"])
     assert (effects == jc.Effects()) is (tolerance < 0.5)
-    used, pilot = settings.with_effects(effects), tmp_path / "pilot.nc"
+    used, pilot = settings.under(effects=effects), tmp_path / "pilot.nc"
     write_netcdf(before, pilot)
     plain = close_block(used, report=lambda line: None, walls=walls)
     closed, close = [], closing.close_joint

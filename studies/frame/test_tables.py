@@ -125,7 +125,7 @@ def studies():
 def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
     settings = settings_of("slate-base")
     walls = next(iter(walls_of(settings.surfaces)))
-    closed = jc.simulate(*walls, **settings.conditions()._asdict() | {"flow": True})
+    closed = jc.simulate(*walls, **settings.conditions._asdict() | {"flow": True})
     here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
     along = closed.hydraulic_aperture.sel(direction=direction).values[here]
     at = {"case": "slate-base", "realization": 0, "direction": direction, "cycle": 1}

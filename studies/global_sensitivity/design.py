@@ -132,7 +132,7 @@ def settings_of_rock(
 
     def settings(row: int, point: np.ndarray) -> ClosureSettings:
         typed = resolved(overlaid(plain, keys_at(sampling, rock, point)))
-        case = base_case(rock, typed.rocks[rock])
+        case = base_case(typed, rock)
         block = range(SURFACES * row, SURFACES * (row + 1))
         return block_settings(typed, {case.label: case}, case.label, block)
 

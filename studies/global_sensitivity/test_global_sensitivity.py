@@ -71,7 +71,7 @@ def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design)
     settings = settings_of_rock(design, tiny_study(**section(rows=64)), "slate")
     first = [settings(3, point) for point in points[3]]
     low, high = 60e9, 72e9  # Table 2
-    moduli = np.array([each.case.intact.youngs_modulus for each in first])
+    moduli = np.array([each.conditions.rock.youngs_modulus for each in first])
     np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
     expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
     assert [each.choices.peaks for each in first] == expected
@@ -105,7 +105,7 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
             alone = {"study": {"rocks": [rock], "draws": "common"}}
             keys = merged(full.keys, keys_at(sampling, rock, point), alone)
             typed = configured(keys).typed
-            case = base_case(rock, typed.rocks[rock])
+            case = base_case(typed, rock)
             block = range(2 * row, 2 * row + 2)
             expected = block_settings(typed, {case.label: case}, case.label, block)
             assert repr(settings(row, point)) == repr(expected)

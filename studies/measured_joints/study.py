@@ -47,8 +47,8 @@ def measured_joints_design(configured: Configured) -> Design:
     """Make a job for each mismatch wavelength: all choices of the model."""
     configuration = configured.typed
     section = configuration.section(MeasuredJoints)
-    ((rock, of_rock),) = configuration.rocks.items()
-    case = base_case(rock, of_rock)
+    (rock,) = configuration.rocks
+    case = base_case(configuration, rock)
     jobs = {}
     for label, wavelength in labelled_wavelengths(section.mismatch_wavelength).items():
         settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
@@ -67,29 +67,28 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
     """Make the points of all choices for walls of one wavelength, by name of the choice."""
     rocks = {BASE: settings}
     for value in section.compressive_strength:
-        intact = settings.case.intact._replace(compressive_strength=value)
-        case = settings.case._replace(intact=intact)
+        case = settings.case.changed("compressive_strength", value)
         rocks[f"strength {1e-6 * value:g} MPa"] = settings._replace(case=case)
     points = dict(rocks)
     for value in section.peak_modulus_ratio:
-        choices = settings.choices._replace(peak_modulus_ratio=value)
-        points[f"peak modulus ratio {value:g}"] = settings._replace(choices=choices)
+        choices = settings.conditions.choices._replace(peak_modulus_ratio=value)
+        points[f"peak modulus ratio {value:g}"] = settings.under(choices=choices)
     for value in section.largest_radius:
-        choices = settings.choices._replace(largest_radius=value)
-        points[f"radii up to {1e3 * value:g} mm"] = settings._replace(choices=choices)
+        choices = settings.conditions.choices._replace(largest_radius=value)
+        points[f"radii up to {1e3 * value:g} mm"] = settings.under(choices=choices)
     for value in section.hardness_over_strength:
         points[f"pressure up to {value:g} times the strength"] = _hardness(settings, value)
     variants = {name: Point({"loaded_as": name}, changed) for name, changed in points.items()}
     for rock, of_rock in rocks.items():
         for value in section.crushed_strength_ratio:
-            choices = of_rock.choices._replace(crushed_strength_ratio=value)
+            choices = of_rock.conditions.choices._replace(crushed_strength_ratio=value)
             name = f"crushed rock {value:g} as strong"
             name = name if rock == BASE else f"{rock}, {name}"
-            variants[name] = Point({"loaded_as": rock}, of_rock._replace(choices=choices))
+            variants[name] = Point({"loaded_as": rock}, of_rock.under(choices=choices))
         for shift in section.reseating_shift_in_cells:
             name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
             name = name if rock == BASE else f"{rock}, {name}"
-            once = of_rock._replace(cycles=1)
+            once = of_rock.under(cycles=1)
             variants[name] = Point(
                 {"loaded_as": rock}, once, f"{__name__}:reseated", {"shift": shift}
             )
@@ -98,7 +97,7 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
 
 def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
-    conditions = settings.conditions()._replace(cycles=1)
+    conditions = settings.conditions._replace(cycles=1)
     for pair in walls_of(settings.surfaces):
         crushed = closed_walls(pair, conditions).final
         yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
@@ -110,14 +109,14 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
     Resolved breakage without gouge is the plastic displacement of such a contact. The limit of the
     peak pressure, 3/2 of the mean pressure under a sphere, is sigma_c / c(nu) (`strength_factor`).
     """
-    intact = settings.case.intact
-    strength = 1.5 * ratio * strength_factor(intact.poisson_ratio) * intact.compressive_strength
-    limited = settings.case._replace(
-        intact=intact._replace(compressive_strength=float(strength)),
-        effects=settings.case.effects._replace(gouge=False),
+    given = settings.conditions
+    strength = 1.5 * ratio * strength_factor(given.rock.poisson_ratio)
+    strength *= given.rock.compressive_strength
+    return settings.under(
+        rock=given.rock._replace(compressive_strength=float(strength)),
+        effects=given.effects._replace(gouge=False),
+        numerics=given.numerics._replace(breakage="resolved"),
     )
-    numerics = settings.numerics._replace(breakage="resolved")
-    return settings._replace(case=limited, numerics=numerics)
 
 
 def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:

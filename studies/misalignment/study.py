@@ -60,8 +60,8 @@ def misalignment_design(configured: Configured) -> Design:
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
     wavelengths = labelled_wavelengths(section.mismatch_wavelength)
     jobs = {}
-    for rock, of_rock in configuration.rocks.items():
-        case = base_case(rock, of_rock)
+    for rock in configuration.rocks:
+        case = base_case(configuration, rock)
         for label, wavelength in wavelengths.items():
             settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
             walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}

@@ -37,7 +37,7 @@ def test_aligned_walls_close_as_everywhere(design, run):
     made = {"mismatch_wavelength": 0.77e-3, "roll_off": surfaces.surface.roll_off}
     spacing, seed = surfaces.grid.spacing, seeds_of(surfaces)[2]
     upper, lower = wall_pair(surfaces.jrc, (24, 24), spacing, seed, **made)
-    closed = close_walls(upper, lower, settings.conditions())
+    closed = close_walls(upper, lower, settings.conditions)
     aligned = run.sel(wavelength=0.77e-3, tilt=0.0, rotation=0.0, realization=2)
     np.testing.assert_allclose(aligned.max_closure, closed.max_closure, rtol=1e-6)
     residual = 1e-3 * cycle_table(closed).residual_closure_seated_net_mm

@@ -39,8 +39,8 @@ def mismatch_design(configured: Configured) -> Design:
     configuration = configured.typed
     design, study = configuration.section(Mismatch), configuration.study
     jobs: dict[str, list[Point]] = {}
-    for rock, of_rock in configuration.rocks.items():
-        case = base_case(rock, of_rock)
+    for rock in configuration.rocks:
+        case = base_case(configuration, rock)
         for label, wavelength in labelled_wavelengths(design.wavelength).items():
             points = jobs[f"{rock}.{label}"] = []
             for shift in (0,) if wavelength is None else design.shift_in_cells:

@@ -7,7 +7,7 @@ import pandas as pd
 from jointclosure.parameters import PROPERTIES, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.statistics.standard_errors import rounded, significant
-from studies.frame.cases import base_case, level_names
+from studies.frame.cases import level_names
 from studies.frame.rocks import StudyRock
 from studies.frame.settings import BASE, SIDES
 
@@ -42,7 +42,7 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
     for name, rock in rocks.items():
         for parameter in (name for name in PROPERTIES if name in rock.levels):
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
-            base = base_case(name, rock).property(parameter)
+            base = getattr(rock, parameter)
             for level, value in zip(level_names(levels, base), levels, strict=True):
                 row: dict[str, object] = {"rock": name, "parameter": parameter, "level": level}
                 of = BASE if level == BASE else parameter

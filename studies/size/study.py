@@ -281,15 +281,13 @@ def size_design(configured: Configured) -> Design:
     finest, longest = design.spacing[0], design.patch[-1]
     walls = {"whole": [round(longest / finest), finest], "base": base.spacing}
     jobs: dict[str, list[Point]] = {}
-    for (rock, of_rock), (name, spectrum) in itertools.product(
-        configuration.rocks.items(), design.spectra.items()
-    ):
+    for rock, (name, spectrum) in itertools.product(configuration.rocks, design.spectra.items()):
         points = jobs[f"{rock}.{name}"] = []
         for patch, spacing in sizes_of(design, base.spacing):
             cells = round(patch / spacing)
             grid = base._replace(cells_x=cells, cells_y=cells, spacing=spacing)
             sized = configuration._replace(grid=grid)
-            settings = settings_of(sized, base_case(rock, of_rock), **dict(spectrum))
+            settings = settings_of(sized, base_case(sized, rock), **dict(spectrum))
             at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
             points += [
                 Point(at | place, settings, f"{__name__}:nested", walls | place)

@@ -146,7 +146,7 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
 def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
     """Later loadings do not land, and are read to the maximum."""
     (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
-    conditions = point.settings.conditions()
+    conditions = point.settings.conditions
     largest = float(conditions.max_normal_stress)
     closed = close_walls(*walls_of(point), conditions)
     ends = landing_stress(closed, 1), float(closed.normal_stress.max())

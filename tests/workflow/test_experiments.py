@@ -26,7 +26,7 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
     dataset = read_netcdf(results / f"{name}.nc")
     assert "configuration" in dataset.attrs
     points = design.points()
-    rows = sum(joints_of([point]) * point.settings.cycles for point in points)
+    rows = sum(joints_of([point]) * point.settings.conditions.cycle_count for point in points)
     assert len(as_table(dataset)) == rows
     for table in design.tables:
         if table.endswith(".md"):
