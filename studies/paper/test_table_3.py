@@ -459,7 +459,7 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     assert [len(block) for block in finest.blocks] == [4, 4]
     one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
     assert other.surfaces == one.surfaces
-    assert other.numerics == FINEST != one.numerics
+    assert other.conditions.numerics == FINEST != one.conditions.numerics
     assert cases.pilots(Path()).keys() == {"slate"}
     assert finest.pilots(Path()) == {}
     plain = checked_study({"study": study | {"accuracy": None}})
