@@ -61,7 +61,7 @@ def close_block(
     number. A failed realisation has a status of 16 or more, counts, and otherwise NaN.
     """
     reading, first = reading_of_case(settings), settings.surfaces.first_realization
-    seeds = [f"{seed:032x}" for seed in seeds_of(settings.surfaces)]
+    seeds = _seeds(settings.surfaces)
     known = _rows_by_seed(pilot, settings.case.label) if pilot else {}
     rows: list[Row] = []
     pairs = zip(seeds, _pairs(settings.surfaces, walls), strict=True)
@@ -74,9 +74,18 @@ def close_block(
             raise
         report(f"realisation {realization}: {_described(row, repeat)}")
         rows.append(row)
-    numbers = np.arange(first, first + len(rows))
-    closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
+    closed = _joined(rows, settings.surfaces, reading)
     return closed.assign_attrs(scene=scene_name(settings.conditions.effects))
+
+
+def _seeds(surfaces: SurfaceSettings) -> np.ndarray:
+    return np.array([f"{seed:032x}" for seed in seeds_of(surfaces)], dtype=object)
+
+
+def _joined(rows: Sequence[Row], surfaces: SurfaceSettings, reading: Reading) -> xr.Dataset:
+    """Join the rows of the first joints of a block, with their numbers and seeds."""
+    numbers = surfaces.first_realization + np.arange(len(rows))
+    return stacked(rows, numbers, _seeds(surfaces)[: len(rows)], reading)
 
 
 def _pairs(surfaces: SurfaceSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
@@ -135,12 +144,10 @@ def choose_for_rock(
         read_joint(replace(closed, stresses=reading.stresses), reading.names)
         for closed in choice.closed
     ]
-    numbers = examined.surfaces.first_realization + np.arange(len(rows))
-    seeds = [f"{seed:032x}" for seed in seeds_of(examined.surfaces)[: len(rows)]]
     about = {"effects": choice.effects._asdict(), "error": choice.error}
     details = {"reasons": choice.reasons, "changes": choice.changes.to_dict("records")}
     chosen = about | {"cases": {label: about | details}}
-    closed = stacked(rows, numbers, np.array(seeds, dtype=object), reading)
+    closed = _joined(rows, examined.surfaces, reading)
     return closed.assign_attrs(case=label, chosen=json.dumps(chosen))
 
 
@@ -153,18 +160,13 @@ class Ensemble:
         self.cases = {case.label: case for case in cases_of(self.configuration)}
         self.blocks = blocks_of(self.configuration.study)
 
-    @property
-    def chosen(self) -> bool:
-        """Whether pilots choose the effects of the rocks."""
-        return self.configuration.effects.auto is not None
-
     def settings(self, label: str, block: range) -> ClosureSettings:
         """Settings of a case and a block, with all effects that may be chosen."""
         return block_settings(self.configuration, self.cases, label, block)
 
     def pilots(self, folder: Path) -> dict[str, Entry]:
         """Choices of effects by rock, which are those of the study for its pool too."""
-        if not self.chosen:
+        if self.configuration.effects.auto is None:
             return {}
         whole, block = Ensemble(self._study), range(self._study.study.realizations)
         settings: dict[str, dict] = {rock: {} for rock in self._study.rocks}
@@ -221,7 +223,7 @@ class Ensemble:
         return kernels_of(
             (scene, given.choices, given.numerics)
             for rock in given.rocks.values()
-            for scene in possible_scenes(rock.effects, chosen=self.chosen)
+            for scene in possible_scenes(rock.effects, chosen=given.effects.auto is not None)
         )
 
     def close(self, folder: Path, workers: int, log: Logbook) -> list[Entry]:
@@ -321,8 +323,7 @@ def price_accuracy(config: dict, folder: Path, log: Logbook) -> pd.DataFrame:
         for first in ensemble.firsts(folder):
             rock = first.settings[0].case.rock
             cases = sum(case.rock == rock for case in ensemble.cases.values())
-            for _ in range(2):  # the first loads the kernels
-                closed = first.make(*first.settings, **first.options, report=log)
+            closed = first.make(*first.settings, **first.options, report=log)
             seconds = float(closed.timing_simulation.mean())
             rows.append({"ensemble": name, "rock": rock, "cases": cases, "seconds": seconds})
     return pd.DataFrame(rows)

@@ -28,12 +28,11 @@ from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame.files import DEFAULT, ConfigurationError, read_plain
 from studies.frame.keys import (
+    OR_NULL,
     ChoiceKeys,
     Grid,
-    Made,
     Name,
     NumericsKeys,
-    OrNull,
     Output,
     Section,
     Statistics,
@@ -43,6 +42,7 @@ from studies.frame.keys import (
     did_you_mean,
     entry,
     explained,
+    made_of,
 )
 from studies.frame.rocks import CurveSettings, StudyRock
 
@@ -71,7 +71,7 @@ class Configuration(Section):
     )
     grid: Grid
     surface: Surface
-    seating_stress: Annotated[float, OrNull()] = entry(
+    seating_stress: Annotated[float, OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",
         None,
@@ -84,8 +84,8 @@ class Configuration(Section):
         "(docs/export.md#flow); it changes nothing else.",
         False,
     )
-    choices: Annotated[Choices, Made(ChoiceKeys)]
-    numerics: Annotated[Numerics, Made(NumericsKeys)]
+    choices: Annotated[Choices, made_of(ChoiceKeys)]
+    numerics: Annotated[Numerics, made_of(NumericsKeys)]
     statistics: Statistics
     output: Output
 
@@ -233,18 +233,14 @@ def resolved(keys: dict) -> Configuration:
     try:
         return model().model_validate(keys)
     except ValidationError as error:
-        raise refusal(explained(model(), keys, error)) from None
+        refuse(explained(model(), keys, error))
+        raise
 
 
 def refuse(problems: Iterable[str]) -> None:
     """Raise `ConfigurationError` where there are problems, one line each."""
-    if lines := list(dict.fromkeys(problems)):
-        raise refusal(lines)
-
-
-def refusal(problems: Iterable[str]) -> ConfigurationError:
-    """Return the error that lists problems, one line each."""
-    return ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    if lines := "".join(f"\n  {line}" for line in dict.fromkeys(problems)):
+        raise ConfigurationError(f"configuration:{lines}") from None
 
 
 def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:

@@ -25,12 +25,12 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
+    GetPydanticSchema,
     Strict,
     StringConstraints,
     create_model,
 )
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import core_schema
 
 from jointclosure.parameters import (
     INTERVALS,
@@ -104,27 +104,20 @@ def keys_of(fields: Any, **units: str) -> Any:
     return create_model(fields.__name__, __base__=Section, **keys)
 
 
-class Made:
-    """Annotation of a named tuple that is read as a section with keys of its fields."""
+def made_of(section: type[Section]) -> GetPydanticSchema:
+    """Return the annotation of a named tuple that is read as a section with keys of its fields."""
 
-    def __init__(self, section: type[Section]):
-        self.section = section
+    def schema(kind: Any, handler: Any) -> Any:
+        def made(read: Section) -> Any:  # checked with the whole configuration
+            return kind._make(getattr(read, name) for name in kind._fields)
 
-    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema of the section, whose result is the named tuple."""
+        return core_schema.no_info_after_validator_function(made, handler(section))
 
-        def made(section: Section) -> Any:  # checked with the whole configuration
-            return kind._make(getattr(section, name) for name in kind._fields)
-
-        return core_schema.no_info_after_validator_function(made, handler(self.section))
+    return GetPydanticSchema(schema)
 
 
-class OrNull:
-    """Annotation of a value that is null in a file until the section is read as a whole."""
-
-    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema of the value, or of null."""
-        return core_schema.nullable_schema(handler(kind))
+OR_NULL = GetPydanticSchema(lambda kind, handler: core_schema.nullable_schema(handler(kind)))
+"""Annotation of a value that is null in a file until the section is read as a whole."""
 
 
 class Accuracy(Section):
@@ -307,7 +300,7 @@ class Output(Section):
     stress_points: int = entry(
         "Points of the common stress axis of closure curves.", ge=2, le=10_000
     )
-    largest_stress: Annotated[float, OrNull()] = entry(
+    largest_stress: Annotated[float, OR_NULL] = entry(
         "End of the common stress axis [MPa], at least every rock's maximum stress; null for the "
         "largest of these.",
         gt=0,

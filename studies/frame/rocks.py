@@ -16,7 +16,7 @@ from jointclosure.storage.files import read_text
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
-from studies.frame.keys import Jrc, Made, OrNull, Section, Several, Text, entry
+from studies.frame.keys import OR_NULL, Jrc, Section, Several, Text, entry, made_of
 from studies.frame.settings import SIDES
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
@@ -145,7 +145,7 @@ class _Titled(Section):
 class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
     """A rock; a study's own file may add some."""
 
-    jrc: Annotated[Jrc, OrNull(), AfterValidator(lambda jrc: math.nan if jrc is None else jrc)] = (
+    jrc: Annotated[Jrc, OR_NULL, AfterValidator(lambda jrc: math.nan if jrc is None else jrc)] = (
         entry("Joint roughness coefficient; left out (or null) where `walls` are given.", math.nan)
     )
     max_normal_stress: float = entry(
@@ -157,7 +157,7 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
         False,
     )
     # None for those of the study, until the whole configuration is read
-    effects: Annotated[Effects, Made(EffectKeys)] = Field(
+    effects: Annotated[Effects, made_of(EffectKeys)] = Field(
         Effects._make([None] * len(Effects._fields))
     )
     other_levels: Levels = Field(Levels(), alias="levels")
