@@ -203,7 +203,7 @@ def covered(number: int, cells: int = 48, draws: int = 4) -> list[dict[str, floa
     rows = []
     for draw, variant in enumerate([usual, *(v for v in variants if v.source == ALL)]):
         closed = close_walls(*variant.walls(upper, lower, None), variant.conditions)
-        table = results_of(closed, variant.conditions.largest_stress).set_index("cycle")
+        table = results_of(closed).set_index("cycle")
         for cycle, row in ranges.iterrows():
             about = {"number": number, "draw": draw, "cycle": cycle}
             rows.append(about | {"true": table.loc[cycle, CLOSURE_NET]} | row.to_dict())

@@ -72,7 +72,7 @@ def _modelled(walls: tuple[Path, Path], units: dict[str, Any]) -> dict[str, floa
     if results.failed(history):
         status = results.status_text(history)
         raise InputError(f"{walls[0]}: the joint could not be closed: {status}")
-    net = net_responses(history, stress)
+    net = net_responses(history)
     closure, residual = net["max_closure_seated_net"], net["residual_closure_seated_net"]
     stiffness = 1e-9 * net["stiffness_net"]
     return {

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.cli.exports import porepy_files
 from jointclosure.joint.barton_bandis import CYCLES, barton_bandis, laws_of_joint
 from jointclosure.joint.curves import (
     area_of,
@@ -13,6 +14,7 @@ from jointclosure.joint.curves import (
     curve_table,
     cycle_table,
     landing_stress,
+    net_responses,
     secant_stiffness,
     stress_levels,
     stress_table,
@@ -20,7 +22,7 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws, law_curves, parameter
 from tests import joints
-from tests.joints import SPACING, on_softer_half_spaces, pair
+from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair
 
 SEATING, LARGEST = 0.5, 10.0
 
@@ -126,6 +128,24 @@ def test_stiffness_rises_with_stress_however_the_closure_was_reached(closed):
     assert not on(stress_table(closed), 2, "loading").normal_stiffness_net_MPa_per_mm.isna().any()
 
 
+def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
+    walls, load = pair((20, 24)), {"seating_stress": 0.5e6, "numerics": COARSE}
+    whole, once = (joints.closed(walls, stress, **load) for stress in ([4e6, 0, 8e6], [4e6]))
+    stiffness, alone = (net_responses(each)["stiffness_net"] for each in (whole, once))
+    assert stiffness[0] == alone[0]  # from half of the maximum of its cycle, not of the joint
+    at = closures_at(whole, np.array([4e6, 8e6]))[1, 0]
+    assert stiffness[1] == pytest.approx(4e6 / (at[1] - at[0]), rel=0.02)
+    again = on(stress_table(whole), 2, "loading").set_index("normal_stress_MPa")
+    kn = again.normal_stiffness_net_MPa_per_mm
+    assert kn[kn.index < 4.0].is_monotonic_increasing
+    assert kn[kn.index > 4.0].is_monotonic_increasing
+    assert kn[kn.index < 4.0].iloc[-1] > 2.0 * kn[kn.index > 4.0].iloc[0]
+    assert {(1, "loading"), (2, "unloading")} <= law_curves(whole).keys()
+    assert (2, "loading") not in law_curves(whole)
+    with pytest.raises(jc.InputError, match=r"beyond its former maximum, 4 MPa"):
+        porepy_files(whole, stress_table(whole))
+
+
 def test_a_secant_ends_where_the_landing_begins(closed):
     end = landing_stress(closed, 1)
     levels = np.array([2e6, end, 5e6])
@@ -207,7 +227,10 @@ def test_the_law_of_barton_and_bandis_since_seating_is_the_same_curve():
         law, stress = barton_bandis(9.0, 150e6, 1.0, cycle), np.linspace(0.5e6, 20e6, 9)
         closed = law.closure(stress) - law.closure(0.5e6)
         np.testing.assert_allclose(since.closure(stress - 0.5e6), closed, atol=1e-15)
-    assert not laws_of_joint(float("nan"), 150e6, 0.5e6, 2).by_cycle
+    for outside in (float("nan"), 4.0, 19.0):
+        left_out = laws_of_joint(outside, 150e6, 0.5e6, 2)
+        assert not left_out.by_cycle
+        assert "left out" in left_out.sentence()
 
 
 @pytest.mark.parametrize("power", [2.0, 1.0 - 1e-9])

@@ -334,6 +334,16 @@ def test_a_hole_does_not_carry_the_load_of_the_joint(seed, size, places):
     assert closures[1] == pytest.approx(closures[0], rel=0.06)
 
 
+def test_a_hole_hardly_changes_the_mismatch_wavelength():
+    upper, lower = jc.wall_pair(9.0, (80, 96), SPACING, 5, roll_off=None, mismatch_wavelength=3e-3)
+    known, y, x = upper.copy(), *np.ogrid[:80, :96]
+    known[np.hypot(y - 40, x - 48) < 12] = np.nan
+    whole, holed = (
+        registered(scanned(wall), grid(lower), **AS_SCANNED).mismatch for wall in (upper, known)
+    )
+    assert holed.wavelength == pytest.approx(whole.wavelength, rel=0.2)
+
+
 def test_the_force_on_holes_is_their_share_of_the_force_at_the_highest_stress(joint):
     pair = registered(*map(grid, (1e-3 - joint[0], joint[1])), **AS_SCANNED)
     history = closed(joint, 2e6, snapshots=[1e6, 2e6], cycles=1)

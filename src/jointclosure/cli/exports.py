@@ -18,7 +18,7 @@ from jointclosure.joint.curves import (
     spacing_of,
     stress_table,
 )
-from jointclosure.joint.history import branch_of
+from jointclosure.joint.history import branch_of, former_maximum
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
@@ -105,8 +105,13 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
     net closure, because PorePy computes the deformation of the rock itself.
     """
     seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
-    files = {}
-    for ending, rows in _loading(history, curves, "PorePy").items():
+    files, loadings = {}, _loading(history, curves, "PorePy")
+    if former := former_maximum(history, cycle := int(loadings[""].cycle.iloc[0])):
+        raise InputError(
+            f"PorePy: the loading of cycle {cycle} goes beyond its former maximum, "
+            f"{1e-6 * former:.3g} MPa, which is no hyperbola"
+        )
+    for ending, rows in loadings.items():
         stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
         fitted = fit_law(law, stress.to_numpy(), closure - closure[0], seating)[0]
         (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])

@@ -17,7 +17,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import cycle_table, has_flow, members, stress_table
-from jointclosure.joint.history import branch_of, with_snapshots
+from jointclosure.joint.history import branch_of, maxima_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write
@@ -59,7 +59,7 @@ def summary(
 
 def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> pd.DataFrame:
     """Return results over cycles as text, with their ranges if known, beside Barton and Bandis."""
-    results = results_of(closed, float(closed.normal_stress.max())).set_index("cycle")
+    results = results_of(closed).set_index("cycle")
 
     def text(cycle: int, name: str) -> str:
         value = float(results.loc[cycle, name])
@@ -89,11 +89,10 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
-    largest = float(closed.normal_stress.max())
     return {
         f"Barton-Bandis, cycle {cycle}": {
             column: scale * value
-            for name, value in law.results(largest, laws.seating).items()
+            for name, value in law.results(maxima_of(closed)[cycle - 1], laws.seating).items()
             for column, scale in [shown_as(name, QUANTITIES[name].unit)]
         }
         for cycle, law in laws.by_cycle.items()
@@ -113,7 +112,7 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
             )
             status = words[int(status)]
             blocked |= status != "flows"
-            most = "" if status == "flows" else f", at most {1e3 * bound:.2g}"
+            most = "" if status == "flows" else f", upper bound {1e3 * bound:.2g}"
             parts.append(f"along {direction} {1e3 * value:.3g} ({status}){most}")
         about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")

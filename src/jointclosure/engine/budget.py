@@ -163,11 +163,11 @@ class Budget(NamedTuple):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
             lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
         if "registration" in self.omitted:
-            lines.append("taken as exact: the position of the walls, as no fit moved them")
+            lines.append("not varied in the range: the position of the walls, as no fit moved them")
         if exact := [name for name in self.omitted if name in OF_ROCK]:
             names = ", ".join(TITLES[name] for name in exact)
             lines.append(
-                f"taken as exact: {names} (--range {key_of(exact[-1])} LOW HIGH, or "
+                f"not varied in the range: {names} (--range {key_of(exact[-1])} LOW HIGH, or "
                 "ranges= in Python, adds what is known of them)"
             )
         return [*lines, MEASURED]
@@ -249,10 +249,10 @@ def _two_digits(value: float) -> str:
     return significant(value, 2)
 
 
-def results_of(history: xr.Dataset, largest: float) -> pd.DataFrame:
-    """Return cycles and `QUANTITIES` of a joint that did not fail, loaded to a stress [Pa]."""
+def results_of(history: xr.Dataset) -> pd.DataFrame:
+    """Return cycles and `QUANTITIES` of a joint that did not fail."""
     table, laws = cycle_table(history), fitted_laws(history, ["hyperbolic"], [LOADING])
-    stiffness = net_responses(history, largest)["stiffness_net"]
+    stiffness = net_responses(history)["stiffness_net"]
     table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
     for column, name in (("kni_net_MPa_per_mm", "kni_MPa_per_mm"), ("vm_net_mm", "vm_mm")):
         table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]

@@ -10,7 +10,8 @@ _BETWEEN_LINES, _PART = 30.0, 0.1
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar on a terminal; yield what takes the finished part and the present step."""
+    """Show a bar on a terminal, else a line now and then; yield what takes the finished part
+    and the present step."""
     # jobs do without it, and hundreds of them are started
     from rich import console, progress
 
@@ -18,10 +19,13 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     columns = (*progress.Progress.get_default_columns(), progress.TimeElapsedColumn())
     off = not screen.is_terminal
     with progress.Progress(*columns, console=screen, transient=True, disable=off) as shown:
-        task = shown.add_task(title, total=1.0)
+        task, last = shown.add_task(title, total=1.0), [time.monotonic()]
 
         def show(done: float, what: str) -> None:
             shown.update(task, completed=done, description=f"{title}: {what}")
+            if off and time.monotonic() - last[0] > _BETWEEN_LINES:
+                last[0] = time.monotonic()
+                print(f"{title}: {100.0 * done:.0f} %, {what}", flush=True)
 
         yield show
 

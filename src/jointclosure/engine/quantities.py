@@ -85,7 +85,7 @@ class ClosedWalls:
     @cached_property
     def net(self) -> dict[str, np.ndarray]:
         """Net closures and stiffness of each cycle (`net_responses`)."""
-        return net_responses(self.closed, float(np.max(self.conditions.max_normal_stress)))
+        return net_responses(self.closed)
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -357,7 +357,7 @@ CURVES = {
     "normal_stiffness_net_MPa_per_mm": ("net normal stiffness kn (MPa/mm)", True),
     "mean_aperture_mm": ("mean aperture (mm)", False),
     "hydraulic_aperture_mm": ("hydraulic aperture (mm)", False),
-    "largest_hydraulic_mm": ("hydraulic aperture at most (mm)", False),
+    "largest_hydraulic_mm": ("upper bound of the hydraulic aperture (mm)", False),
     "transmissivity_m2_per_s": ("transmissivity of water at 20 °C (m2/s)", False),
 }
 """Headings of curves over stress (`jointclosure.joint.curves.stress_table`), by column, and whether

@@ -321,5 +321,5 @@ def result_rows(
         status = -1 if joint is None else int(joint.status)
         failed = pd.DataFrame({"cycle": [1] if cycles is None else cycles})
         return failed.assign(**about, status=status, **dict.fromkeys(QUANTITIES, np.nan))
-    table = results_of(joint, variant.conditions.largest_stress)
+    table = results_of(joint)
     return table.assign(**about, status=int(joint.status))

@@ -94,21 +94,23 @@ class JointLaws(NamedTuple):
     def sentence(self) -> str:
         """Describe the laws, and their constants from zero stress."""
         if not self.by_cycle:
-            return f"Barton-Bandis: has no positive constants for JRC {self.jrc:.2g}"
+            return (
+                f"Barton-Bandis: left out, as it holds for JRC 5 to 15, and not for {self.jrc:.2g}"
+            )
         first = barton_bandis(self.jrc, self.strength, 1.0, 1)
-        range_ = "" if law_holds(self.jrc) else ", outside of its range of 5 to 15"
         return (
-            f"Barton-Bandis: empirical law of mated joints for JRC {self.jrc:.2g}{range_} and JCS "
-            f"{1e-6 * self.strength:.3g} MPa, the strength, from {1e-6 * self.seating:g} MPa on; "
-            f"from 0 MPa on its first cycle has kni {1e-9 * first.initial_stiffness:.2g} MPa/mm "
-            f"and Vm {1e3 * first.largest_closure:.2g} mm"
+            f"Barton-Bandis: empirical law of mated joints for JRC {self.jrc:.2g} (by the slope of "
+            f"both walls) and JCS {1e-6 * self.strength:.3g} MPa, the strength, from "
+            f"{1e-6 * self.seating:g} MPa on; from 0 MPa on its first cycle has kni "
+            f"{1e-9 * first.initial_stiffness:.2g} MPa/mm and Vm "
+            f"{1e3 * first.largest_closure:.2g} mm"
         )
 
 
 def laws_of_joint(jrc: float, strength: float, seating: float, cycles: int) -> JointLaws:
     """Return the laws of a joint of a strength [Pa] whose walls are not weathered."""
     laws = {}
-    for cycle in CYCLES[: cycles if jrc > 0.0 else 0]:
+    for cycle in CYCLES[: cycles if law_holds(jrc) else 0]:
         law = barton_bandis(jrc, strength, 1.0, cycle)
         if min(law) > 0.0:
             laws[cycle] = law.since(seating)

@@ -14,6 +14,8 @@ from jointclosure.joint.history import (
     by_fixed_steps,
     cubic_over,
     cycle_closures,
+    former_maximum,
+    maxima_of,
     read_along,
     seat_of,
 )
@@ -94,14 +96,24 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
     return columns
 
 
-def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
-    """Return the net closures and stiffness of each cycle, as a laboratory reports them."""
+def net_responses(history: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return the net closures and stiffness of each cycle, as a laboratory reports them.
+
+    The stiffness is the chord of a loading from half of its maximum stress, or from the former
+    maximum if that is higher.
+    """
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.load_cycle.max())
     cycles, net = range(1, begun + 1), cycle_closures(history)
     seated = "max_closure_seated", "residual_closure_seated"
     responses = {f"{name}_net": net[name] for name in ("max_closure", *seated)}
-    stiffness = [secant_stiffness(history, cycle, 0.5 * largest, largest) for cycle in cycles]
+    ends = [
+        (max(0.5 * end, former_maximum(history, cycle)), end)
+        for cycle, end in zip(cycles, maxima_of(history), strict=False)
+    ]
+    stiffness = [
+        secant_stiffness(history, cycle, *of) for cycle, of in zip(cycles, ends, strict=True)
+    ]
     responses["stiffness_net"] = np.array(stiffness)
     responses["landing_stress"] = np.array([landing_stress(history, cycle) for cycle in cycles])
     missing = (0, completed.size - begun)
@@ -194,9 +206,8 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
         return np.inf
     here = branch_of(history, cycle, LOADING)
     stress = history.normal_stress.values
-    former = stress[history.load_cycle.values < cycle].max(initial=0.0)
     within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both within the tolerance
-    if here.size < 2 or stress[here].max() <= former * within:
+    if here.size < 2 or (cycle > 1 and not former_maximum(history, cycle, within)):
         return np.inf
     step = numerics["displacement_step" if cycle == 1 else "later_displacement_step"]
     whole = np.flatnonzero(np.diff(history.closure.values[here]) >= 0.999 * step)
@@ -220,7 +231,8 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
     """Compute the stiffness (cycles, 2, levels) [Pa/m] at stresses [Pa], which rises with them.
 
     It is the slope of the concave curve nearest to the closure over stress: where contacts break,
-    the slope of the closure itself goes up and down with every step. Landings are left out.
+    the slope of the closure itself goes up and down with every step. A loading beyond the former
+    maximum has two such curves, up to it and beyond it. Landings are left out.
     """
     fine = np.linspace(levels[0], levels[-1], POINTS + 1)
     closures = closures_at(history, fine, of)
@@ -228,11 +240,13 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
     for index, side in np.ndindex(closures.shape[:2]):
         closure = closures[index, side]
         end = np.inf if side else landing_stress(history, index + 1)
-        known = np.isfinite(closure) & (fine <= end)
-        if known.sum() > 2:
-            inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])
-            slopes = _rising_slopes(fine[known], closure[known], levels[inside])
-            stiffness[index, side, inside] = slopes
+        former = 0.0 if side else former_maximum(history, index + 1)
+        for part in (fine < former, fine >= former):
+            known = part & np.isfinite(closure) & (fine <= end)
+            if known.sum() > 2:
+                inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])
+                slopes = _rising_slopes(fine[known], closure[known], levels[inside])
+                stiffness[index, side, inside] = slopes
     return stiffness
 
 

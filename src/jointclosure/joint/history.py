@@ -38,6 +38,23 @@ def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
     return here
 
 
+def maxima_of(history: xr.Dataset) -> np.ndarray:
+    """Return the stated maximum stress (cycles,) [Pa] of each cycle."""
+    stated = np.atleast_1d(history.attrs["max_normal_stress_Pa"])[::2]  # turning points, or one
+    return np.broadcast_to(stated, history.max_closure.size)
+
+
+def former_maximum(history: xr.Dataset, cycle: int, within: float = 1.05) -> float:
+    """Return the largest stress [Pa] before a cycle that its loading exceeds; 0 if it does not.
+
+    Stresses that differ by less than the factor ``within`` are equal.
+    """
+    stress, cycles = history.normal_stress.values, history.load_cycle.values
+    former = float(stress[cycles < cycle].max(initial=0.0))
+    here = branch_of(history, cycle, LOADING)
+    return former if stress[here].max(initial=0.0) > former * within else 0.0
+
+
 def with_snapshots(history: xr.Dataset, stresses: Sequence[float]) -> xr.Dataset:
     """Return a history with the snapshots at some stresses [Pa] only; as if closed with these."""
     if len(stresses):

@@ -16,7 +16,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.joint.curves import closures_at, stress_levels
-from jointclosure.joint.history import branch_of, read_along
+from jointclosure.joint.history import branch_of, former_maximum, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
@@ -99,14 +99,18 @@ def law_words(name: str) -> str:
 
 
 def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress [MPa] and closure since seating [mm] by cycle and branch."""
+    """Read stress [MPa] and closure since seating [mm] by cycle and branch.
+
+    A loading beyond the former maximum is left out: it follows another law beyond it.
+    """
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
     for index in range(int(history.load_cycle.max())):
         levels = stress_levels(history, POINTS, index + 1)
         branches = closures_at(history, levels)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
-            if not np.isfinite(closure).all():
+            beyond = name == LOADING and former_maximum(history, index + 1) > 0.0
+            if beyond or not np.isfinite(closure).all():
                 continue
             # without seating from where the branch begins, or where it ends on unloading
             ends = read_along(history)[branch_of(history, index + 1, name)[[0, -1]]]

@@ -205,8 +205,9 @@ class Region(NamedTuple):
                 & ((quantities.measured < quantities.low) | (quantities.measured > quantities.high))
             ]
             texts = (
-                f"{row.quantity} {significant(row.measured, 3)} {row.unit} is measured, joints "
-                f"have {significant(row.low, 3)} to {significant(row.high, 3)}"
+                f"{row.quantity} {significant(row.measured, 3)} {row.unit}".removesuffix(" 1")
+                + f" is measured, joints have {significant(row.low, 3)} to "
+                f"{significant(row.high, 3)}"
                 for row in missed.itertuples()
             )
             where = "; ".join(texts) or "each quantity is met by itself, but not all together"

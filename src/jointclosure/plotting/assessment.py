@@ -23,7 +23,9 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
     draw_price(left, table[~without], within)
     finest = table.reference[~without].iloc[0]
-    left.set(title=f"price of accuracy, beside {finest}", xlabel="processor time of a joint (s)")
+    left.set(
+        title=f"error against the finest setting, {finest}", xlabel="processor time of a joint (s)"
+    )
     left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
     draw_effects(right, table[without], within)
     right.set(title="effects", xlabel="change of closure (%)\n(logarithmic beyond the request)")
@@ -75,7 +77,7 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xscale("symlog", linthresh=within)
-    ticks = [-100, -within, 0, within, 100, *([1000] if without.high_percent.max() > 300.0 else [])]
+    ticks = [-100, -within, 0, within, 1000 if without.high_percent.max() > 300.0 else 100]
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
     axes.margins(x=0.08)

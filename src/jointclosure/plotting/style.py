@@ -72,11 +72,11 @@ def above(cycle: int, branch: str) -> float:
 
 
 def decimal_ticks(axis: Axis, **locator) -> None:
-    """Label a logarithmic axis by decimal numbers: at 1, 2 and 5, if it is long at 1 and 3."""
+    """Label a logarithmic axis by decimal numbers: at 1, 2 and 5, 1 and 3, or 1, by its length."""
     low, high = axis.get_view_interval()
-    places = (
-        {"subs": (1.0, 2.0, 5.0)} | locator | ({"subs": (1.0, 3.0)} if high > 100 * low else {})
-    )
+    places = {"subs": (1.0, 2.0, 5.0)} | locator
+    if high > 50.0 * low:
+        places["subs"] = (1.0,) if high > 3e3 * low else (1.0, 3.0)
     axis.set_major_locator(LogLocator(**places))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -10,7 +10,7 @@ from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.walls import measured, plausibility
 from jointclosure.walls.mating import CONFIDENCE, Mating, Mismatch, mating, measured_mismatch
-from jointclosure.walls.measured import FLAT, Cloud, Scan
+from jointclosure.walls.measured import FLAT, Cloud, Scan, filled
 from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
@@ -403,7 +403,12 @@ def _described(
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
-        mismatch, fit = measured_mismatch(upper, lower, spacing), mating(upper, lower, spacing)
+        one, other = upper, lower
+        if (holes := overlap.holes.any(axis=0)).any():  # filled by the other wall, which they fit
+            one, other = (
+                filled(np.where(holes, np.nan, wall), "linear", 1.0) for wall in (upper, lower)
+            )
+        mismatch, fit = measured_mismatch(one, other, spacing), mating(one, other, spacing)
         report += [
             f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
             f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
