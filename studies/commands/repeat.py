@@ -34,11 +34,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
     results, label, realization = arguments.results, arguments.case, arguments.realization
     name = arguments.ensemble
-    ensemble = Ensemble(resolved(_keys(results, name)), name)
+    ensemble = Ensemble(resolved(_keys(results, name)), name, results)
     block = next((block for block in ensemble.blocks if realization in block), None)
     if label not in ensemble.cases or block is None:
         raise InputError(f"{results}: has no realisation {realization} of {label!r} in {name}")
-    entries = {entry.name: entry for entry in ensemble.entries(results)}
+    entries = {entry.name: entry for entry in ensemble.entries()}
     entry = entries[f"{name}/{label}.{block.start}"]
     (settings,) = entry.settings
     print(f"realisation {realization} of {label}", flush=True)

@@ -152,10 +152,14 @@ def choose_for_rock(
 
 
 class Ensemble:
-    """Cases of a whole study, its pool or its finest numerics, and files of their joints."""
+    """Cases of a whole study, its pool or its finest numerics, and files of their joints.
 
-    def __init__(self, study: Configuration, name: str = "cases"):
-        self._study, self.name = study, name
+    Without a ``folder`` no effects are chosen yet.
+    """
+
+    def __init__(self, study: Configuration, name: str = "cases", folder: Path | None = None):
+        self._study, self.name, self._folder = study, name, folder
+        self.folder = folder or Path()
         self.configuration = ensembles_of(study)[name]
         self.cases = {case.label: case for case in cases_of(self.configuration)}
         self.blocks = blocks_of(self.configuration.study)
@@ -164,7 +168,7 @@ class Ensemble:
         """Settings of a case and a block, with all effects that may be chosen."""
         return block_settings(self.configuration, self.cases, label, block)
 
-    def pilots(self, folder: Path) -> dict[str, Entry]:
+    def pilots(self) -> dict[str, Entry]:
         """Choices of effects by rock, which are those of the study for its pool too."""
         if self.configuration.effects.auto is None:
             return {}
@@ -173,49 +177,45 @@ class Ensemble:
         for label, case in whole.cases.items():
             settings[case.rock][label] = whole.settings(label, block)
         return {
-            rock: Entry(
-                f"effects_of/{rock}", choose_for_rock, (of_cases,), self._walls(rock, folder)
-            )
+            rock: Entry(f"effects_of/{rock}", choose_for_rock, (of_cases,), self._walls(rock))
             for rock, of_cases in settings.items()
         }
 
-    def _walls(self, rock: str, folder: Path) -> dict[str, Path]:
+    def chosen(self) -> dict[str, dict]:
+        """Choices by rock in the files of the pilots."""
+        pilots = self.pilots() if self._folder else {}
+        files = {rock: entry.file(self.folder) for rock, entry in pilots.items()}
+        return {rock: json.loads(_attribute(file, "chosen")) for rock, file in files.items()}
+
+    def _walls(self, rock: str) -> dict[str, Path]:
         """Option of entries of a rock: the file of its scanned walls, if it has them."""
         scanned = self.configuration.rocks[rock].walls
-        return {"walls": folder / f"walls/{rock}.nc"} if scanned else {}
+        return {"walls": self.folder / f"walls/{rock}.nc"} if scanned else {}
 
-    def entries(self, folder: Path | None = None) -> list[Entry]:
-        """Blocks of all cases; with the effects that the pilots in the folder chose, if any."""
-        where = folder or Path()
-        pilots = {rock: entry.file(where) for rock, entry in self.pilots(where).items()}
-        chosen = {rock: chosen_in(file) for rock, file in pilots.items() if folder}
-        return [
-            self._entry(label, block, where, chosen, pilots)
-            for label in self.cases
-            for block in self.blocks
-        ]
+    def entries(self) -> list[Entry]:
+        """Blocks of all cases; with the effects that the pilots chose, if any."""
+        chosen = self.chosen()
+        return [self._entry(label, block, chosen) for label in self.cases for block in self.blocks]
 
-    def _entry(
-        self, label: str, block: range, folder: Path, chosen: dict, pilots: dict[str, Path]
-    ) -> Entry:
-        case, settings = self.cases[label], self.settings(label, block)
-        options: dict = {"again": self.again(folder, label)} | self._walls(case.rock, folder)
-        if case.rock in chosen:
-            settings = settings.under(effects=Effects(**chosen[case.rock]["effects"]))
+    def _entry(self, label: str, block: range, chosen: Mapping[str, dict]) -> Entry:
+        rock, settings = self.cases[label].rock, self.settings(label, block)
+        options: dict = {"again": self.again(label)} | self._walls(rock)
+        if rock in chosen:
+            settings = settings.under(effects=Effects(**chosen[rock]["effects"]))
             if self.name == "cases":
-                options["pilot"] = pilots[case.rock]
+                options["pilot"] = self.folder / f"effects_of/{rock}.nc"
         name = f"{self.name}/{label}.{block.start}"
         return Entry(name, close_block, (settings,), options, len(block))
 
-    def firsts(self, folder: Path | None = None) -> list[Entry]:
+    def firsts(self) -> list[Entry]:
         """First joint of each rock's base case, with all effects that may be chosen."""
         bases = [label for label, case in self.cases.items() if case.parameter == BASE]
-        return [self._entry(label, range(1), folder or Path(), {}, {}) for label in bases]
+        return [self._entry(label, range(1), {}) for label in bases]
 
-    def again(self, folder: Path, label: str) -> str:
+    def again(self, label: str) -> str:
         """Return the command that repeats a realisation of a case, without its number."""
         option = "" if self.name == "cases" else f"--{self.name} "
-        return f"python -m studies repeat {option}{folder} {label}"
+        return f"python -m studies repeat {option}{self.folder} {label}"
 
     def kernels(self) -> list[list[str]]:
         """Kernels of all scenes that may be closed."""
@@ -226,17 +226,16 @@ class Ensemble:
             for scene in possible_scenes(rock.effects, chosen=given.effects.auto is not None)
         )
 
-    def close(self, folder: Path, workers: int, log: Logbook) -> list[Entry]:
-        """Close what is missing in a folder, first by the pilots; return the blocks of cases."""
-        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots(folder).values()
-        make_missing(pilots, folder, workers, log.show, "effects chosen", prepare)
-        entries = self.entries(folder)
-        make_missing(entries, folder, workers, log.show, f"{self.name}: joints closed", prepare)
-        return entries
+    def close(self, workers: int, log: Logbook) -> None:
+        """Close what is missing in the folder, first by the pilots."""
+        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots().values()
+        make_missing(pilots, self.folder, workers, log.show, "effects chosen", prepare)
+        title = f"{self.name}: joints closed"
+        make_missing(self.entries(), self.folder, workers, log.show, title, prepare)
 
-    def first_walls(self, folder: Path) -> xr.Dataset:
+    def first_walls(self) -> xr.Dataset:
         """Return the first pair of walls (y, x) [m] of the first case."""
-        entry = self.entries(folder)[0]
+        entry = self.entries()[0]
         walls, settings = entry.options.get("walls"), entry.settings[0].surfaces
         pair = zip(("upper", "lower"), next(iter(_pairs(settings, walls))), strict=True)
         about = {"units": "m", "long_name": "height towards the other wall"}
@@ -245,16 +244,9 @@ class Ensemble:
             attrs={"spacing_m": settings.grid.spacing},
         )
 
-    def join(
-        self,
-        entries: Iterable[Entry],
-        folder: Path,
-        attributes: dict,
-        report: Callable[[str], None],
-        output: Path,
-    ) -> None:
+    def join(self, attributes: dict, report: Callable[[str], None], output: Path) -> None:
         """Write all cases as one dataset (case, realization, ...), with few rows in memory."""
-        files = [entry.file(folder) for entry in entries]
+        files = [entry.file(self.folder) for entry in self.entries()]
         cases, rows = list(self.cases.values()), self.configuration.study.realizations
         with reading_netcdf(files[0]) as first:
             frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
@@ -295,22 +287,21 @@ def close_ensemble(
     The dataset has the keys that are ``stated``.
     """
     log(f"configuration: {json.dumps(config)}")
-    ensemble = Ensemble(resolved(config), name)
-    entries = ensemble.close(folder, workers, log)
+    ensemble = Ensemble(resolved(config), name, folder)
+    ensemble.close(workers, log)
     attributes = {
         "title": f"closure of rough joints, study {ensemble.configuration.study.name}",
         "ensemble": name,
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
     } | provenance(stated)
-    if pilots := ensemble.pilots(folder):
-        chosen = {rock: chosen_in(pilot.file(folder)) for rock, pilot in pilots.items()}
+    if chosen := ensemble.chosen():
         attributes["effects_chosen"] = json.dumps(chosen)
     if walls:
         attributes["walls"] = described({Path(path).stem: read_netcdf(path) for path in walls})
     return {
-        dataset_of(name): partial(ensemble.join, entries, folder, attributes, log),
-        "first_walls.nc": lambda path: write_netcdf(ensemble.first_walls(folder), path),
+        dataset_of(name): partial(ensemble.join, attributes, log),
+        "first_walls.nc": lambda path: write_netcdf(ensemble.first_walls(), path),
     }
 
 
@@ -318,20 +309,15 @@ def price_accuracy(config: dict, folder: Path, log: Logbook) -> pd.DataFrame:
     """Measure what a joint of each rock takes by the study's numerics and by the finest ones."""
     rows = []
     for name in ("cases", "finest"):
-        ensemble = Ensemble(resolved(config), name)
+        ensemble = Ensemble(resolved(config), name, folder)
         compile_all(ensemble.kernels(), log)
-        for first in ensemble.firsts(folder):
+        for first in ensemble.firsts():
             rock = first.settings[0].case.rock
             cases = sum(case.rock == rock for case in ensemble.cases.values())
             closed = first.make(*first.settings, **first.options, report=log)
             seconds = float(closed.timing_simulation.mean())
             rows.append({"ensemble": name, "rock": rock, "cases": cases, "seconds": seconds})
     return pd.DataFrame(rows)
-
-
-def chosen_in(pilot: Path) -> dict:
-    """Return the choice of effects in the file of a pilot."""
-    return json.loads(_attribute(pilot, "chosen"))
 
 
 def _attribute(file: Path, name: str) -> str:

@@ -117,9 +117,9 @@ def cached(configured: Configured, kind: str, folder: Path | None = None) -> dic
         experiment = experiment_named(kind)
         entries = entries_of(kind, experiment.design(configured).jobs(), experiment.quantities)
     elif kind == "effects_of":
-        entries = list(Ensemble(configured.typed).pilots(folder or Path()).values())
+        entries = list(Ensemble(configured.typed, folder=folder).pilots().values())
     else:
-        entries = Ensemble(configured.typed, kind).entries(folder)
+        entries = Ensemble(configured.typed, kind, folder).entries()
     return {entry.name: entry for entry in entries}
 
 

@@ -1,7 +1,6 @@
 """Table 3 of a study in a world whose truth is known: its test, its distribution, its errors."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -460,8 +459,8 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
     assert other.surfaces == one.surfaces
     assert other.conditions.numerics == FINEST != one.conditions.numerics
-    assert cases.pilots(Path()).keys() == {"slate"}
-    assert finest.pilots(Path()) == {}
+    assert cases.pilots().keys() == {"slate"}
+    assert finest.pilots() == {}
     plain = checked_study({"study": study | {"accuracy": None}})
     assert closed_keys(whole.keys)["study"].keys() == plain.keys["study"].keys() - {"accuracy"}
     assert len(Ensemble(plain.typed).blocks) == 1

@@ -60,9 +60,9 @@ def case_files(configuration: Configuration, folder: Path) -> list[Path]:
 
 def joined(realizations: int, folder: Path) -> int:
     """Put the study together as its job does; the peak memory [kB] of this process."""
-    ensemble = Ensemble(resolved(keys_of_study(realizations)))
+    ensemble = Ensemble(resolved(keys_of_study(realizations)), folder=folder)
     output = folder / "study.nc"
-    ensemble.join(ensemble.entries(folder), folder, {}, output, lambda line: None)
+    ensemble.join({}, lambda line: None, output)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
