@@ -3,6 +3,7 @@ are compared in pairs.
 """
 
 import argparse
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -67,14 +68,11 @@ def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
         raise ValueError("the studies have no case in common")
     cycles = sorted(set(first.cycle.values.tolist()) & set(second.cycle.values.tolist()))
     rows = []
-    for name in shared:
+    for name, cycle, target in itertools.product(shared, cycles, TARGETS):
         one, two = first.sel(case=name), second.sel(case=name)
         about = {"case": name} | {key: one[key].item() for key in ("rock", "parameter", "level")}
-        rows += [
-            about | {"cycle": cycle, "target": target} | _change(one, two, target, cycle)
-            for cycle in cycles
-            for target in TARGETS
-        ]
+        about |= {"cycle": cycle, "target": target}
+        rows.append(about | _change(one, two, target, cycle))
     return pd.DataFrame(rows)
 
 
