@@ -180,8 +180,8 @@ class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
 
     def with_effects(self, usual: Effects) -> "StudyRock":
         """Return the rock with all of its effects, those of the study where it has none."""
-        pairs = zip(usual, self.effects, strict=True)
-        return self._replace(effects=Effects._make(a if b is None else b for a, b in pairs))
+        stated = {name: on for name, on in self.effects._asdict().items() if on is not None}
+        return self._replace(effects=usual._replace(**stated))
 
     def problems(self, name: str) -> Iterator[str]:
         """Generate contradictions of a rock with itself, one line each."""

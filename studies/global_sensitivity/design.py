@@ -132,8 +132,8 @@ def settings_of_rock(
 
     def settings(row: int, point: np.ndarray) -> ClosureSettings:
         typed = resolved(overlaid(plain, keys_at(sampling, rock, point)))
-        case = base_case(typed, rock)
         block = range(SURFACES * row, SURFACES * (row + 1))
+        case = base_case(typed, rock)
         return block_settings(typed, {case.label: case}, case.label, block)
 
     return settings
@@ -152,8 +152,8 @@ def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
         for u in [(value + 0.5) / count for value in range(count)] or [0.0, 1.0]:
             point = np.full(len(sampling.inputs), 0.5)
             point[place] = u
-            changed = keys_at(sampling, rock, point, () if together else {name})
             try:
+                changed = keys_at(sampling, rock, point, () if together else {name})
                 configured(merged(keys, changed, _alone(rock)))
             except InputError as error:
                 lines = str(error).removeprefix("configuration:\n").splitlines()

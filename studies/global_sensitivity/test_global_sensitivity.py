@@ -74,7 +74,7 @@ def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design)
     moduli = np.array([each.conditions.rock.youngs_modulus for each in first])
     np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
     expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
-    assert [each.choices.peaks for each in first] == expected
+    assert [each.conditions.choices.peaks for each in first] == expected
     assert {each.surfaces.first_realization for each in first} == {6}
     assert settings(4, points[4, 0]).surfaces.first_realization == 8
     # at the same roughness the walls are the same ones
