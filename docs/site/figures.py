@@ -171,13 +171,16 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
     """Draw the mean net closure of each branch, and the 5 to 95 % quantiles of loadings."""
     net = 1e3 * since_seating(ensemble).sel(stress=ensemble.stress > 0.5e6)
     for cycle, branch in itertools.product(ensemble.cycle.values, ensemble.branch.values):
-        closure, stress = net.sel(cycle=cycle, branch=branch), 1e-6 * net.stress
-        low, high = (closure.quantile(share, "realization") for share in (0.05, 0.95))
-        mean, colour = closure.mean("realization"), ("C0", "C1")[cycle - 1]
-        if branch == "loading":
+        closure, stress = net.sel(cycle=cycle, branch=branch), 1e-6 * net.stress.values
+        low, high = (closure.quantile(share, "realization").values for share in (0.05, 0.95))
+        mean, colour = closure.mean("realization").values, ("C0", "C1")[cycle - 1]
+        style = {"color": "0.2", "ls": "--", "label": "unloading" if cycle == 1 else None}
+        if branch == "loading":  # from seating on
+            low, high, mean, stress = (np.insert(of, 0, 0.0) for of in (low, high, mean, stress))
+            stress[0] = 0.5
             axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
-        style = {"color": colour} if branch == "loading" else {"color": "0.2", "ls": "--"}
-        axes.plot(mean, stress, label=f"cycle {cycle}, {branch}", **style)
+            style = {"color": colour, "label": f"cycle {cycle}, loading"}
+        axes.plot(mean, stress, **style)
     axes.set(xlabel="net closure since 0.5 MPa (mm)", ylabel="normal stress (MPa)", ylim=0, xlim=0)
     axes.legend(frameon=False)
 

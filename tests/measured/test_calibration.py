@@ -201,7 +201,7 @@ def test_a_fit_doubts_a_curve_that_no_joint_makes(found, tmp_path):
     assert any("closure of cycle 1" in line for line in numerical_sentence(found.numerical))
     assert numerical_sentence(found.numerical)[0] in found.sentences()
     path = tmp_path / "lab.csv"
-    path.write_text(GOOD.replace("0.12", "40"))
+    path.write_text(GOOD.replace("0.12", "15"))
     odd = fit(path, jrc=10.0, **ABOUT, simulated=found.simulated)
     assert not odd.interval_holds
     assert odd.p_value < 1e-3
@@ -256,6 +256,7 @@ def test_a_cycle_measured_from_a_new_zero_is_read_as_one_that_continues():
     [
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
         (GOOD.replace("0.12", "0.01"), {}, "closure of cycle 1 must increase"),
+        (GOOD.replace("_mm", "_m"), {}, "closures range over 120 mm: must be at most 20 mm"),
         (
             "stress_MPa,closure_mm,cycle\n0,0,1\n5,1,1\n0,0.5,1\n0,0.5,2\n4,1,2\n",
             {},

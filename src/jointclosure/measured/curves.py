@@ -207,8 +207,20 @@ def _number(cell: str, where: str, quantity: str) -> float:
     return value
 
 
+LARGEST_CLOSURE = 20e-3
+"""Largest range of measured closures [m]; more is mostly one in another unit."""
+
+
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa]."""
+    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa].
+
+    Closures must range over at most `LARGEST_CLOSURE`.
+    """
+    if (range_ := float(np.ptp(curve.closure))) > LARGEST_CLOSURE:
+        raise InputError(
+            f"{name}: closures range over {1e3 * range_:.3g} mm: must be at most "
+            f"{1e3 * LARGEST_CLOSURE:g} mm; is their unit right?"
+        )
     counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
         raise InputError(

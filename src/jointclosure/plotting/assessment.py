@@ -23,9 +23,7 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
     draw_price(left, table[~without], within)
     finest = table.reference[~without].iloc[0]
-    left.set(
-        title=f"error against the finest setting, {finest}", xlabel="processor time of a joint (s)"
-    )
+    left.set(title=f"error against {finest}", xlabel="processor time of a joint (s)")
     left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
     draw_effects(right, table[without], within)
     right.set(title="effects", xlabel="change of closure (%)\n(logarithmic beyond the request)")
