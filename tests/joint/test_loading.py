@@ -124,7 +124,7 @@ DOORS = {
         [walls], spacing=SPACING, workers=1, **given
     ),
     "choose_effects": lambda *walls, **given: (
-        jc.choose_effects([walls], spacing=SPACING, **given).closed[0].dataset
+        jc.choose_effects([walls], spacing=SPACING, **given).closed[0].closed
     ),
     "close": scanned,
 }
