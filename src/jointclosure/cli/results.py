@@ -17,7 +17,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import cycle_table, has_flow, members, stress_table
-from jointclosure.joint.history import branch_of, maxima_of, with_snapshots
+from jointclosure.joint.history import branch_of, with_snapshots
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write
@@ -89,10 +89,13 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
+    largest = closed.normal_stress.groupby(closed.load_cycle).max()
     return {
         f"Barton-Bandis, cycle {cycle}": {
             column: scale * value
-            for name, value in law.results(maxima_of(closed)[cycle - 1], laws.seating).items()
+            for name, value in law.results(
+                float(largest.sel(load_cycle=cycle)), laws.seating
+            ).items()
             for column, scale in [shown_as(name, QUANTITIES[name].unit)]
         }
         for cycle, law in laws.by_cycle.items()
