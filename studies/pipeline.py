@@ -47,6 +47,8 @@ class Pipeline:
         self.designs = {name: one.design(configured) for name, one in experiments.items()}
         self.ensembles = {name: Ensemble(self.typed, name) for name in ensembles_of(self.typed)}
         self.cached = functools.cache(functools.partial(cached, configured))
+        kinds = self.ensembles | self.designs
+        self.kernels = functools.cache(lambda kind: kinds[kind].kernels())
         scanned = (name for name, rock in self.typed.rocks.items() if rock.walls)
         self.walls = [f"{self.folder}/walls/{name}.nc" for name in scanned]
         planned = {name: part for name, part in PRODUCTS.items() if part.when(self.typed)}
@@ -147,10 +149,6 @@ class Pipeline:
         }
         output = [f"{self.folder}/report.html"]
         return Step(report_page, output, inputs, depends=template_digest, untimed={"beside"})
-
-    def kernels(self, kind: str) -> list[list[str]]:
-        """Kernels of the joints of an ensemble or an experiment."""
-        return (self.ensembles | self.designs)[kind].kernels()
 
     def kernels_file(self, kind: str) -> str:
         """File of compiled kernels of a kind; its name has their digest.
