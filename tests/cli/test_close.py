@@ -83,6 +83,19 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     assert all(digest in page for digest in record["sha256"].values())
 
 
+def test_an_interrupted_range_leaves_the_joint_itself(
+    scans, tmp_path, command, undrawn, monkeypatch
+):
+    monkeypatch.setattr(scanned_joint, "uncertainty_budget", Mock(side_effect=KeyboardInterrupt))
+    folder = tmp_path / "j"
+    code, out, _ = command("close", *scans, *WORDS, *COARSE, "--cycles", 1, "--output", folder)
+    assert code == 0
+    assert "the range was stopped" in out
+    assert json.loads((folder / "joint.json").read_text())["warnings"]
+    assert (folder / "joint.nc").exists()
+    assert not (folder / "range.csv").exists()
+
+
 def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, command):
     stated = ["--range", "compressive_strength_MPa", 100, 250]
     words = [*scans, *WORDS, *COARSE, "--cycles", 1, *stated, "--output", tmp_path]

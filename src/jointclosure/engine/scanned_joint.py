@@ -151,8 +151,8 @@ def close(
         Name of the rock in reports, by default the one that ``rock`` gives.
     progress : bool
         Whether to print the registration, the joint and its expected cost before it is closed, and
-        to show progress bars on a terminal, in place of ``report``. Without it, doubts and the
-        cost are warnings.
+        to show progress bars on a terminal, in place of ``report``; an interrupt while the range
+        is computed then leaves it out. Without it, doubts and the cost are warnings.
     conditions, **changes
         As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
         for `jointclosure.walls.registration.registered`, which also receives
@@ -215,9 +215,17 @@ def close(
     joint = ClosedJoint(pair, history, of_pair, name)
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
-    with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
-        walls = pair.upper, pair.lower
-        budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers)
+    walls = pair.upper, pair.lower
+    try:
+        with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
+            budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers)
+    except KeyboardInterrupt:
+        if not progress:
+            raise
+        remark(
+            [stopped := caution("the range was stopped: these are results of the joint alone")], ()
+        )
+        return joint._replace(pair=pair._replace(report=[*pair.report, stopped]))
     return joint._replace(budget=budget)
 
 
