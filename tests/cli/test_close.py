@@ -83,6 +83,19 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     assert all(digest in page for digest in record["sha256"].values())
 
 
+def test_an_interrupt_within_a_kernel_is_one(scans, command, monkeypatch):
+    caused = SystemError("a result with an exception set")
+    caused.__cause__ = KeyboardInterrupt()
+    for error, printed in ((KeyboardInterrupt(), True), (caused, True), (SystemError(), False)):
+        stopped = functools.wraps(jc.close)(Mock(side_effect=error))
+        monkeypatch.setattr("jointclosure.cli.close.close", stopped)
+        if printed:
+            assert command("close", *scans, *WORDS)[::2] == (130, "jointclosure: interrupted\n")
+            continue
+        with pytest.raises(SystemError):
+            command("close", *scans, *WORDS)
+
+
 def test_an_interrupted_range_leaves_the_joint_itself(
     scans, tmp_path, command, undrawn, monkeypatch
 ):

@@ -57,7 +57,9 @@ def main(words: Sequence[str] | None = None, **commands: Any) -> int:
         message = "; ".join(line.strip() for line in str(error).splitlines())
         print(f"jointclosure: {message.replace(':;', ':')}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemError) as error:  # the latter in a compiled kernel
+        if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+            raise
         print("jointclosure: interrupted", file=sys.stderr)
         return 130
 
