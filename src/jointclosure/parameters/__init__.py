@@ -146,10 +146,14 @@ class Numerics(NamedTuple):
 
     Attributes
     ----------
-    displacement_step, later_displacement_step : float
-        Displacement steps of the first loading, and of every later branch [m].
-    breakage_step, later_breakage_step : float
-        Height that each broken contact loses in a step, likewise [m].
+    displacement_step : float
+        Displacement step of the first loading [m].
+    later_displacement_step : float
+        Displacement step of every later branch [m].
+    breakage_step : float
+        Height that each broken contact loses in a step of the first loading [m].
+    later_breakage_step : float
+        Height that each broken contact loses in a step of a later branch [m].
     target : {"equilibrate", "interpolate"}
         How a loading meets its maximum: within ``stress_tolerance``, or by the linear interpolation
         of the paper.
@@ -173,11 +177,12 @@ class Numerics(NamedTuple):
     tolerance : float
         Accepted relative error of mean closures where breakage is resolved, in (0, 0.1]
         (docs/decisions.md#0010-resolved-breakage).
-    most_steps, most_breakage_steps : float
-        Largest numbers of displacement steps, and of breakage steps over the number of cells. A
-        simulation that exceeds one ends with a status that says so, one that is foreseen to exceed
-        it is refused; infinity is no bound. The defaults are about a thousand times what the joints
-        of the paper need.
+    most_steps : float
+        Largest number of displacement steps. A simulation that exceeds it ends with a status that
+        says so, one that is foreseen to exceed it is refused; infinity is no bound. The default is
+        about a thousand times what the joints of the paper need.
+    most_breakage_steps : float
+        Largest number of breakage steps over that of the cells, likewise.
     replay : bool
         Whether a cycle that repeats the load of the cycle before is copied from its unloading
         curve, if nothing broke on it (docs/decisions.md#0005-protocol).
