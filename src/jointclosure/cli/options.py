@@ -87,6 +87,7 @@ def add_keywords(
             unit = UNITS.get(name, "")
             several = isinstance(default, tuple) and ",".join(map(str, default))
             shown = several or (f"{in_unit(default, unit)} {unit}" if unit else default)
+            shown = f"{shown:g}" if isinstance(shown, float) else shown
             about["help"] += f" (default {shown})"
         about |= change
         option = about.pop("option", None)
