@@ -206,8 +206,9 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
         return np.inf
     here = branch_of(history, cycle, LOADING)
     stress = history.normal_stress.values
+    former = stress[history.load_cycle.values < cycle].max(initial=0.0)
     within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both within the tolerance
-    if here.size < 2 or (cycle > 1 and not former_maximum(history, cycle, within)):
+    if here.size < 2 or stress[here].max() <= former * within:
         return np.inf
     step = numerics["displacement_step" if cycle == 1 else "later_displacement_step"]
     whole = np.flatnonzero(np.diff(history.closure.values[here]) >= 0.999 * step)

@@ -44,15 +44,11 @@ def maxima_of(history: xr.Dataset) -> np.ndarray:
     return np.broadcast_to(stated, history.max_closure.size)
 
 
-def former_maximum(history: xr.Dataset, cycle: int, within: float = 1.05) -> float:
-    """Return the largest stress [Pa] before a cycle that its loading exceeds; 0 if it does not.
-
-    Stresses that differ by less than the factor ``within`` are equal.
-    """
-    stress, cycles = history.normal_stress.values, history.load_cycle.values
-    former = float(stress[cycles < cycle].max(initial=0.0))
-    here = branch_of(history, cycle, LOADING)
-    return former if stress[here].max(initial=0.0) > former * within else 0.0
+def former_maximum(history: xr.Dataset, cycle: int) -> float:
+    """Return the largest stated maximum [Pa] before a cycle that exceeds it; 0 if it does not."""
+    stated = maxima_of(history)
+    former = float(stated[: cycle - 1].max(initial=0.0))
+    return former if stated[cycle - 1] > former else 0.0
 
 
 def with_snapshots(history: xr.Dataset, stresses: Sequence[float]) -> xr.Dataset:
