@@ -67,7 +67,7 @@ def following(law, *parameters):
             "y": np.arange(3) * 1e-3,
             "x": np.arange(5) * 1e-3,
         },
-        attrs={"seating_stress_Pa": 1e6 * SEATING},
+        attrs={"seating_stress_Pa": 1e6 * SEATING, "max_normal_stress_Pa": 1e6 * LARGEST},
     )
 
 

@@ -39,9 +39,10 @@ def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
 
 
 def maxima_of(history: xr.Dataset) -> np.ndarray:
-    """Return the stated maximum stress (cycles,) [Pa] of each cycle."""
+    """Return the stated maximum stress (cycles,) [Pa] of each cycle that was begun."""
     stated = np.atleast_1d(history.attrs["max_normal_stress_Pa"])[::2]  # turning points, or one
-    return np.broadcast_to(stated, history.max_closure.size)
+    begun = int(history.load_cycle.max())
+    return stated[:begun] if stated.size > 1 else np.broadcast_to(stated, begun)
 
 
 def former_maximum(history: xr.Dataset, cycle: int) -> float:
