@@ -161,11 +161,16 @@ class Pilot:
         self.frozen_seconds += sum(joint.seconds for joint in frozen)
         with_it, without_it = map(self.read, frozen)
         mean = (without_it - with_it) / self.read(first)
-        broken = 2 * first.walls[0].size * read_joint(first, ["broken_share"])["broken_share"]
         parts = np.array([PRIORS[name] for name in ASSESSED])
-        parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, round(broken)))]
+        parts *= [1.0, np.nanmax(np.abs(mean[_ROWS])), 1.0 / np.sqrt(max(1, self.broken()))]
         deviation = np.linalg.norm(parts, axis=1)[:, None]
         return Change(mean, np.where(np.isfinite(mean), deviation, np.inf))
+
+    def broken(self) -> int:
+        """Return the number of broken cells of both walls of the first joint."""
+        first = self.closed[self.effects][0]
+        share = read_joint(first, ["broken_share"])["broken_share"]
+        return round(2 * first.walls[0].size * share)
 
     def changes(self, effects: Effects, count: int) -> np.ndarray:
         """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
