@@ -117,3 +117,4 @@ def assert_honest(closed) -> None:
         assert np.all(closed.normal_stress.values >= 0.0)
         assert np.all(np.diff(closed.closure.values[closed.branch.values == "loading"][:2]) > 0.0)
         assert np.all(closed.contact_fraction.values <= 1.0)
+        assert np.all(closed.locked_share + closed.flat_share <= 1.0 + 1e-12)

@@ -324,6 +324,8 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
         if stress[-1] != 0.0:
             failed.append(f"cycle {cycle} unloads to {stress[-1]:.3g} Pa only")
     share = float((data.locked_share + data.flat_share).max())
+    if share > 1.0 + 1e-12:
+        failed.append(f"a share {share:.3g} of its force is on unbreakable cells")
     out = outcome.case["effects"]["breakage"] and share > LARGEST_UNBREAKABLE_SHARE
     for bit, name, true in (
         (TARGET_JUMPED, "below its target", short),

@@ -86,7 +86,7 @@ def present_hard_cases(
         "versions": " ".join(f"{package} {version}" for package, version in versions),
         "commit": commit(),
     }
-    features = table[["name", *FEATURES]].dropna(subset="contacts_at_max")
+    features = table[["name", "hard", *FEATURES]].dropna(subset="contacts_at_max")
     log(f"{int(whole.holds.sum())} of {len(whole)} hold")
     return {
         "hard_cases.csv": whole,

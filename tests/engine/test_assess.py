@@ -106,22 +106,27 @@ def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
     [
         ({"scatter": 1e-4}, "easy"),
         ({"scatter": 0.1}, "hard"),
-        ({"scatter": 1e-4, "unbreakable_share": 0.2}, "hard"),
+        ({"scatter": 1e-4, "joints": 1, "unbreakable_share": [*[0.0] * 5, 0.2, 0.0, 0.0]}, "hard"),
         ({"scatter": 1e-4, "oracle_ratio": 1.5}, "not stable"),
         ({"scatter": 1e-4, "status": 16}, "not stable"),
         ({"scatter": 1e-4, "error": "refused", "status": np.nan}, "not stable"),
     ],
 )
 def test_hardness_has_its_defined_verdict(changes, verdict):
-    assert Assessment(closures(**changes), LADDER, "middle", 0.05).hardness.verdict[0] == verdict
+    closed = closures(**changes)
+    hardness = Assessment(closed, LADDER, "middle", 0.05).hardness
+    assert hardness.verdict[0] == verdict
+    assert hardness.unbreakable_share[0] == closed.unbreakable_share.max()  # what gave the verdict
 
 
 def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
     cases = read_csv(HARD_CASES).set_index("name")
-    for name, features in cases.iterrows():
-        nearest, distance = nearest_hard_case(features)
+    known = cases[[*FEATURES]]
+    for name, features in known.iterrows():
+        nearest, hard, distance = nearest_hard_case(features)
         assert distance == 0.0
-        assert nearest == name or cases.loc[nearest].equals(features)
+        assert hard == cases.hard[nearest]
+        assert nearest == name or known.loc[nearest].equals(features)
     assert nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
 
 

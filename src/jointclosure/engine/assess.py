@@ -51,7 +51,7 @@ FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_ma
             "stress_over_strength", "spread")  # fmt: skip
 """Quantities by which joints are placed among the hard cases, and the spread of copies [1]."""
 HARD_CASES = Path(__file__).with_name("hard_cases.csv")
-"""Names and `FEATURES` of the hard cases that the study verification closed."""
+"""Names, difficulties and `FEATURES` of the hard cases that the study verification closed."""
 _VERDICTS = ("not stable", "hard", "easy")
 _EFFECT = "without "
 DROPS = (
@@ -122,8 +122,9 @@ class Assessment:
     def hardness(self) -> pd.DataFrame:
         """Verdict on each joint, the worst first: ``verdict``, its ``reason``, and what gave it.
 
-        That is `FEATURES`, the ``nearest`` hard case and the ``distance`` to it, and
-        ``oracle_ratio``, of scenes with all effects.
+        That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
+        of all copies), the ``nearest`` hard case and the ``distance`` to it, and ``oracle_ratio``,
+        of scenes with all effects.
         """
         of_scene = self.closures[~self.closures.variant.str.startswith(_EFFECT)]
         rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
@@ -219,7 +220,7 @@ class Assessment:
         """Return a row of `hardness` from the closures of a joint."""
         copies = own[own.variant == self.stated]
         features = features_of(own, self.stated, self.ladder[-1])
-        nearest, distance = nearest_hard_case(features)
+        nearest, hard, distance = nearest_hard_case(features)
         share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
         failed = own[~(own.status < FAILURE)]
         if len(failed):
@@ -238,11 +239,11 @@ class Assessment:
                 f"copies that must close alike scatter by {', '.join(spreads)} (easy: "
                 f"{50 * self.within:.2g} %), {100 * share:.2g} % of its force is on contacts that "
                 f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump "
-                f"is {100 * features['largest_jump']:.2g} % of its closure, and the hard case "
-                f"{nearest} is nearest ({distance:.2g})"
+                f"is {100 * features['largest_jump']:.2g} % of its closure, and the nearest hard "
+                f"case ({distance:.2g}) is {nearest}: {hard}"
             )
-        row = {"verdict": verdict} | features | {"nearest": nearest, "distance": distance}
-        return row | {"oracle_ratio": judged, "reason": reason}
+        row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
+        return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
 
     def _limits(self) -> list[str]:
         """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
@@ -514,8 +515,8 @@ def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, f
     return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
 
 
-def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
-    """Return the hard case with the most similar features, and the distance to it.
+def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
+    """Return the hard case with the most similar features, what is hard on it, and its distance.
 
     It is the root mean square, over the features, of the difference between the shares of hard
     cases that have less.
@@ -529,9 +530,10 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
         apart.append((less[:-1] - less[-1]) / known.size)
     comparable = np.isfinite(apart).any(axis=0)
     if not comparable.any():
-        return "", math.nan
+        return "", "", math.nan
     distances = np.sqrt(np.nanmean(np.square(apart)[:, comparable], axis=0))
-    return str(cases.name[comparable].iloc[distances.argmin()]), float(distances.min())
+    nearest = cases[comparable].iloc[distances.argmin()]
+    return nearest["name"], nearest.hard, float(distances.min())
 
 
 def percent_of(row: Any) -> str:

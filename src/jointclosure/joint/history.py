@@ -215,7 +215,7 @@ _VARIABLES = (
     ),
     ("least_force", "N", "least force on any cell at any step"),
     ("locked_share", "1", "share of the force on locked contacts at the maximum stress"),
-    ("flat_share", "1", "share of the force on flat contacts at the maximum stress"),
+    ("flat_share", "1", "share of the force on other flat contacts at the maximum stress"),
     ("upper_final", "m", "upper wall at the end, towards the lower"),
     ("lower_final", "m", "lower wall at the end, towards the upper"),
     ("settled_states", "1", "states brought to rest, those thrown away included"),

@@ -241,6 +241,7 @@ class Joint:
         if self.interaction_acts and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
         answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
+        free = ~locked.ravel()[cells]
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())
         return Settled(
             outcome=outcome,
@@ -252,7 +253,7 @@ class Joint:
             residual=misfit,
             locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
             locked_share=share * float(self.force[locked].sum()),
-            flat_share=share * self.force_on_flats(curvature, force),
+            flat_share=share * self.force_on_flats(curvature[free], force[free]),
             effort=effort,
         )
 
