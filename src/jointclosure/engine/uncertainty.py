@@ -33,6 +33,7 @@ from jointclosure.joint.curves import stress_levels, stress_table
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
+from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.pairs import Walls
 from jointclosure.walls.scan_errors import ScanErrors
@@ -292,9 +293,11 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
 def _check_contains(name: str, ends: tuple[float, float], value: float) -> None:
     """Refuse a range that does not contain the value of the joint."""
     if not ends[0] <= value <= ends[1]:
+        unit = name_and_unit(VARIED[name])[1]
+        low, high, joint = (in_unit(each, unit) for each in (*ends, value))
         raise InputError(
-            f"ranges: {name} = {ends[0]:g} to {ends[1]:g}: must contain that of the joint, "
-            f"{value:g} (all in SI units)"
+            f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
+            f"{joint:g}"
         )
 
 
@@ -306,8 +309,9 @@ def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:
     step = round(high / spacing)
     if step < 2 or not np.isclose(low, spacing, rtol=1e-3):
         raise InputError(
-            f"ranges: spacing = {(low, high)!r}: must begin at the spacing of the joint's grid, "
-            f"{spacing:.4g} m, which is the finest, and end at least at twice of it"
+            f"ranges: spacing_mm = {1e3 * low:.4g} to {1e3 * high:.4g}: must begin at the spacing "
+            f"of the joint's grid, {1e3 * spacing:.4g} mm, which is the finest, and end at least "
+            "at twice of it"
         )
     return step
 

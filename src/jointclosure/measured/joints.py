@@ -304,7 +304,8 @@ def _checked(shape: tuple[int, int] | None, given: MeasuredJoint) -> tuple[int, 
     check_number("closure_error", closure_error)
     if not 0.0 < closure_error <= 1.0:
         raise InputError(
-            f"closure_error = {closure_error!r}: must be above 0 and at most 1 (100 %)"
+            f"closure_error = {closure_error!r} ({100.0 * closure_error:g} %): must be above 0 and "
+            "at most 1 (100 %)"
         )
     check_count("seed", given.seed, 0)
     return shape
