@@ -153,7 +153,7 @@ def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
 
 
 def test_a_plan_says_how_far_its_number_is_known(pool):
-    """About two thirds of other pools plan a number within the range that is told."""
+    """About two thirds of other pools plan a number within the stated range."""
     wish, parameter = Goal("standard-error", 0.01), "jrc"
     table = plan(pool, wish).set_index(["parameter", "cycle"])
     assert (table.low_68 <= table.surfaces * 1.05).all()

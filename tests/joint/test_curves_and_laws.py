@@ -21,6 +21,7 @@ from jointclosure.joint.curves import (
 )
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.joint.laws import LAWS, fit_law, fitted_laws, law_curves, parameter
+from jointclosure.plotting.joint import engineering_figure
 from tests import joints
 from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair
 
@@ -144,6 +145,8 @@ def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
     assert (2, "loading") not in law_curves(whole)
     with pytest.raises(jc.InputError, match=r"beyond its former maximum, 4 MPa"):
         porepy_files(whole, stress_table(whole))
+    drawn = engineering_figure(whole, "").axes[0].lines
+    assert [line.get_linestyle() for line in drawn].count(":") == 1  # the hyperbola of cycle 1
     straight = following("power", 0.01, 1.02)
     with pytest.raises(jc.InputError, match=r"cycle 1 hardly bends"):
         porepy_files(straight, stress_table(straight))

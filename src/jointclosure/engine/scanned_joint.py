@@ -206,8 +206,8 @@ def close(
         forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
         remark(forecast, forecast)
     kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
-    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as told:
-        history = close_walls(pair.upper, pair.lower, of_pair, told, kept)
+    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
+        history = close_walls(pair.upper, pair.lower, of_pair, watch, kept)
     if pair.holes.any():
         history, about = _force_in_holes(pair, history, snapshots)
         pair = pair._replace(report=[*pair.report, *about])

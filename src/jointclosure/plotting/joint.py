@@ -13,7 +13,14 @@ from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.engine.quantities import CURVES
 from jointclosure.joint.barton_bandis import BartonBandis
 from jointclosure.joint.curves import WATER, has_flow, members, stress_table
-from jointclosure.joint.history import GROSS, NET, branch_of, read_along, seat_of
+from jointclosure.joint.history import (
+    GROSS,
+    NET,
+    branch_of,
+    former_maximum,
+    read_along,
+    seat_of,
+)
 from jointclosure.joint.laws import LAWS, fit_law
 from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
@@ -151,10 +158,11 @@ def _draw_closure(
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
     middle, law = members(curves, "closure_net_since_seating_mm")[0], LAWS["hyperbolic"]
     for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
-        known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
-        fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
-        label = None if number else "hyperbolas fitted"
-        axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
+        if not former_maximum(history, int(cycle)):  # a loading beyond it is no hyperbola
+            known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
+            fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
+            label = None if number else "hyperbolas fitted"
+            axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
         if cycle in laws:
             empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
