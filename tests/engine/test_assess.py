@@ -139,8 +139,8 @@ def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
     with (tmp_path / "closures.jsonl").open("w") as file:
         file.write(kept[: int(0.6 * len(kept))])  # killed in a line
     closed = []
-    close = module.close_variant
-    monkeypatch.setattr(module, "close_variant", lambda *task: closed.append(task) or close(*task))
+    close = module.close_joint
+    monkeypatch.setattr(module, "close_joint", lambda *task: closed.append(task) or close(*task))
     again = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
     assert 0 < len(closed) < len(kept.splitlines())
     values = [part.closures[list(ASSESSED)].to_numpy() for part in (first, again)]

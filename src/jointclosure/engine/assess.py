@@ -62,8 +62,6 @@ DROPS = (
     ("soft_peaks",),
 )
 """Effects that are left out together."""
-LARGEST_BUDGET = 1e9
-"""Processor time [s] that no budget exceeds: thirty years."""
 READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
 """Quantities that are read of every closure; the last one only where states are judged."""
 
@@ -395,7 +393,7 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
     """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
     check_below("within", within, 1.0)
     if budget is not None:
-        check_below("budget", budget, LARGEST_BUDGET)
+        check_below("budget", budget, 1e9)  # thirty years [s]
     given.checked()
 
 
@@ -447,25 +445,33 @@ def closures_of(
     report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> pd.DataFrame:
     """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
-    processes = number_of_workers(workers)
+    processes, kept = number_of_workers(workers), dict[str, Any]()
     file = Path(folder) / "closures.jsonl" if folder else None
-    kept = _kept(file)
-    code = code_digest(f"{__name__}:close_variant")
+    for line in file.read_text(encoding="utf-8").splitlines() if file and file.exists() else ():
+        if line.endswith("}}"):  # another one was cut off
+            entry = json.loads(line)
+            kept[entry["key"]] = entry["row"]
+    code = code_digest("jointclosure.engine.joints:close_joint")
     walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
     keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
     missing = [task for task in tasks if keys[task] not in kept]
     asked = [
-        (tuple(COPIES[copy](wall) for wall in pairs[joint]), variants[name], copy == "as it is")
+        (
+            tuple(COPIES[copy](wall) for wall in pairs[joint]),
+            Reading(variants[name], READ if copy == "as it is" else READ[:-1]),
+        )
         for name, joint, copy in missing
     ]
-    used = (conditions for _, conditions, _ in asked)
+    used = (reading.conditions for _, reading in asked)
     for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
         compile_kernels(*one)  # before processes need them, and no part of a measured time
-    for done, (at, row) in enumerate(shared(close_variant, asked, processes), start=1):
-        name, key, failed = missing[at][0], keys[missing[at]], isinstance(row, Failed)
-        if failed and name == stated and isinstance(row.error, InputError):
-            raise row.error  # no scene, and nothing to compare
-        kept[key] = {"error": str(row.error)} if failed else row
+    for done, (at, row) in enumerate(shared(close_joint, asked, processes), start=1):
+        name, key = missing[at][0], keys[missing[at]]
+        if isinstance(row, Failed):
+            if name == stated and isinstance(row.error, InputError):
+                raise row.error  # no scene, and nothing to compare
+            row = {"error": str(row.error)}
+        kept[key] = {quantity: np.asarray(values).tolist() for quantity, values in row.items()}
         if file:
             with file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps({"key": key, "row": kept[key]}) + "\n")
@@ -474,26 +480,8 @@ def closures_of(
     for (name, joint, copy), key in keys.items():
         cycles = np.arange(1, variants[name].cycle_count + 1)
         row = {"variant": name, "joint": joint, "copy_of_walls": copy, "cycle": cycles, "error": ""}
-        lacking = dict.fromkeys((*READ, "seconds"), math.nan)
-        parts.append(pd.DataFrame(row | lacking | kept[key]))
-    return pd.concat(parts, ignore_index=True)
-
-
-def _kept(file: Path | None) -> dict[str, Any]:
-    """Read closures that were kept; a line that was cut off is left out."""
-    kept: dict[str, Any] = {}
-    for line in file.read_text(encoding="utf-8").splitlines() if file and file.exists() else ():
-        if line.endswith("}}"):
-            entry = json.loads(line)
-            kept[entry["key"]] = entry["row"]
-    return kept
-
-
-def close_variant(walls: Walls, conditions: Conditions, judged: bool) -> dict[str, Any]:
-    """Close walls, and return `READ` and the oracle's number, if it is asked, as plain numbers."""
-    row = close_joint(walls, Reading(conditions, READ if judged else READ[:-1]))
-    row["seconds"] = row.pop("timing_simulation")
-    return {name: np.asarray(values).tolist() for name, values in row.items()}
+        parts.append(pd.DataFrame(row | dict.fromkeys(READ, math.nan) | kept[key]))
+    return pd.concat(parts, ignore_index=True).rename(columns={"timing_simulation": "seconds"})
 
 
 def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
