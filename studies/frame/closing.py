@@ -24,7 +24,6 @@ from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
     write_netcdf,
-    write_netcdf_regions,
 )
 from jointclosure.walls.pairs import Walls
 from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
@@ -255,7 +254,7 @@ class Ensemble:
         frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
         frame.attrs = attributes
         chunks = {"case": 1, "realization": min(ROWS, rows)}
-        write_netcdf_regions(frame, self._regions(files, report), "realization", chunks, output)
+        write_netcdf(frame, output, self._regions(files, report), "realization", chunks)
 
     def _regions(
         self, files: Sequence[Path], report: Callable[[str], None]

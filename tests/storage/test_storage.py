@@ -26,7 +26,6 @@ from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
     write_netcdf,
-    write_netcdf_regions,
 )
 
 
@@ -50,7 +49,7 @@ def write_regions(whole: xr.Dataset, path: Path, rows: int = 20) -> None:
     places = [{"realization": slice(*end)} for end in ends]
     regions = ((place, whole.isel(place)) for place in places)
     first = whole.isel(realization=slice(0, 1))
-    write_netcdf_regions(first, regions, "realization", {"realization": rows}, path)
+    write_netcdf(first, path, regions, "realization", {"realization": rows})
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointclosure.engine.cache import digest
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.commands.compare import differences
 from studies.frame.cases import block_settings, blocks_of, cases_of
 from studies.frame.closing import close_block
@@ -90,7 +90,7 @@ def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
         ({"case": number, "realization": slice(first, first + part.sizes["realization"])}, part)
         for (number, first), part in made.items()
     )
-    write_netcdf_regions(frame, regions, "realization", {"case": 1, "realization": 4}, path)
+    write_netcdf(frame, path, regions, "realization", {"case": 1, "realization": 4})
     return read_netcdf(path)
 
 

@@ -1,7 +1,7 @@
 """NetCDF files, written completely or not at all; a digest at their end reveals changes."""
 
 import contextlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,55 +16,38 @@ Place = dict[str, slice | int]
 """Position of a region in a dataset by dimension."""
 
 
-@contextlib.contextmanager
-def _netcdf_errors() -> Iterator[None]:
-    """Raise write errors of netCDF, which are RuntimeErrors, as OSErrors."""
-    try:
-        yield
-    except RuntimeError as error:
-        raise OSError(str(error)) from error
-
-
-def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset, compressed, completely or not at all."""
-    dataset = dataset.drop_encoding()
-
-    def write(temporary: Path) -> None:
-        with _netcdf_errors():
-            dataset.to_netcdf(temporary, engine="netcdf4", encoding=_compression(dataset))
-        seal(temporary)
-
-    atomically(path, write)
-
-
-def write_netcdf_regions(
-    frame: xr.Dataset,
-    regions: Iterable[tuple[Place, xr.Dataset]],
-    dimension: str,
-    chunks: dict[str, int],
+def write_netcdf(
+    dataset: xr.Dataset,
     path: str | Path,
+    regions: Iterable[tuple[Place, xr.Dataset]] = (),
+    dimension: str | None = None,
+    chunks: Mapping[str, int] = {},
 ) -> None:
-    """Write regions of a dataset one by one; ``frame`` has one entry along the dimension.
+    """Write a dataset, compressed, completely or not at all; with regions of it one by one.
 
-    Regions lack dimensions whose position is a number; ``chunks`` are compressed together.
+    It then has one entry along the ``dimension``. Regions lack dimensions whose position is a
+    number; ``chunks`` are compressed together.
     """
-    frame = frame.drop_encoding()
-    encoding = _compression(frame)
-    sizes = dict(frame.sizes) | chunks
-    for name, variable in frame.variables.items():
+    dataset, encoding = dataset.drop_encoding(), dict[Any, dict[str, Any]]()
+    sizes = dict(dataset.sizes) | chunks
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind in "fiu" and variable.ndim > 0:
+            encoding[name] = {"zlib": True, "complevel": 1}
         if dimension in variable.dims:
             encoding.setdefault(name, {})["chunksizes"] = [sizes[size] for size in variable.dims]
+    form: dict[str, Any] = {"engine": "netcdf4", "encoding": encoding}
 
     def write(temporary: Path) -> None:
-        with _netcdf_errors():
-            frame.to_netcdf(
-                temporary, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension]
-            )
-            with netCDF4.Dataset(temporary, "a") as file:
-                for stored in file.variables.values():
-                    stored.set_var_chunk_cache(_CHUNK_CACHE)
-                for place, region in regions:
-                    _put(file, region, place)
+        try:
+            dataset.to_netcdf(temporary, unlimited_dims=[dimension] if dimension else None, **form)
+            if dimension:
+                with netCDF4.Dataset(temporary, "a") as file:
+                    for stored in file.variables.values():
+                        stored.set_var_chunk_cache(_CHUNK_CACHE)
+                    for place, region in regions:
+                        _put(file, region, place)
+        except RuntimeError as error:  # how netCDF reports errors of writing
+            raise OSError(str(error)) from error
         seal(temporary)
 
     atomically(path, write)
@@ -77,14 +60,6 @@ def _put(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
         if set(dimensions) & set(place) & set(variable.dims):
             index = tuple(place.get(size, slice(None)) for size in dimensions)
             file[str(name)][index] = variable.values
-
-
-def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
-    return {
-        name: {"zlib": True, "complevel": 1}
-        for name, variable in dataset.variables.items()
-        if variable.dtype.kind in "fiu" and variable.ndim > 0
-    }
 
 
 def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
