@@ -27,26 +27,22 @@ class Measured(NamedTuple):
 
 
 @cache
-def measured_joints() -> pd.DataFrame:
-    """Return the table of measured values: joint, quantity, unit, value, low, high, source, how.
+def _table() -> pd.DataFrame:
+    """Return the table: joint, quantity, value, low, high; with ratios of later stiffness to first.
 
-    Stiffness ratios are later stiffnesses over the ends of the range of first ones.
+    Which joint has which of the first stiffnesses is not recorded: ratios are over both ends.
     """
     table = read_csv(_TABLE).astype({"joint": str})
     first = table[table.quantity == "first_stiffness"].iloc[0]
     later = table[table.quantity == "later_stiffness"]
-    ratios = later.assign(
-        quantity="stiffness_ratio", unit="1", value=float("nan"),
-        low=(later.value / first.high).round(1), high=(later.value / first.low).round(1),
-        source=f"{first.source} and {later.source.iloc[0]}",
-        how="later over first stiffness; which joint has which of the first ones is not recorded",
-    )  # fmt: skip
+    ends = {"low": (later.value / first.high).round(1), "high": (later.value / first.low).round(1)}
+    ratios = later.assign(quantity="stiffness_ratio", value=float("nan"), **ends)
     return pd.concat([table, ratios], ignore_index=True)
 
 
 def measured(quantity: str, joint: str = ALL) -> Measured:
     """Return a measured value of a joint; a value without a range is its own range."""
-    rows = measured_joints().query("quantity == @quantity and joint in (@joint, @ALL)")
+    rows = _table().query("quantity == @quantity and joint in (@joint, @ALL)")
     if rows.empty:
         raise KeyError(f"{quantity} of joint {joint}")
     row = rows.sort_values("joint").iloc[0]  # that of the joint before that of all

@@ -223,17 +223,6 @@ def overlaps_of(joint: Joint, state: State, law: Law):
     return cells, overlap
 
 
-def residual(joint: Joint, state: State) -> float:
-    """Return the largest error of equilibrium [m]: gap with force, or overlap without force."""
-    law = law_of(joint, state)
-    cells, overlap = overlaps_of(joint, state, law)
-    force = state.force.ravel()[cells]
-    compliance = asperity_compliances(_curvatures(joint, state), law).ravel()[cells]
-    deformation = law.substrate * force + compliance * np.cbrt(force) ** 2
-    gap = np.where(force > 0, np.abs(overlap - deformation), np.maximum(overlap, 0.0))
-    return float(gap.max(initial=0.0))
-
-
 def pressures_over_limit(joint: Joint, state: State):
     """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall.
 

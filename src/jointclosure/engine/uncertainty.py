@@ -230,29 +230,31 @@ def uncertainty_budget(
     variants = list(variants_of(conditions, sources))
     closed = close_walls(upper, lower, conditions) if closed is None else closed
     levels = stress_levels(closed)
-    first = result_rows(Variant("", "", conditions), closed), stress_table(closed, levels)
 
-    def results_of_variant(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, ...]:
-        """Return the rows of a variant, and its curves; values are unknown if it fails."""
+    def tables_of(variant: Variant, joint: xr.Dataset | None) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """Return the rows of a variant, and its curves; values are unknown if it failed."""
+        status = -1 if joint is None else int(joint.status)
+        if joint is None or status >= FAILURE:
+            rows = first[0][["cycle"]].assign(**dict.fromkeys(QUANTITIES, np.nan))
+            curves = first[1][["cycle", "branch", "normal_stress_MPa"]]
+        else:
+            rows, curves = results_of(joint), stress_table(joint, levels)
+        about = {"source": variant.source, "value": variant.value, "status": status}
+        return rows.assign(**about), curves.assign(source=variant.source)
+
+    def closed_tables(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
         try:
             walls = variant.walls(upper, lower, errors)
-            joint = close_walls(*walls, variant.conditions, going_on)
+            return tables_of(variant, close_walls(*walls, variant.conditions, going_on))
         except InputError:  # such as more steps than the numerics allow
-            joint = None
-        rows = result_rows(variant, joint, first[0].cycle)
-        if joint is None or int(joint.status) >= FAILURE:
-            return rows, first[1][["cycle", "branch", "normal_stress_MPa"]]
-        return rows, stress_table(joint, levels)
+            return tables_of(variant, None)
 
-    answers, threads = {}, threads_for(upper.size, workers)
-    for at, answer in in_threads(results_of_variant, variants, threads):
-        answers[at] = answer
-        name = variants[at].source
-        report(len(answers) / len(variants), TITLES.get(name, name))
-    in_order = (answers[at] for at in range(len(variants)))
-    rows, tables = zip(first, *in_order, strict=True)
-    names = "", *(variant.source for variant in variants)
-    curves = [table.assign(source=name) for table, name in zip(tables, names, strict=True)]
+    first = tables_of(Variant("", "", conditions), closed)
+    answers, threads = {-1: first}, threads_for(upper.size, workers)
+    for at, answer in in_threads(closed_tables, variants, threads):
+        answers[at], name = answer, variants[at].source
+        report((len(answers) - 1) / len(variants), TITLES.get(name, name))
+    rows, curves = zip(*(answers[at] for at in sorted(answers)), strict=True)
     results = pd.concat(rows, ignore_index=True)
     omitted = tuple(name for name in ("registration", *OF_ROCK) if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
@@ -314,16 +316,3 @@ def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:
             "at twice of it"
         )
     return step
-
-
-def result_rows(
-    variant: Variant, joint: xr.Dataset | None, cycles: pd.Series | None = None
-) -> pd.DataFrame:
-    """Return the rows of a variant in `Budget.results`."""
-    about = {"source": variant.source, "value": variant.value}
-    if joint is None or int(joint.status) >= FAILURE:
-        status = -1 if joint is None else int(joint.status)
-        failed = pd.DataFrame({"cycle": [1] if cycles is None else cycles})
-        return failed.assign(**about, status=status, **dict.fromkeys(QUANTITIES, np.nan))
-    table = results_of(joint)
-    return table.assign(**about, status=int(joint.status))
