@@ -29,7 +29,7 @@ def write_netcdf(
     number; ``chunks`` are compressed together.
     """
     dataset, encoding = dataset.drop_encoding(), dict[Any, dict[str, Any]]()
-    sizes = dict(dataset.sizes) | chunks
+    sizes = {**dataset.sizes, **chunks}
     for name, variable in dataset.variables.items():
         if variable.dtype.kind in "fiu" and variable.ndim > 0:
             encoding[name] = {"zlib": True, "complevel": 1}
