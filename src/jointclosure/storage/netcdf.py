@@ -29,7 +29,7 @@ def write_netcdf(
     number; ``chunks`` are compressed together.
     """
     dataset, encoding = dataset.drop_encoding(), dict[Any, dict[str, Any]]()
-    sizes = {**dataset.sizes, **chunks}
+    sizes: dict[Any, int] = dict(dataset.sizes) | dict(chunks)
     for name, variable in dataset.variables.items():
         if variable.dtype.kind in "fiu" and variable.ndim > 0:
             encoding[name] = {"zlib": True, "complevel": 1}
