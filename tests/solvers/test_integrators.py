@@ -81,6 +81,19 @@ def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
     assert looked_at >= 3
 
 
+def test_steps_beyond_a_former_maximum_are_as_short_as_those_of_a_first_loading():
+    numerics = jc.Numerics(breakage="resolved", tolerance=0.01)
+    stated = {"numerics": numerics, "strength_bound": "base"}
+    rises = []
+    for load, cycle in (([4e6, 0.0, 8e6], 2), ([8e6], 1)):
+        joint = joints.closed(pair(32, 0), load, **stated)
+        here = (joint.load_cycle.values == cycle) & (joint.branch.values == "loading")
+        stress = joint.normal_stress.values[here]
+        rises.append(np.diff(stress)[stress[:-1] >= 4e6])
+    assert rises[0].max() < 1.5 * rises[1].max()
+    assert 0.5 < rises[0].size / rises[1].size < 2.0
+
+
 def test_the_patches_system_has_the_mean_influence_between_their_cells():
     influence, cells, stiffness = system((28, 28), 1.0)
     side = influence.patch

@@ -179,7 +179,8 @@ def run_cycles(
             _repeat_elastic(run, cycle)
             replayed += 1
             continue
-        _load(run, cycle, *(numerics[:2] if cycle == 1 else numerics[2:4]))
+        former = max((earlier.maximum for earlier in cycles[: cycle - 1]), default=0.0)
+        _load(run, cycle, former, *(numerics[:2] if cycle == 1 else numerics[2:4]))
         if run.failed:
             break
         unbreakable = unbreakable_share(run.steps[-1].settled)
@@ -253,13 +254,18 @@ def _show_elastic(joint, solver, history: History, observers: Sequence[Observer]
     joint.force[:] = ended
 
 
-def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
-    """Close by steps until the force passes the target, then approach the target."""
+def _load(
+    run: _Run, cycle: int, former: float, displacement_step: float, breakage_step: float
+) -> None:
+    """Close by steps until the force passes the target, then approach the target.
+
+    ``former`` is the largest maximum of the cycles before [N].
+    """
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
     control = None
     if run.numerics.breakage == "resolved":
-        control = StepControl(run.numerics, displacement_step, run.target_force, cycle == 1)
+        control = StepControl(run.numerics, displacement_step, run.target_force, former)
     run.cycle_start = run.closure
     step = displacement_step
     while True:
@@ -377,7 +383,7 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
     step = run.numerics.later_displacement_step
     control = None
     if run.numerics.breakage == "resolved":
-        control = StepControl(run.numerics, step, run.target_force, False)
+        control = StepControl(run.numerics, step, run.target_force, np.inf)
     while True:
         before = run.joint.snapshot() if minimum or control else ()
         end = run.joint.last_touch

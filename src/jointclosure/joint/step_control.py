@@ -19,7 +19,7 @@ from jointclosure.solvers.joint import Joint, Settled
 _CORRECTION = 40.0
 """Allowed relative error of the predicted force of a step, over `Numerics.tolerance`."""
 _VIRGIN, _LATER = (1.0, 7.5), (10.0, 50.0)
-"""Allowed change of the force in a step of the first loading, and of every later branch: over the
+"""Allowed change of the force in a step beyond the former maximum, and in every other: over the
 maximum, and over the force (see `_FAINT`), both over `Numerics.tolerance`. A step crushes too many
 asperities, which the next steps press elastically (`benchmarks/strength_bound.py`)."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
@@ -42,15 +42,22 @@ _MOST_SHORTENED = 4
 
 
 class StepControl:
-    """Selection of the displacement steps of one branch [m], whose maximum is a force [N]."""
+    """Selection of the displacement steps of one branch [m], whose maximum is a force [N].
 
-    def __init__(self, numerics: Numerics, given: float, target_force: float, virgin: bool):
-        self._largest = given * (LARGEST_STEP if virgin else 1.0)
+    Loadings are virgin beyond their ``former`` maximum [N]; infinite for unloading.
+    """
+
+    def __init__(self, numerics: Numerics, given: float, target_force: float, former: float):
+        self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
         self._smallest = given * _SMALLEST_STEP
-        self._target = target_force
-        rise, steepest = (numerics.tolerance * most for most in (_VIRGIN if virgin else _LATER))
-        self._most_rise = min(rise, _MOST_RISE) * target_force
-        self._steepest = min(steepest, _STEEPEST)
+        self._target, self._former = target_force, former
+        self._limits = {
+            virgin: (
+                min(numerics.tolerance * rise, _MOST_RISE) * target_force,
+                min(numerics.tolerance * steepest, _STEEPEST),
+            )
+            for virgin, (rise, steepest) in ((True, _VIRGIN), (False, _LATER))
+        }
         self._most_missed = _CORRECTION * numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
 
@@ -101,7 +108,8 @@ class StepControl:
 
     def _most_change(self, force: float) -> float:
         """Return the change of the force [N] that a step from a force [N] may have."""
-        return min(self._most_rise, self._steepest * (force + _FAINT * self._target))
+        rise, steepest = self._limits[self._former <= force and self._former < self._target]
+        return min(rise, steepest * (force + _FAINT * self._target))
 
     @staticmethod
     def must_repeat(step: float, following: float) -> bool:
