@@ -14,7 +14,7 @@ from studies.frame.closing import Ensemble, close_ensemble, price_accuracy
 from studies.frame.configuration import Configured
 from studies.frame.experiments import cached, experiments_in, steps_of
 from studies.frame.files import DEFAULT, PAPER_TABLE_3
-from studies.frame.plan import step_of
+from studies.frame.plan import steps_of_products
 from studies.frame.products import EARLY, Step
 from studies.frame.rocks import (
     ScannedWalls,
@@ -51,9 +51,8 @@ class Pipeline:
         self.kernels = functools.cache(lambda kind: kinds[kind].kernels())
         scanned = (name for name, rock in self.typed.rocks.items() if rock.walls)
         self.walls = [f"{self.folder}/walls/{name}.nc" for name in scanned]
-        planned = {name: part for name, part in PRODUCTS.items() if part.when(self.typed)}
-        products = {name: step_of(part, configured) for name, part in planned.items()}
-        files = [f for name in planned if not planned[name].apart for f in products[name].files]
+        products = steps_of_products("paper", configured)
+        files = [f for name in products if not PRODUCTS[name].apart for f in products[name].files]
         joints = self._ensembles()
         self.steps = joints | {
             f"prepare_walls_{name}": self._scan(name, rock.walls)
@@ -72,7 +71,7 @@ class Pipeline:
         }
         for name, experiment in experiments.items():
             key, closed = functools.partial(self._key, name), self._closed(name)
-            steps = steps_of(name, self.designs[name], self.folder, closed, key)
+            steps = steps_of(name, configured, self.designs[name], closed, key)
             self.steps |= steps
             done = f"The experiment {name} is complete: {experiment.title}"
             self.targets[name] = ([file for step in steps.values() for file in step.files], done)

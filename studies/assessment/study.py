@@ -2,9 +2,9 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -29,8 +29,9 @@ from jointclosure.walls.pairs import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration, Configured
-from studies.frame.experiments import Design, Experiment, Tables, settings_of
-from studies.frame.points import Point
+from studies.frame.experiments import Experiment, settings_of
+from studies.frame.points import Joints, Point
+from studies.frame.products import product
 from studies.frame.settings import Case, ClosureSettings, walls_of
 from studies.frame.summary import grouped
 from studies.frame.walls import cut_walls, walls_of_files
@@ -62,18 +63,21 @@ def condition(rock: str, jrc: float, stress_MPa: float) -> str:
     return f"{rock.capitalize()}, {walls}, {stress_MPa:g} MPa"
 
 
+@product(figures=["assessment_price"])
 @styled
-def price_panels(table: pd.DataFrame, within: float) -> Figure:
+def draw_assessment_price(assessment: pd.DataFrame, within: float) -> Figure:
     """Draw the error of each setting of the numerics over its time, for each condition."""
-    for axes, part in _panels(table[table.verdict.isna() | (table.verdict == "")], (3.0, 2.8)):
+    settings = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
+    for axes, part in _panels(settings, (3.0, 2.8)):
         draw_price(axes, part, 100.0 * within)
     return _finished(axes, "processor time of a joint (s)", "error of mean closure (%)")
 
 
+@product(figures=["assessment_effects"])
 @styled
-def effect_panels(table: pd.DataFrame, within: float) -> Figure:
+def draw_assessment_effects(assessment: pd.DataFrame, within: float) -> Figure:
     """Draw the change of the mean closures without each group of effects."""
-    without = table[table.variant.str.startswith("without ")]
+    without = assessment[assessment.variant.str.startswith("without ")]
     for axes, part in _panels(without, (3.0, 2.2)):
         draw_effects(axes, part, 100.0 * within)
     return _finished(axes, "change of mean closure (%)", "")
@@ -91,14 +95,15 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     return figure
 
 
+@product(figures=["assessment_hardness"])
 @styled
-def hardness_panels(table: pd.DataFrame, within: float) -> Figure:
+def draw_assessment_hardness(hardness: pd.DataFrame, within: float) -> Figure:
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
     joints, cases = (
         part.assign(**100.0 * part[shares].clip(lower=_LEAST_SPREAD * np.array([1.0, 0.0, 0.0])))
-        for part in (table.assign(rock=table.rock.str.capitalize()), read_csv(HARD_CASES))
+        for part in (hardness.assign(rock=hardness.rock.str.capitalize()), read_csv(HARD_CASES))
     )
     for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
         marks = {"x": x, "y": y, "ax": axes}
@@ -121,18 +126,17 @@ _CONDITION = ("rock", "jrc", "stress_MPa")
 _VALUES = ["value", "low", "high"]
 
 
-def assessment_design(configured: Configured) -> Design:
+def assessment_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
     configuration = configured.typed
-    section, jobs, ladders = configuration.section(Assessment), {}, {}
+    section, jobs = configuration.section(Assessment), {}
     for number, case in enumerate(_conditions(configuration, section)):
         settings = settings_of(configuration, case)
         count = section.joints
         if settings.surfaces.walls:  # a scan has room for a number of joints
             count = min(count, configuration.study.realizations)
         settings = settings.with_surfaces(realizations=count)
-        stated, ladder, variants = variants_of(settings.conditions)
-        ladders[case.rock] = stated, ladder
+        stated, _, variants = variants_of(settings.conditions)
         options = {"unusual_values": configuration.study.unusual_values == "allow"}
         for name, conditions in variants.items():
             varied = settings.under(numerics=conditions.numerics, effects=conditions.effects)
@@ -146,9 +150,13 @@ def assessment_design(configured: Configured) -> Design:
                 )
                 for copy in (COPIES if name == stated else ["as it is"])
             ]
-    names = ("assessment_price", "assessment_effects", "assessment_hardness")
-    parameters = {"ladders": ladders, "within": section.within}
-    return Design(lambda: jobs, ("assessment", "hardness", "assessment.md"), names, parameters)
+    return jobs
+
+
+def ladders_of(configured: Configured) -> dict[str, tuple]:
+    """Return the setting as stated, and those of the numerics by their accuracy, of each rock."""
+    study = configured.typed
+    return {name: variants_of(base_case(study, name).conditions)[:2] for name in study.rocks}
 
 
 def _conditions(configuration: Configuration, section: Assessment) -> Iterator[Case]:
@@ -177,13 +185,14 @@ def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterat
 _scanned = lru_cache(maxsize=1)(walls_of_files)
 
 
-def assessment_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+@product("tables/assessment.csv", "tables/hardness.csv", "tables/assessment.md")
+def assess(joints: Joints, ladders: Annotated[dict, ladders_of], within: float) -> tuple:
     """Return differences of variants, the hardness of each joint, and sentences."""
     closures = joints.rename(columns={"realization": "joint"}).assign(error="")
     differences, hardness, lines = [], [], ["# Assessment", ""]
     for at, part in grouped(closures, "rock", "jrc", "stress"):
-        stated, ladder = parameters["ladders"][at["rock"]]
-        found = Assessed(part, ladder, stated, parameters["within"])
+        stated, ladder = ladders[at["rock"]]
+        found = Assessed(part, ladder, stated, within)
         percent = (100.0 * found.differences[_VALUES]).add_suffix("_percent")
         verdicts = {name: found.verdict(name) for name in found.effects.index}
         table = found.differences.drop(columns=_VALUES).join(percent)
@@ -196,11 +205,8 @@ def assessment_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Ta
             cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
             lines += [f"| {' | '.join(map(str, row))} |" for row in cells] + [""]
         lines += [*(f"- {line}" for line in found.sentences), ""]
-    return {
-        "assessment": _first(differences, *_CONDITION, "variant", "reference"),
-        "hardness": worst_first(_first(hardness, *_CONDITION)),
-        "assessment.md": "\n".join(lines),
-    }
+    table = _first(differences, *_CONDITION, "variant", "reference")
+    return table, worst_first(_first(hardness, *_CONDITION)), "\n".join(lines)
 
 
 def _first(tables: list[pd.DataFrame], *names: str) -> pd.DataFrame:
@@ -208,17 +214,8 @@ def _first(tables: list[pd.DataFrame], *names: str) -> pd.DataFrame:
     return table[[*names, *(name for name in table if name not in names)]]
 
 
-def _draw(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Any:
-    if name == "assessment_hardness":
-        return hardness_panels(tables["hardness"], parameters["within"])
-    draw = price_panels if name == "assessment_price" else effect_panels
-    return draw(tables["assessment"], parameters["within"])
-
-
 EXPERIMENT = Experiment(
     title="accuracy and its cost, hardness, and effects that are needed",
     quantities=tuple(name for name in READ if name not in ("status", "timing_simulation")),
-    design=assessment_design,
-    tabulate=assessment_tables,
-    draw=_draw,
+    jobs=assessment_jobs,
 )

@@ -5,7 +5,8 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.engine.assess import COPIES, LADDER
-from studies.assessment.study import EXPERIMENT
+from studies.assessment.study import EXPERIMENT, ladders_of
+from studies.conftest import tables_of
 from studies.frame.files import read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import walls_of
@@ -15,7 +16,7 @@ TINY = tiny("assessment")
 
 
 def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
-    stated, ladder = design.parameters["ladders"]["slate"]
+    stated, ladder = ladders_of(checked_study(TINY))["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
     settings = next(iter(design.jobs().values()))[0].settings
     conditions = settings.conditions._replace(flow=False)
@@ -35,13 +36,10 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     section = {"joints": 8, "within": 0.05, "jrc": [5, 9]}
     small = {"study": {"realizations": 2}, "grid": TINY["grid"], "assessment": section}
     study = checked_study(read_plain("config/measured_wall.yaml"), small)
-    design = EXPERIMENT.design(study)
-    points = design.points()
-    made = EXPERIMENT.tabulate(close_points(points, EXPERIMENT.quantities), design.parameters)
+    points = EXPERIMENT.design(study).points()
+    made = tables_of("assessment", study, close_points(points, EXPERIMENT.quantities))
     assert len(made["hardness"]) == 2
     assert "Granite, scanned, 10 MPa" in made["assessment.md"]
-    for name in design.figures:
-        assert EXPERIMENT.draw(name, made, design.parameters).axes
     copied = (points[0]._replace(options=points[0].options | {"copy": name}) for name in COPIES)
     plain, _, mirrored, _ = (np.array(next(point.walls())) for point in copied)
     np.testing.assert_array_equal(mirrored, plain[:, :, ::-1])

@@ -1,14 +1,13 @@
 """The configuration of a study: merged, checked and in SI, once and in one place."""
 
-import copy
 import functools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, ClassVar, NamedTuple, Self, TypeVar
 
-from pydantic import ValidationError, create_model, model_validator
+from pydantic import create_model, model_validator
 
 from jointclosure.engine.assess import FINEST
 from jointclosure.inputs import InputError
@@ -26,7 +25,7 @@ from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
-from studies.frame.files import DEFAULT, ConfigurationError, read_plain
+from studies.frame.files import DEFAULT, merged, read_plain, refuse
 from studies.frame.keys import (
     OR_NULL,
     ChoiceKeys,
@@ -41,8 +40,8 @@ from studies.frame.keys import (
     Surface,
     did_you_mean,
     entry,
-    explained,
     made_of,
+    validated,
 )
 from studies.frame.rocks import CurveSettings, StudyRock
 
@@ -193,21 +192,6 @@ class Configured(NamedTuple):
     typed: Configuration
 
 
-def overlaid(keys: dict, changes: dict) -> dict:
-    """Nested keys with others over them; what does not change is not copied."""
-    return keys | {
-        name: overlaid(keys[name], value)
-        if isinstance(value, dict) and isinstance(keys.get(name), dict)
-        else value
-        for name, value in changes.items()
-    }
-
-
-def merged(*settings: dict) -> dict:
-    """Nested settings, later ones over earlier ones, as a copy."""
-    return copy.deepcopy(functools.reduce(overlaid, settings, {}))
-
-
 def merged_study(*paths: Path) -> dict:
     """The default configuration and files over it, not yet checked."""
     return merged(*(written_out(read_plain(path)) for path in (DEFAULT, *paths)))
@@ -230,17 +214,7 @@ def configured(keys: dict) -> Configured:
 
 def resolved(keys: dict) -> Configuration:
     """The configuration of keys without contradictions, as those in the file of a study."""
-    try:
-        return model().model_validate(keys)
-    except ValidationError as error:
-        refuse(explained(model(), keys, error))
-        raise
-
-
-def refuse(problems: Iterable[str]) -> None:
-    """Raise `ConfigurationError` where there are problems, one line each."""
-    if lines := "".join(f"\n  {line}" for line in dict.fromkeys(problems)):
-        raise ConfigurationError(f"configuration:{lines}") from None
+    return validated(model(), keys)
 
 
 def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
@@ -281,8 +255,6 @@ def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
 
 def _study_problems(configuration: Configuration) -> Iterator[str]:
     study, surfaces = configuration.study, configuration.statistics.control_variates
-    if len(set(study.rocks)) < len(study.rocks):
-        yield f"study.rocks = {list(study.rocks)!r}: must not have a rock twice"
     most = study.accuracy.most if study.accuracy else 0
     closed = max(study.realizations, study.pool or 0, most)
     if surfaces is not None and surfaces <= closed:

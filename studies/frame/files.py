@@ -1,9 +1,12 @@
 """Configuration files: plain YAML, read strictly, and the files of the package."""
 
+import copy
+import functools
 import json
 import re
 import reprlib
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +110,27 @@ def _not_plain(settings: object) -> str:
         elif not isinstance(value, str | int | float | None):  # YAML reads dates
             return f"{value}: is a {type(value).__name__}; quote a text"
     return ""
+
+
+def overlaid(keys: dict, changes: dict) -> dict:
+    """Nested keys with others over them; what does not change is not copied."""
+    return keys | {
+        name: overlaid(keys[name], value)
+        if isinstance(value, dict) and isinstance(keys.get(name), dict)
+        else value
+        for name, value in changes.items()
+    }
+
+
+def merged(*settings: dict) -> dict:
+    """Nested settings, later ones over earlier ones, as a copy."""
+    return copy.deepcopy(functools.reduce(overlaid, settings, {}))
+
+
+def refuse(problems: Iterable[str], what: str = "configuration") -> None:
+    """Raise `ConfigurationError` where there are problems, one line each."""
+    if lines := "".join(f"\n  {line}" for line in dict.fromkeys(problems)):
+        raise ConfigurationError(f"{what}:{lines}") from None
 
 
 def short(value: object) -> str:

@@ -44,12 +44,15 @@ from jointclosure.parameters.units import documented, ends_of, name_and_unit, to
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
-from studies.frame.files import short
+from studies.frame.files import refuse, short
 
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
+_Keys = TypeVar("_Keys", bound=BaseModel)
 Several = Annotated[tuple[T, ...], Strict(False)]
-Ascending = Annotated[Several[T], AfterValidator(lambda values: tuple(sorted(values)))]
+_UNIQUE = Field(json_schema_extra={"uniqueItems": True})
+Distinct = Annotated[Several[T], AfterValidator(lambda values: _distinct(values)), _UNIQUE]
+Ascending = Annotated[Distinct[T], AfterValidator(lambda values: tuple(sorted(values)))]
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
 Text = Annotated[str, StringConstraints(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -61,14 +64,18 @@ def entry(description: str, default: Any = ..., *, alias: str | None = None, **a
     """Declare a key: what it is, its default in SI if it may be left out, and its bounds.
 
     ``alias`` is its name in files where that ends in a unit; bounds are in this unit. Other
-    arguments are those of `pydantic.Field`; ``unique`` keys are lists without equal values.
+    arguments are those of `pydantic.Field`.
     """
-    if about.pop("unique", False):
-        about["json_schema_extra"] = {"uniqueItems": True}
     field = Field(default, description=description, alias=alias, **about)
     if alias is not None and name_and_unit(alias)[1]:
         field.metadata.append(AfterValidator(lambda value: _in_si(alias, value)))
     return field
+
+
+def _distinct(values: tuple) -> tuple:
+    if len(set(values)) < len(values):
+        raise ValueError("must not have a value twice")
+    return values
 
 
 def _in_si(name: str, value: Any) -> Any:
@@ -146,8 +153,8 @@ class Study(Section):
     """Rocks, cases and numbers of realisations of a study."""
 
     name: Name = entry("Name of the study; results are written to results/<name>/.")
-    rocks: Several[str] = entry(
-        "Rocks of the study, from `rocks`, in the order of the tables.", min_length=1, unique=True
+    rocks: Distinct[str] = entry(
+        "Rocks of the study, from `rocks`, in the order of the tables.", min_length=1
     )
     realizations: int = entry("Random surface pairs per case.", ge=2, le=1_000_000)
     realizations_per_job: int | None = entry(
@@ -317,7 +324,7 @@ _CLEARER = {
 
 @functools.cache
 def json_schema(keys: type[pydantic.BaseModel]) -> dict:
-    """Return the JSON schema of a model of keys, without references."""
+    """Return the JSON schema of a model of keys, without references and required keys."""
     whole = keys.model_json_schema()
     about = _written_out(whole, whole.pop("$defs", {}))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | about
@@ -327,7 +334,8 @@ def _written_out(schema: dict, parts: dict) -> dict:
     """Return a schema with its references inserted, and null or missing values in one form."""
     if "$ref" in schema:
         schema = parts[schema["$ref"].rpartition("/")[2]] | schema
-    schema = {k: v for k, v in schema.items() if k not in ("$ref", "title", "default")}
+    left_out = ("$ref", "title", "default", "required")  # a file overrides defaults
+    schema = {k: v for k, v in schema.items() if k not in left_out}
     for kind in (_written_out(option, parts) for option in schema.pop("anyOf", [])):
         names = [*_kinds(schema), *_kinds(kind)]
         schema = kind | schema | ({"type": names if len(names) > 1 else names[0]} if names else {})
@@ -350,16 +358,16 @@ def _kinds(schema: dict) -> list[str]:
     return kind if isinstance(kind, list) else [kind]
 
 
-def problems(keys: type[pydantic.BaseModel], settings: dict) -> list[str]:
-    """List the problems of settings with a model of keys, one line for each key."""
+def validated(keys: type[_Keys], settings: dict, what: str = "configuration") -> _Keys:
+    """Read settings by a model of keys; `ConfigurationError` names each key that is wrong."""
     try:
-        keys.model_validate(settings)
+        return keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        return explained(keys, settings, error)
-    return []
+        refuse(_problems(keys, settings, error), what)
+        raise
 
 
-def explained(
+def _problems(
     keys: type[pydantic.BaseModel], settings: dict, error: pydantic.ValidationError
 ) -> list[str]:
     """List the problems of settings that a model of keys refused, one line for each key."""

@@ -4,6 +4,7 @@ Apart from `studies.frame.products`, so that no product depends on the code of t
 """
 
 import os
+import typing
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,31 +13,58 @@ from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, Configured
 from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.products import Product, Step
+from studies.frame.products import Product, Step, products_of
 
 Need = Callable[[Configuration], Any]
 
 
+def steps_of_products(folder: str, configured: Configured) -> dict[str, Step]:
+    """Return the steps of the products of a folder that a study has."""
+    return {
+        name: step_of(product, configured)
+        for name, product in products_of(folder).items()
+        if product.when(configured.typed)
+    }
+
+
 def inputs_of(product: Product, study: Configuration) -> dict[str, Any]:
-    """Return the paths of the files that a product reads, by name; an empty list for none."""
-    return {name: NEEDS[name](study) or [] for name in product.reads if name in NEEDS}
+    """Return the paths of the files that a product reads, by name; an empty list for none.
+
+    Those not of `NEEDS` are the table of all ``joints`` of an experiment, or tables and datasets
+    that products of the same folder make, by their names without suffix.
+    """
+    paths: dict[str, Any] = {"joints": study.file(f"{product.folder}.nc")}
+    for other in products_of(product.folder).values():
+        made, files = other.when(study), map(Path, other.files(study))
+        data = (file for file in files if file.suffix in (".csv", ".nc"))
+        paths |= {file.stem: made and study.file(str(file)) for file in data}
+    paths |= {name: NEEDS[name](study) for name in product.reads if name in NEEDS}
+    return {name: paths[name] or [] for name in product.reads if name in paths}
 
 
 def settings_of(product: Product, configured: Configured) -> dict[str, Any]:
     """Return the settings [SI] that a product reads, by name.
 
-    Those not of `SETTINGS` are keys of the configuration or of one of its general sections.
+    Those not of `SETTINGS` are made of the configuration as their types state, or are keys of the
+    section of the product's folder, of the configuration, or of one of its general sections.
     """
-    study = configured.typed
-    sections = (study, study.study, study.statistics, study.output)
+    keys, study = configured
+    sections = (
+        study.study_sections.get(product.folder), study, study.study, study.statistics, study.output
+    )  # fmt: skip
+    hints = typing.get_type_hints(product.make, include_extras=True)
 
     def stated(name: str) -> Any:
+        if name == "keys":
+            return keys
         if name in SETTINGS:
             return SETTINGS[name](study)
+        if made := getattr(hints.get(name), "__metadata__", ()):
+            return made[0](configured)
         return next(getattr(part, name) for part in sections if hasattr(part, name))
 
-    names = (name for name in product.reads if name not in NEEDS)
-    return {name: configured.keys if name == "keys" else stated(name) for name in names}
+    files = inputs_of(product, study)
+    return {name: stated(name) for name in product.reads if name not in files}
 
 
 def step_of(product: Product, configured: Configured) -> Step:
@@ -85,28 +113,23 @@ NEEDS: dict[str, Need] = BESIDE | {
     "pool": lambda study: study.file("pool.nc" if study.pooled else "study.nc"),
     "ensembles": lambda study: [study.file(dataset_of(name)) for name in ensembles_of(study)],
     "finest": _file("finest.nc"),
-    "covariates": lambda study: study.variates and study.file("covariates.nc"),
     "pool_covariates": lambda study: (
         study.variates and study.file("pool_covariates.nc" if study.pooled else "covariates.nc")
     ),
     "lengths": _file("predictive.nc"),
-    "checks": _file("tables/checks.csv"),
-    "claims": _file("tables/claims.csv"),
-    "closures": _file("tables/max_closure.csv"),
-    "intervals": _file("tables/table_3_indifference.csv"),
     # they precede Table 3 by paired tests
     "elasticities": lambda study: (
         study.study.draws == "common" and study.file("tables/elasticities.csv")
     ),
     "curve_files": lambda study: [curve.measured.file for curve in study.curves.values()],
-    "fits": lambda study: study.curves and study.file("tables/measured_fit.csv"),
-    "flow": lambda study: study.flow and study.file("tables/hydraulic_aperture.csv"),
     "first_walls": _file("first_walls.nc"),
+    "sizes": _file("tables/size.csv"),  # Snakemake takes no input of the name size
 }
 """Paths of files; none of what is not made."""
 
 
 SETTINGS: dict[str, Need] = {
+    "titles": lambda study: {name: rock.title for name, rock in study.rocks.items()},
     "closed_by": lambda study: {
         name: (part.study.realizations, part.numerics) for name, part in ensembles_of(study).items()
     },

@@ -6,7 +6,7 @@ status and without readings.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,6 +15,7 @@ import xarray as xr
 from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.pairs import CrushedWalls, Walls
 from studies.frame.settings import ClosureSettings, walls_of
 
@@ -165,3 +166,7 @@ def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
         for dataset in datasets
     )
     return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()
+
+
+Joints = Annotated[pd.DataFrame, lambda path: as_table(read_netcdf(path))]
+"""Table of all joints of an experiment, read from its file."""

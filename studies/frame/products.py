@@ -35,8 +35,7 @@ class Step(NamedTuple):
     """Files that one job makes, with the paths and settings that its function reads, by name.
 
     ``inputs`` without a parameter only precede it, and the times of those ``untimed`` do not count.
-    It is made again if its settings, the result of ``depends``, or the code change: that of the
-    function, and of the module ``uses``.
+    It is made again if its settings, the result of ``depends``, or the code of the function change.
     """
 
     make: Callable[..., Any]
@@ -44,7 +43,6 @@ class Step(NamedTuple):
     inputs: Mapping[str, Any] = {}
     settings: Mapping[str, Any] = {}
     depends: Callable[[], str] = str
-    uses: str = ""
     untimed: Collection[str] = ()
     priority: int = 0
     all_cores: bool = False
@@ -61,7 +59,7 @@ class Step(NamedTuple):
             "make": name,
             "settings": dict(self.settings),
             "depends": depends or self.depends(),
-            "code": code_digest(name, *([self.uses] if self.uses else [])),
+            "code": code_digest(name),
         }
 
 
@@ -79,27 +77,37 @@ class Product(NamedTuple):
     apart: bool
 
     @property
+    def folder(self) -> str:
+        """Folder of `studies` to which the function belongs."""
+        return self.make.__module__.split(".")[1]
+
+    @property
     def reads(self) -> list[str]:
         """Names of the files and settings that the function reads."""
         return [name for name in inspect.signature(self.make).parameters if name not in GIVEN]
 
 
-PRODUCTS: dict[str, Product] = {}
-"""All products by the names of their functions, in the order of their definition."""
+_DECLARED: dict[str, Product] = {}
+
+
+def products_of(folder: str) -> dict[str, Product]:
+    """Return the products of a folder by the names of their functions, in their order there."""
+    return {name: product for name, product in _DECLARED.items() if product.folder == folder}
 
 
 def product(
     *files: str,
+    figures: Iterable[str] = (),
     listed: Callable[[Any], Iterable[str]] | None = None,
     when: Callable[[Any], bool] = lambda study: True,
     early: bool = False,
     apart: bool = False,
 ) -> Callable[[Callable], Callable]:
-    """Declare that a function makes files, named here or ``listed`` of a study."""
+    """Declare that a function makes files, named here or ``listed`` of a study, and figures."""
 
     def declared(make: Callable) -> Callable:
-        files_of = listed or (lambda study: files)
-        PRODUCTS[make.__name__] = Product(make, files_of, when, EARLY if early else 0, apart)
+        files_of = listed or (lambda study: (*files, *figure_files(figures)))
+        _DECLARED[make.__name__] = Product(make, files_of, when, EARLY if early else 0, apart)
         return make
 
     return declared
@@ -112,9 +120,10 @@ def make_files(
     outputs: Iterable[str],
     **given: Any,
 ) -> None:
-    """Call a function, and write what it returns: a part of each file, by order or by their names.
+    """Call a function, and write what it returns: parts of files by order or by their names.
 
-    A part may be a function that writes to a path; None where the function wrote all itself.
+    A figure is a part for each of its formats. A part may be a function that writes to a path; None
+    where the function wrote all itself.
     """
     hints = typing.get_type_hints(make, include_extras=True)
     paths = [Path(path) for path in outputs]
@@ -125,8 +134,9 @@ def make_files(
         return
     if isinstance(parts, dict):
         parts = [parts[path.name if path.name in parts else path.stem] for path in paths]
-    elif len(paths) == 1:
-        parts = [parts]
+    else:
+        parts = parts if isinstance(parts, tuple) else (parts,)
+        parts *= len(paths) // len(parts)
     for path, part in zip(paths, parts, strict=True):
         part(path) if callable(part) else write(part, path)
         given["log"](f"wrote {path}")

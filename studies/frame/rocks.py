@@ -16,7 +16,7 @@ from jointclosure.storage.files import read_text
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
-from studies.frame.keys import OR_NULL, Jrc, Section, Several, Text, entry, made_of
+from studies.frame.keys import OR_NULL, Distinct, Jrc, Section, Several, Text, entry, made_of
 from studies.frame.settings import SIDES
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
@@ -95,11 +95,10 @@ class ScannedWalls(Section):
         ge=0,
         le=1,
     )
-    inverted: Several[Literal["upper", "lower"]] = entry(
+    inverted: Distinct[Literal["upper", "lower"]] = entry(
         "Walls (upper, lower) whose heights in the file point into the rock, as those of an upper "
         "wall in the lower one's frame; none unless given.",
         (),
-        unique=True,
     )
     bring_together: bool = entry(
         "Whether two files are brought together first: orientation checked, spikes cut, the common "

@@ -15,7 +15,7 @@ import yaml
 
 from jointclosure.inputs import InputError
 from studies.frame.configuration import configured, merged_study
-from studies.frame.experiments import checked_design, experiments_in
+from studies.frame.experiments import experiments_in
 from studies.frame.files import read_plain
 from studies.frame.test_configuration import STUDIES
 
@@ -50,8 +50,8 @@ def read(keys, file):
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
         found = configured(merged_study(file))
-        for name in experiments_in(found.keys):
-            checked_design(name, found)
+        for experiment in experiments_in(found.keys).values():
+            experiment.check(found)
     except InputError:
         return True
     return False

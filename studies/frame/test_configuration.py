@@ -15,7 +15,7 @@ from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
-from studies.frame.experiments import checked_design, experiment_named, experiments_in
+from studies.frame.experiments import experiment_named, experiments_in
 from studies.frame.files import ConfigurationError, read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import seeds_of
@@ -307,7 +307,7 @@ REFUSED = [
 @pytest.mark.parametrize(("name", "change", "reason"), REFUSED)
 def test_a_design_that_cannot_be_closed_is_refused_by_its_key(name, change, reason):
     with pytest.raises(ConfigurationError) as error:
-        checked_design(name, checked_study(TINY[name], change))
+        experiment_named(name).check(checked_study(TINY[name], change))
     assert reason in str(error.value)
 
 

@@ -12,14 +12,8 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
-from studies.frame.configuration import (
-    Configured,
-    configured,
-    merged,
-    overlaid,
-    refuse,
-    resolved,
-)
+from studies.frame.configuration import Configured, configured, resolved
+from studies.frame.files import merged, overlaid, refuse
 from studies.frame.settings import ClosureSettings
 from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
 

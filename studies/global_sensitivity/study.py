@@ -1,8 +1,6 @@
 """Experiment on global sensitivity: variance indices of properties and of open choices."""
 
-from collections.abc import Mapping
-from functools import cache
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -11,10 +9,12 @@ from matplotlib.figure import Figure
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configured
-from studies.frame.experiments import Design, Experiment, Tables
+from studies.frame.experiments import Experiment
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
-from studies.frame.points import Jobs, Point
+from studies.frame.points import Jobs, Joints, Point
+from studies.frame.products import product
 from studies.global_sensitivity.design import (
+    Sampling,
     check_sampling,
     sampling_of,
     settings_of_rock,
@@ -27,45 +27,32 @@ from studies.global_sensitivity.table import (
     index_table,
 )
 
-PREFIX = "global_sensitivity_"
 
-
-def global_sensitivity_design(configured: Configured) -> Design:
+def global_sensitivity_jobs(configured: Configured) -> Jobs:
     """Make a job for each rock and block of rows; added rows change no earlier block."""
-    sampling = sampling_of(configured)
-    makers = {rock: settings_of_rock(sampling, configured, rock) for rock in sampling.rocks}
-
-    @cache
-    def jobs() -> Jobs:
-        return {
-            f"{rock}.{rows.start}": [
-                Point({"rock": rock, "row": row, "point": place}, maker(row, point))
+    sampling, jobs = sampling_of(configured), {}
+    for rock in sampling.rocks:
+        settings = settings_of_rock(sampling, configured, rock)
+        for rows in sampling.blocks():
+            jobs[f"{rock}.{rows.start}"] = [
+                Point({"rock": rock, "row": row, "point": place}, settings(row, point))
                 for row in rows
                 for place, point in enumerate(sampling.points()[row])
             ]
-            for rock, maker in makers.items()
-            for rows in sampling.blocks()
-        }
-
-    return Design(
-        jobs,
-        tuple(PREFIX + name for name in ("indices", "elasticities", "conclusions", "margins")),
-        tuple(PREFIX + name for name in FIGURES),
-        {"sampling": sampling},
-    )
+    return jobs
 
 
-def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+@product(
+    *("tables/global_sensitivity_indices.csv", "tables/global_sensitivity_elasticities.csv"),
+    *("tables/global_sensitivity_conclusions.csv", "tables/global_sensitivity_margins.csv"),
+)
+def tabulate_global_sensitivity(
+    joints: Joints, sampling: Annotated[Sampling, sampling_of]
+) -> tuple:
     """Return indices, elasticities, shares of choices for which conclusions hold, and margins."""
-    sampling, closed = parameters["sampling"], by_rock(joints)
-    held, margins = conclusion_tables(sampling, closed)
-    tables = {
-        "indices": index_table(sampling, closed),
-        "elasticities": elasticity_table(sampling, closed),
-        "conclusions": held,
-        "margins": margins,
-    }
-    return {PREFIX + name: table for name, table in tables.items()}
+    closed = by_rock(joints)
+    indices, elasticities = index_table(sampling, closed), elasticity_table(sampling, closed)
+    return indices, elasticities, *conclusion_tables(sampling, closed)
 
 
 _SURFACES = "surfaces"
@@ -172,26 +159,23 @@ def conclusion_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     return figure
 
 
-FIGURES: dict[str, tuple] = {
-    "indices": (index_figure, "indices"),
-    "convergence": (convergence_figure, "indices"),
-    "conclusions": (conclusion_figure, "conclusions"),
-}
-"""Functions that draw, and the tables that they draw."""
-
-
-def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
-    """Draw indices, their convergence with the rows, or the shares for which conclusions hold."""
-    titles = {rock: keys["title"] for rock, keys in parameters["sampling"].rocks.items()}
-    draw, table = FIGURES[name.removeprefix(PREFIX)]
-    return draw(tables[PREFIX + table], titles)
+@product(
+    figures=[f"global_sensitivity_{name}" for name in ("indices", "convergence", "conclusions")]
+)
+def draw_global_sensitivity(
+    global_sensitivity_indices: pd.DataFrame,
+    global_sensitivity_conclusions: pd.DataFrame,
+    titles: dict[str, str],
+) -> tuple:
+    """Draw indices, their convergence with the rows, and shares for which conclusions hold."""
+    indices = global_sensitivity_indices
+    figures = index_figure(indices, titles), convergence_figure(indices, titles)
+    return *figures, conclusion_figure(global_sensitivity_conclusions, titles)
 
 
 EXPERIMENT = Experiment(
     title="global sensitivity to properties and open choices that vary together",
     quantities=QUANTITIES,
-    design=global_sensitivity_design,
-    tabulate=global_sensitivity_tables,
-    draw=global_sensitivity_figure,
+    jobs=global_sensitivity_jobs,
     check=check_sampling,
 )

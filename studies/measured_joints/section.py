@@ -17,7 +17,6 @@ class MeasuredJoints(StudySection):
         "Mismatch wavelengths [mm] among which that of a measured joint is fitted.",
         alias="mismatch_wavelength_mm",
         min_length=2,
-        unique=True,
     )
     compressive_strength: Several[Positive] = entry(
         "Compressive strengths that are tried besides that of the rock.",

@@ -6,8 +6,7 @@ of its first loading. All else is then judged: stiffness and closure of the late
 share of it that stays, and the area of contact. The strength of the rock was not published either.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -18,11 +17,12 @@ from jointclosure.engine.joints import closed_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.pairs import CrushedWalls, shifted
-from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
-from studies.frame.experiments import Design, Experiment, Tables, labelled_wavelengths, settings_of
+from studies.frame.experiments import Experiment, at_wavelengths
+from studies.frame.keys import Grid
 from studies.frame.panels import keys_of, legend_below, ticks_at
-from studies.frame.points import Point
+from studies.frame.points import Joints, Point
+from studies.frame.products import product
 from studies.frame.settings import ClosureSettings, walls_of
 from studies.measured_joints.observables import (
     BASE,
@@ -43,24 +43,17 @@ _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
 """Places of independent walls and of the three fitted joints about that of their variant."""
 
 
-def measured_joints_design(configured: Configured) -> Design:
+def measured_joints_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each mismatch wavelength: all choices of the model."""
-    configuration = configured.typed
-    section = configuration.section(MeasuredJoints)
-    (rock,) = configuration.rocks
-    case = base_case(configuration, rock)
-    jobs = {}
-    for label, wavelength in labelled_wavelengths(section.mismatch_wavelength).items():
-        settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
-        length = np.inf if wavelength is None else wavelength
-        jobs[label] = [
+    section = configured.typed.section(MeasuredJoints)
+    at = at_wavelengths(configured.typed, section.mismatch_wavelength)
+    return {
+        label: [
             point._replace(coordinates=point.coordinates | {"variant": name, "wavelength": length})
             for name, point in _variants(settings, section).items()
         ]
-    film_cells = (FILM_CELL / configuration.grid.spacing) ** 2
-    parameters = {"film_cells": film_cells, "root_seed": configuration.study.root_seed}
-    tables = ("measured_joints", "measured_joints_scores", "measured_joints_predictions")
-    return Design(lambda: jobs, tables, ("measured_joints",), parameters)
+        for _, label, length, settings in at
+    }
 
 
 def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, Point]:
@@ -119,22 +112,25 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
     )
 
 
-def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Return all tables by name."""
-    observables = observables_of(joints, parameters["film_cells"])
-    judged = judged_joints(observables, parameters["root_seed"])
+@product(
+    "tables/measured_joints.csv",
+    "tables/measured_joints_scores.csv",
+    "tables/measured_joints_predictions.csv",
+)
+def judge_measured_joints(joints: Joints, grid: Grid, root_seed: int) -> tuple:
+    """Compare with measured joints: judgements, scores and predictions."""
+    observables = observables_of(joints, (FILM_CELL / grid.spacing) ** 2)
+    judged = judged_joints(observables, root_seed)
     loaded = joints.groupby("variant").loaded_as.first()
     constants = (loaded != BASE).astype(int) + (loaded != loaded.index)
-    return {
-        "measured_joints": judged,
-        "measured_joints_scores": score_table(judged, constants),
-        "measured_joints_predictions": prediction_table(observables),
-    }
+    return judged, score_table(judged, constants), prediction_table(observables)
 
 
+@product(figures=["measured_joints"])
 @styled
-def measured_joints_figure(table: pd.DataFrame) -> Figure:
+def draw_measured_joints(measured_joints: pd.DataFrame) -> Figure:
     """Draw observables of all variants, with intervals of a single joint, beside measured bands."""
+    table = measured_joints
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
     figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
@@ -182,7 +178,5 @@ def _bars(
 EXPERIMENT = Experiment(
     title="the model beside measured joints",
     quantities=QUANTITIES,
-    design=measured_joints_design,
-    tabulate=measured_joints_tables,
-    draw=lambda name, tables, parameters: measured_joints_figure(tables[name]),
+    jobs=measured_joints_jobs,
 )

@@ -16,17 +16,13 @@ class Misalignment(StudySection):
     tilt_degrees: Ascending[Annotated[float, Field(ge=0, le=5)]] = entry(
         "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",
         min_length=1,
-        unique=True,
     )
     rotation_degrees: Ascending[Annotated[float, Field(ge=0, lt=360)]] = entry(
-        "Rotations of one wall about the normal [degrees]; 0 must be among them.",
-        min_length=1,
-        unique=True,
+        "Rotations of one wall about the normal [degrees]; 0 must be among them.", min_length=1
     )
     mismatch_wavelength: Ascending[Positive] = entry(
         "Mismatch wavelengths [mm] of walls that are closed besides independent ones.",
         alias="mismatch_wavelength_mm",
-        unique=True,
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:

@@ -14,11 +14,11 @@ from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import z2_of_jrc
 from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
-from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
-from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
+from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Point
+from studies.frame.points import Joints, Point
+from studies.frame.products import product
 from studies.frame.settings import ClosureSettings, seeds_of
 from studies.frame.summary import summary
 from studies.misalignment.section import Misalignment
@@ -32,6 +32,7 @@ SHOWN: tuple[tuple[str, int], ...] = (
 )
 SHOWN += (("stiffness_net", 1), ("stiffness_net", 2))
 """Response and cycle of each row of the figure."""
+WALLS = f"{__name__}:misaligned"
 
 
 def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
@@ -52,34 +53,34 @@ def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Itera
         yield tilted(upper, grid.spacing, tilt), lower
 
 
-def misalignment_design(configured: Configured) -> Design:
+def misalignment_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
-    configuration = configured.typed
-    section = configuration.section(Misalignment)
+    section = configured.typed.section(Misalignment)
     angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
-    wavelengths = labelled_wavelengths(section.mismatch_wavelength)
-    jobs = {}
-    for rock in configuration.rocks:
-        case = base_case(configuration, rock)
-        for label, wavelength in wavelengths.items():
-            settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
-            walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
-            jobs[f"{rock}.{label}"] = [
-                Point(walls | angle, settings, f"{__name__}:misaligned", angle) for angle in angles
-            ]
-    return Design(lambda: jobs, ("misalignment",), ("misalignment",), {})
+    return {
+        f"{rock}.{name}": [
+            Point({"rock": rock, "wavelength": wavelength} | angle, settings, WALLS, angle)
+            for angle in angles
+        ]
+        for rock, name, wavelength, settings in at_wavelengths(
+            configured.typed, section.mismatch_wavelength
+        )
+    }
 
 
-def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
+@product("tables/misalignment.csv")
+def tabulate_misalignment(joints: Joints) -> pd.DataFrame:
     """Compute means over surfaces, and their changes from aligned walls."""
     by = ("rock", "wavelength", "tilt", "rotation")
     table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
     return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
 
 
-def misalignment_figure(table: pd.DataFrame) -> Figure:
+@product(figures=["misalignment"])
+def draw_misalignment(misalignment: pd.DataFrame) -> Figure:
     """Draw changes from aligned walls over tilt and rotation, with 95 % intervals."""
+    table = misalignment
     rows = [
         Row(f"change of {title} (%)", part, "change_percent", "change_error")
         for (response, cycle), title in titles_of_cycles(*SHOWN).items()
@@ -102,7 +103,5 @@ def misalignment_figure(table: pd.DataFrame) -> Figure:
 EXPERIMENT = Experiment(
     title="effects of a tilt and a rotation of the walls",
     quantities=READ,
-    design=misalignment_design,
-    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
-    draw=lambda name, tables, parameters: misalignment_figure(tables[name]),
+    jobs=misalignment_jobs,
 )

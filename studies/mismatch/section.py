@@ -17,10 +17,9 @@ class Mismatch(StudySection):
         "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",
         alias="wavelength_mm",
         min_length=1,
-        unique=True,
     )
     shift_in_cells: Ascending[Annotated[int, Field(ge=0, le=4096)]] = entry(
-        "Shifts of the walls along x, in cells; 0 must be among them.", min_length=1, unique=True
+        "Shifts of the walls along x, in cells; 0 must be among them.", min_length=1
     )
     tolerance: float = entry(
         "Shifted walls behave as independent ones where the mean closure since seating of the "

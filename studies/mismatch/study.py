@@ -17,11 +17,11 @@ from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import ratio_of_means
-from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
-from studies.frame.experiments import Design, Experiment, labelled_wavelengths, settings_of
+from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Point
+from studies.frame.points import Joints, Point
+from studies.frame.products import product
 from studies.frame.summary import grouped, means
 from studies.mismatch.section import Mismatch
 
@@ -34,25 +34,22 @@ CONFIDENCE = 0.95
 RESAMPLES = 2000
 
 
-def mismatch_design(configured: Configured) -> Design:
+def mismatch_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
-    configuration = configured.typed
-    design, study = configuration.section(Mismatch), configuration.study
-    jobs: dict[str, list[Point]] = {}
-    for rock in configuration.rocks:
-        case = base_case(configuration, rock)
-        for label, wavelength in labelled_wavelengths(design.wavelength).items():
-            points = jobs[f"{rock}.{label}"] = []
-            for shift in (0,) if wavelength is None else design.shift_in_cells:
-                walls = {"mismatch_wavelength": wavelength, "shift_in_cells": shift}
-                at = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
-                at["shift"] = configuration.grid.spacing * shift
-                points.append(Point(at, settings_of(configuration, case, **walls)))
-    parameters = {"tolerance": design.tolerance, "root_seed": study.root_seed}
-    return Design(lambda: jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
+    section, jobs = configured.typed.section(Mismatch), {}
+    for rock, name, wavelength, settings in at_wavelengths(configured.typed, section.wavelength):
+        surface, points = settings.surfaces.surface, []
+        for shift in section.shift_in_cells if np.isfinite(wavelength) else (0,):
+            at = {"rock": rock, "wavelength": wavelength}
+            at["shift"] = configured.typed.grid.spacing * shift
+            moved = settings.with_surfaces(surface=surface._replace(shift_in_cells=shift))
+            points.append(Point(at, moved))
+        jobs[f"{rock}.{name}"] = points
+    return jobs
 
 
-def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
+@product("tables/mismatch.csv")
+def tabulate_mismatch(joints: Joints) -> pd.DataFrame:
     """Compute means over surfaces with errors; what a joint lacks is left out of its mean."""
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
@@ -63,9 +60,10 @@ def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def mismatch_figure(table: pd.DataFrame) -> Figure:
+@product(figures=["mismatch"])
+def draw_mismatch(mismatch: pd.DataFrame) -> Figure:
     """Draw the first rock: without a shift by cycle, and the first cycle of shifted walls."""
-    table = table[table.rock == table.rock.iloc[0]]
+    table = mismatch[mismatch.rock == mismatch.rock.iloc[0]]
     # the hysteresis of mated walls is unresolved, and may be far below 0
     axes: dict[str, dict[str, Any]] = {
         "stiffness_net": {"yscale": "log"},
@@ -84,7 +82,8 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     return panels(rows, columns, {"wavelength_mm": {0.0: "0 (mated)", np.inf: "independent"}})
 
 
-def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
+@product("tables/mismatch_shifts.csv")
+def find_independence(joints: Joints, tolerance: float, root_seed: int) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
     ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
@@ -140,10 +139,5 @@ def _shift_at(shifts: np.ndarray, level: float, means: list[float]) -> float:
 EXPERIMENT = Experiment(
     title="effects of mismatch and of a shift of the walls",
     quantities=(*MEANS, "stiffness_net", "initial_aperture"),
-    design=mismatch_design,
-    tabulate=lambda joints, parameters: {
-        "mismatch": mismatch_table(joints),
-        "mismatch_shifts": independence_table(joints, **parameters),
-    },
-    draw=lambda name, tables, parameters: mismatch_figure(tables[name]),
+    jobs=mismatch_jobs,
 )

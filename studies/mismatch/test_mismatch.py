@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from studies.frame.points import gridded
-from studies.mismatch.study import EXPERIMENT, independence_table
+from studies.mismatch.study import EXPERIMENT, find_independence
 from tests.studied import tiny
 
 TINY = tiny("mismatch")
@@ -71,20 +71,20 @@ def made_up(closures, scatter, surfaces=40):
 
 def test_the_shift_that_unmates_is_between_those_about_the_criterion():
     run = made_up([1.0, 0.5, 0.8, 1.0], 1e-9)
-    (row,) = independence_table(run, 0.1, 1).itertuples()
+    (row,) = find_independence(run, 0.1, 1).itertuples()
     assert row.shift_mm == pytest.approx(1.5)
     assert row.low == pytest.approx(row.high)
     # in mean apertures of independent walls, 0.5 mm
     assert row.apertures == pytest.approx(3.0)
     never = made_up([1.0, 0.5, 0.6, 0.7], 1e-9)
-    assert independence_table(never, 0.1, 1).shift_mm.item() == np.inf
+    assert find_independence(never, 0.1, 1).shift_mm.item() == np.inf
 
 
 def test_the_interval_of_that_shift_covers_it():
     held = []
     for factor in np.linspace(0.97, 1.03, 9):
         run = made_up([1.0, 0.5, 0.8 * factor, 1.1], 0.15)
-        (row,) = independence_table(run, 0.1, 1).itertuples()
+        (row,) = find_independence(run, 0.1, 1).itertuples()
         true = 1.0 + (0.9 - 0.8 * factor) / (1.1 - 0.8 * factor)
         held.append(row.low <= true <= row.high)
         assert row.low < row.shift_mm < row.high

@@ -184,35 +184,19 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """Return Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
     if table.empty:
         return "% No parameter is varied in this study: there is no indifference interval.\n"
-    titles = _shown(table, titles)
-    frame = table_3(table, titles)
-    why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
-    cycles = sorted({cycle for cycle, _ in frame.columns})
+    frame = table_3(table, _shown(table, titles)).map(lambda text: text.translate(_LATEX_SIGNS))
+    frame.index = pd.Index([PROPERTIES[parameter].latex for parameter in frame.index])
     words = {1: "First", 2: "Second", 3: "Third"}
-    heads = " & ".join(
-        rf"\multicolumn{{{len(titles)}}}{{c}}{{{words.get(c, f'Cycle {c}:')} loading cycle}}"
-        for c in cycles
+    frame.columns = pd.MultiIndex.from_tuples(
+        (f"{words.get(cycle, f'Cycle {cycle}:')} loading cycle", _plain_latex(title))
+        for cycle, title in frame.columns
     )
-    names = " & ".join(_plain_latex(title) for _, title in frame.columns)
-    body = [
-        rf"{PROPERTIES[parameter].latex} & {' & '.join(row).translate(_LATEX_SIGNS)} \\"
-        for parameter, row in frame.iterrows()
-    ]
-    return "\n".join(
-        [
-            r"\begin{table}",
-            rf"\caption{{Length of indifference intervals. {why}{_note(table, 'root ')}}}",
-            rf"\begin{{tabular}}{{l{'c' * len(frame.columns)}}}",
-            r"\toprule",
-            rf" & {heads} \\",
-            rf" & {names} \\",
-            r"\midrule",
-            *body,
-            r"\bottomrule",
-            r"\end{tabular}",
-            r"\end{table}",
-            "",
-        ]
+    why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
+    return frame.style.to_latex(
+        hrules=True,
+        multicol_align="c",
+        column_format="l" + "c" * frame.shape[1],
+        caption=f"Length of indifference intervals. {why}{_note(table, 'root ')}",
     )
 
 

@@ -14,7 +14,7 @@ from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Grid, Statistics, Surface
-from studies.frame.products import PRODUCTS, figure_files, product
+from studies.frame.products import figure_files, product, products_of
 from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
 from studies.frame.tables import CURVES, flow_table
 from studies.frame.tables import check_results as check
@@ -26,8 +26,6 @@ from studies.paper.conclusions import conclusion_table
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import Covariates, as_dataset, from_dataset, known_covariates
 from studies.paper.responses import measure_covariates as measure
-
-__all__ = ["PRODUCTS"]
 
 
 def _known(path: str) -> Covariates:
@@ -171,16 +169,16 @@ def require_checks(checks: str) -> str:
     early=True,
 )
 def write_tables(
-    intervals: pd.DataFrame,
-    closures: pd.DataFrame,
+    table_3_indifference: pd.DataFrame,
+    max_closure: pd.DataFrame,
     elasticities: pd.DataFrame | None,
     rocks: dict[str, StudyRock],
+    titles: dict[str, str],
 ):
     """Write Tables 1 to 3 in the paper's layout."""
-    titles = {name: rock.title for name, rock in rocks.items()}
-    tables = layout.rock_table(rocks, closures), layout.case_table(rocks, closures)
-    markdown = layout.table_3_markdown(intervals, titles, elasticities)
-    return *tables, layout.table_3_latex(intervals, titles), markdown
+    tables = layout.rock_table(rocks, max_closure), layout.case_table(rocks, max_closure)
+    markdown = layout.table_3_markdown(table_3_indifference, titles, elasticities)
+    return *tables, layout.table_3_latex(table_3_indifference, titles), markdown
 
 
 @product("tables/configuration.json")
@@ -216,12 +214,12 @@ def _of_study(study: Any) -> list[str]:
 @product(listed=_of_study, early=True)
 def draw_figures(
     study: Annotated[xr.Dataset, reading_netcdf],
-    intervals: pd.DataFrame,
-    closures: pd.DataFrame,
+    table_3_indifference: pd.DataFrame,
+    max_closure: pd.DataFrame,
     first_walls: Annotated[xr.Dataset, read_netcdf],
     curve_files: list[str],
-    fits: pd.DataFrame | None,
-    flow: pd.DataFrame | None,
+    measured_fit: pd.DataFrame | None,
+    hydraulic_aperture: pd.DataFrame | None,
     rocks: dict[str, StudyRock],
     curves: dict[str, CurveSettings],
     seating_stress: float,
@@ -232,8 +230,8 @@ def draw_figures(
     from studies.paper import figures as plotting
 
     measured = plotting.Measurements()
-    if fits is not None:
-        measured = measured._replace(curves=measured_curves(curves), fits=fits)
+    if measured_fit is not None:
+        measured = measured._replace(curves=measured_curves(curves), fits=measured_fit)
     drawn = np.union1d(study.realization.values[: plotting.MOST_DRAWN], measured.best)
     shown = study.sel(realization=drawn.astype(int)).load()
     log(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
@@ -249,15 +247,16 @@ def draw_figures(
         ),
         "wall_pair": plotting.wall_pair_figure(*walls, title),
     }
-    if flow is not None:
-        figures["hydraulic_aperture"] = plotting.flow_figure(flow, rocks, seating_stress)
+    if hydraulic_aperture is not None:
+        flow = plotting.flow_figure(hydraulic_aperture, rocks, seating_stress)
+        figures["hydraulic_aperture"] = flow
     if any(rock.levels for rock in rocks.values()):
-        figures["table_3_intervals"] = plotting.interval_figure(intervals, rocks)
-        figures["trends_max_closure"] = plotting.trend_figure(closures, shown, rocks)
+        figures["table_3_intervals"] = plotting.interval_figure(table_3_indifference, rocks)
+        figures["trends_max_closure"] = plotting.trend_figure(max_closure, shown, rocks)
     return figures
 
 
-@product(listed=lambda study: figure_files(["table_3_predictive"]), when=lambda study: study.varied)
+@product(figures=["table_3_predictive"], when=lambda study: study.varied)
 def draw_pool_figures(
     lengths: Annotated[xr.Dataset, read_netcdf],
     paper: pd.DataFrame,
@@ -267,4 +266,7 @@ def draw_pool_figures(
     """Draw the figures of the study's pool, as PNG and PDF."""
     from studies.paper.figures import predictive_figure
 
-    return {"table_3_predictive": predictive_figure(lengths, paper, rocks, realizations)}
+    return predictive_figure(lengths, paper, rocks, realizations)
+
+
+PRODUCTS = products_of("paper")

@@ -30,13 +30,11 @@ class Size(StudySection):
         "that of the grid must be among them.",
         alias="patch_mm",
         min_length=2,
-        unique=True,
     )
     spacing: Ascending[Positive] = entry(
         "Spacings [mm], whole multiples of the finest; that of the grid must be among them.",
         alias="spacing_mm",
         min_length=1,
-        unique=True,
     )
     most_cells: int = entry(
         "Cells along a side beyond which a patch is closed at the spacing of the grid only.",

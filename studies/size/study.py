@@ -7,7 +7,7 @@ are products of powers, by which closures and stiffness of one size predict anot
 
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,11 +23,14 @@ from jointclosure.walls.pairs import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
-from studies.frame.experiments import Design, Experiment, Tables, settings_of
+from studies.frame.experiments import Experiment, settings_of
+from studies.frame.keys import Grid
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Point, gridded
+from studies.frame.points import Joints, Point, gridded
+from studies.frame.products import product
+from studies.frame.rocks import StudyRock
 from studies.frame.settings import ClosureSettings, walls_of
-from studies.size.section import Size
+from studies.size.section import Size, SizeSpectrum
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""
@@ -249,7 +252,6 @@ SHOWN = (
     ("stiffness_net", 2),
 )
 """Quantity and cycle of each row of the figure."""
-TABLES = ("size", "size_exponents", "size_collapse", "size_barton_bandis")
 
 
 def nested(
@@ -274,7 +276,7 @@ def nested(
         yield upper, lower
 
 
-def size_design(configured: Configured) -> Design:
+def size_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
     configuration = configured.typed
     design, base = configuration.section(Size), configuration.grid
@@ -293,21 +295,7 @@ def size_design(configured: Configured) -> Design:
                 Point(at | place, settings, f"{__name__}:nested", walls | place)
                 for place in ({"position": i} for i in range(round(longest / patch)))
             ]
-    titles = {}
-    for name, spectrum in design.spectra.items():
-        wave = f"roll-off {1e3 * spectrum.roll_off:g} mm" if spectrum.roll_off else "no roll-off"
-        titles[name] = f"H {spectrum.hurst:g}, {wave}"
-    parameters = {
-        "base": [base.cells_x * base.spacing, base.spacing],
-        "spectra": {name: spectrum.roll_off for name, spectrum in design.spectra.items()},
-        "titles": titles,
-        "rocks": {
-            name: [rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress]
-            for name, rock in configuration.rocks.items()
-        },
-        "strength_ratio": configuration.output.wall_strength_ratio,
-    }
-    return Design(lambda: jobs, TABLES, ("size",), parameters)
+    return jobs
 
 
 def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:
@@ -444,38 +432,60 @@ def law_of_size(
     return barton_bandis(jrc, strength, strength / wall_strength, cycle).results(stress)
 
 
-def size_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Return all tables by name."""
-    roll_offs, base = parameters["spectra"], tuple(parameters["base"])
-    runs = runs_of(joints, list(roll_offs))
-    laws = barton_bandis_table(runs, base, parameters["rocks"], parameters["strength_ratio"])
-    exponents, collapse = exponent_table(runs, base), collapse_table(runs, roll_offs)
-    return dict(zip(TABLES, (size_table(runs, base), exponents, collapse, laws), strict=True))
+@product(
+    *("tables/size.csv", "tables/size_exponents.csv"),
+    *("tables/size_collapse.csv", "tables/size_barton_bandis.csv"),
+)
+def tabulate_size(
+    joints: Joints,
+    grid: Grid,
+    spectra: Mapping[str, SizeSpectrum],
+    rocks: Mapping[str, StudyRock],
+    wall_strength_ratio: float,
+) -> tuple:
+    """Return means, exponents, scalings, and the law of Barton and Bandis."""
+    runs, base = runs_of(joints, list(spectra)), base_of(grid)
+    roll_offs = {name: spectrum.roll_off for name, spectrum in spectra.items()}
+    of_law = {
+        name: (rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress)
+        for name, rock in rocks.items()
+    }
+    laws = barton_bandis_table(runs, base, of_law, wall_strength_ratio)
+    table, exponents = size_table(runs, base), exponent_table(runs, base)
+    return table, exponents, collapse_table(runs, roll_offs), laws
 
 
-def size_figure(table: pd.DataFrame, parameters: Mapping[str, Any]) -> Figure:
+@product(figures=["size"])
+def draw_size(sizes: pd.DataFrame, grid: Grid, spectra: Mapping[str, SizeSpectrum]) -> Figure:
     """Draw ratios of the first rock to the joints of the base; a power law is a straight line."""
-    table = table[table.rock == table.rock.iloc[0]]
+    table = sizes[sizes.rock == sizes.rock.iloc[0]]
     rows = [
         Row(f"ratio of {title}", part, f"{column}_ratio", f"{column}_error", {"yscale": "log"})
         for (name, cycle), title in titles_of_cycles(*SHOWN).items()
         for column, part in [(COLUMNS[name][0], table[table.cycle == cycle])]
     ]
     side, spacing = (
-        table[name].iloc[(table[name] - 1e3 * base).abs().argmin()]
-        for name, base in zip(("patch_mm", "spacing_mm"), parameters["base"], strict=True)
+        table[name].iloc[(table[name] - 1e3 * length).abs().argmin()]
+        for name, length in zip(("patch_mm", "spacing_mm"), base_of(grid), strict=True)
     )
     columns = [
         Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
         Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
     ]
-    return panels(rows, columns, {"spectrum": parameters["titles"]}, reference=1.0)
+    titles = {}
+    for name, spectrum in spectra.items():
+        wave = f"roll-off {1e3 * spectrum.roll_off:g} mm" if spectrum.roll_off else "no roll-off"
+        titles[name] = f"H {spectrum.hurst:g}, {wave}"
+    return panels(rows, columns, {"spectrum": titles}, reference=1.0)
+
+
+def base_of(grid: Grid) -> tuple[float, float]:
+    """Return side and spacing [m] of the grid of the study."""
+    return grid.cells_x * grid.spacing, grid.spacing
 
 
 EXPERIMENT = Experiment(
     title="effects of patch length and grid spacing",
     quantities=(*READ, *GEOMETRY),
-    design=size_design,
-    tabulate=size_tables,
-    draw=lambda name, tables, parameters: size_figure(tables[name], parameters),
+    jobs=size_jobs,
 )

@@ -1,5 +1,6 @@
 """One page with the closure curves of all hard cases."""
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -60,15 +61,7 @@ def _draw(axes, panel: str, rows: pd.DataFrame, curves: pd.DataFrame) -> None:
         axes.text(0.1, height, text, color=colour, va="center", fontsize=7, **on)
     axes.set(xticks=[], yticks=[])
     axes.margins(x=0.06, y=0.12)
-    axes.set_title(_wrapped(panel.replace("_", " ")), fontsize=8)
-
-
-def _wrapped(title: str, width: int = 30) -> str:
-    """Split a title into at most two lines."""
-    if len(title) <= width:
-        return title
-    cut = title.rfind(" ", 0, width + 1)
-    return f"{title[:cut]}\n{title[cut + 1 :]}"
+    axes.set_title(fill(panel.replace("_", " "), 30), fontsize=8)
 
 
 def _mark(row) -> str:

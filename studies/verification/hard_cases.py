@@ -5,14 +5,14 @@ closes its joint with a solver that passes every state at rest to the oracle
 (`jointclosure.engine.oracle`), and lists every requirement that does not hold.
 """
 
-import copy
 import json
 import math
+import operator
 import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -29,7 +29,8 @@ from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
-from studies.frame.keys import problems
+from studies.frame.files import merged
+from studies.frame.keys import validated
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
 from studies.verification.judged import Judge, JudgedSolver
 
@@ -51,14 +52,13 @@ class Outcome(NamedTuple):
 
 def merged_cases(study: dict) -> dict[str, dict]:
     """Return cases by name, merged over the defaults, in SI; one for each way of breakage."""
-    _refuse(problems(HardCasesKeys, study))
+    validated(HardCasesKeys, study, "hard cases")
     cases, keys = {}, case_keys(study["defaults"])
     for case in study["cases"]:
-        alone = _over_defaults(case, study["defaults"])
-        _refuse(f"{case.get('name')}: {line}" for line in problems(keys, alone))
-        for method in case.get("breakage", study["defaults"]["breakage"]):
-            whole = _over_defaults(case, study["defaults"])
-            whole["numerics"]["breakage"] = method
+        alone = merged(study["defaults"], case)
+        validated(keys, alone, f"hard cases: {case.get('name')}")
+        for method in alone["breakage"]:
+            whole = merged(alone, {"numerics": {"breakage": method}})
             name = case["name"] if method == "fixed_step" else f"{case['name']}_{method}"
             if name in cases:
                 raise InputError(f"hard cases: only one must have the name {name!r}")
@@ -76,20 +76,6 @@ def merged_cases(study: dict) -> dict[str, dict]:
     return cases
 
 
-def _over_defaults(case: dict, defaults: dict) -> dict:
-    whole = copy.deepcopy(defaults | case)
-    for part in ("walls", "rock", "effects", "choices", "numerics"):
-        if isinstance(whole.get(part), dict) and isinstance(defaults.get(part), dict):
-            whole[part] = defaults[part] | whole[part]
-    return whole
-
-
-def _refuse(lines: Iterable[str]) -> None:
-    problems = list(lines)
-    if problems:
-        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in problems))
-
-
 def run_case(case: dict) -> Outcome:
     """Close and judge a case's joint and measure the time; the result is kept for the process."""
     return _run(json.dumps(case, sort_keys=True))
@@ -100,8 +86,7 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
-            other = run_case(cases[asked["case"]]) if name == "same_as" else None
-            failed += EXTRA[name](outcome, asked, other)
+            failed += _extra(outcome, name, asked, cases)
     return failed
 
 
@@ -341,71 +326,57 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
     return failed
 
 
-def _same_as(outcome, asked: dict, other) -> list[str]:
-    """Check that closures are those of another case, times a factor if lengths are scaled."""
-    failed = []
-    if other.dataset is None:
-        return [f"{other.case['name']} gave nothing to compare with"]
-    factor = outcome.case["scale_lengths"] / other.case["scale_lengths"]
+def _same_as(data: xr.Dataset, asked: dict, other: xr.Dataset, factor: float) -> float:
+    """Return the largest difference from closures of another case, times the factor of lengths."""
+    size, off = np.abs(other.max_closure.values).max() * factor, 0.0
     for name in ("max_closure", "residual_closure"):
-        mine, theirs = (x.dataset[name].values for x in (outcome, other))
-        theirs = theirs * factor
-        size = np.abs(other.dataset.max_closure.values).max() * factor
-        off = float(np.abs(mine[: theirs.size] - theirs[: mine.size]).max()) / size
-        if not off <= asked["within"]:
-            failed.append(f"{name} differs from {asked['case']} by {off:.3g}")
-    return failed
+        mine, theirs = data[name].values, factor * other[name].values
+        off = max(off, float(np.abs(mine[: theirs.size] - theirs[: mine.size]).max()) / size)
+    return off
 
 
-def _no_drift(outcome, asked: dict, other) -> list[str]:
-    """Check that residual closure does not drift over the cycles after a given one."""
-    residual = outcome.dataset.residual_closure.values[asked["from_cycle"] - 1 :]
-    closure = float(outcome.dataset.max_closure.values[-1])
-    drift = float(np.ptp(residual)) / closure
-    return [] if drift <= asked["within"] else [f"residual closure drifts by {drift:.3g}"]
-
-
-def _nothing_breaks(outcome, asked: bool, other) -> list[str]:
-    steps = int(outcome.dataset.breakage_steps)
-    return [] if (steps == 0) == asked else [f"{steps} breakage steps"]
-
-
-def _contact_fraction(outcome, asked: dict, other) -> list[str]:
-    """Check that the largest fraction of cells in contact lies in a range."""
-    fraction = float(outcome.dataset.contact_fraction.values.max())
-    fits = asked["least"] <= fraction <= asked["most"]
-    return [] if fits else [f"contact fraction {fraction:.3g}"]
-
-
-def _closure(outcome, asked: dict, other) -> list[str]:
-    """Check that the first cycle's closure is the known one [m]."""
-    closure = float(outcome.dataset.max_closure.values[0])
-    off = abs(closure / asked["value"] - 1.0)
-    return [] if off <= asked["within"] else [f"closure {closure:.8g} m, expected {asked['value']}"]
-
-
-def _no_force(outcome, asked: bool, other) -> list[str]:
-    force = float(np.abs(outcome.dataset.force.values).sum())
-    return [] if (force == 0.0) == asked else [f"force {force:.3g} N"]
-
-
-def _forgets(outcome, asked: dict, other) -> list[str]:
-    """Check that the maximum closure of every cycle from the second on is that of the second."""
-    closures = outcome.dataset.max_closure.values[1:]
-    spread = float(np.ptp(closures) / closures.max())
-    return [] if spread <= asked["within"] else [f"maximum closures spread by {spread:.3g}"]
-
-
-EXTRA: dict[str, Callable[..., list[str]]] = {
-    "same_as": _same_as,
-    "no_drift": _no_drift,
-    "nothing_breaks": _nothing_breaks,
-    "contact_fraction": _contact_fraction,
-    "no_force": _no_force,
-    "closure": _closure,
-    "forgets": _forgets,
+EXTRA: dict[str, tuple[Callable[..., Any], str]] = {
+    "same_as": (_same_as, "a closure differs from {case} by {:.3g}"),
+    "no_drift": (
+        lambda data, asked: (
+            np.ptp(data.residual_closure.values[asked["from_cycle"] - 1 :]) / data.max_closure[-1]
+        ),
+        "residual closure drifts by {:.3g}",
+    ),
+    "nothing_breaks": (lambda data, asked: data.breakage_steps, "{:g} breakage steps"),
+    "contact_fraction": (
+        lambda data, asked: data.contact_fraction.max(),
+        "contact fraction {:.3g}",
+    ),
+    "no_force": (lambda data, asked: np.abs(data.force).sum(), "force {:.3g} N"),
+    "closure": (
+        lambda data, asked: abs(data.max_closure[0] / asked["value"] - 1.0),
+        "closure is off by {:.3g}, expected {value} m",
+    ),
+    "forgets": (
+        lambda data, asked: np.ptp(data.max_closure.values[1:]) / data.max_closure[1:].max(),
+        "maximum closures from the second on spread by {:.3g}",
+    ),
 }
-"""Requirements of single cases, by their key under ``must``."""
+"""Numbers of single cases and words for one that is off, by their key under ``must``, which says
+that the number is 0 (or not), at most ``within``, or from ``least`` to ``most``."""
+
+
+def _extra(outcome: Outcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+    """Check a requirement of a single case."""
+    number, words = EXTRA[name]
+    compared: tuple = ()
+    if name == "same_as":
+        other = run_case(cases[asked["case"]])
+        if other.dataset is None:
+            return [f"{asked['case']} gave nothing to compare with"]
+        lengths = (one.case["scale_lengths"] for one in (outcome, other))
+        compared = other.dataset, operator.truediv(*lengths)
+    value = float(number(outcome.dataset, asked, *compared))
+    if isinstance(asked, bool):
+        return [] if (value == 0.0) == asked else [words.format(value)]
+    fits = asked.get("least", 0.0) <= value <= asked.get("most", asked.get("within"))
+    return [] if fits else [words.format(value, **asked)]
 
 
 ERRORS: dict[str, tuple[str, ...]] = {"forces": ("residual", "without_overlap", "without_force")}

@@ -9,6 +9,7 @@ from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiments_in
 from studies.frame.points import as_table, joints_of
+from studies.frame.products import products_of
 from tests.studied import checked_study, tiny
 from tests.workflow.runs import HERE, checkout, planned, snakemake
 
@@ -28,19 +29,21 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
     points = design.points()
     rows = sum(joints_of([point]) * point.settings.conditions.cycle_count for point in points)
     assert len(as_table(dataset)) == rows
-    for table in design.tables:
-        if table.endswith(".md"):
-            assert (results / f"tables/{table}").read_text().count("|") > 10
+    made = [results / f for one in products_of(name).values() for f in one.files(configured.typed)]
+    for file in made:
+        if file.suffix == ".md":
+            assert file.read_text().count("|") > 10
+        elif file.suffix == ".csv":
+            assert len(read_csv(file)) > 0
         else:
-            assert len(read_csv(results / f"tables/{table}.csv")) > 0
-    for figure in design.figures:
-        assert (results / f"figures/{figure}.png").stat().st_size > 10000
+            assert file.stat().st_size > 10000
     assert planned(folder, name, config=config) == {}
     for job in design.jobs():
         assert (results / f"{name}/{job}.nc").exists()
-    (results / f"tables/{design.tables[0]}.csv").unlink()
-    again = planned(folder, name, config=config)
-    assert again[f"close_{name}"] == 1
+    made[0].unlink()
+    assert f"close_{name}" not in planned(folder, name, config=config)
+    (results / f"{name}.nc").unlink()
+    assert planned(folder, name, config=config)[f"close_{name}"] == 1
 
 
 def test_rows_that_are_added_close_no_others():

@@ -33,16 +33,8 @@ def main() -> str:
 
 
 def schema() -> str:
-    """Return the text of the JSON schema, without required keys: a file overrides defaults."""
-    return json.dumps(_without_required(json_schema(model())), indent=1) + "\n"
-
-
-def _without_required(part: object) -> object:
-    if isinstance(part, list):
-        return [_without_required(entry) for entry in part]
-    if not isinstance(part, dict):
-        return part
-    return {name: _without_required(part[name]) for name in part if name != "required"}
+    """Return the text of the JSON schema."""
+    return json.dumps(json_schema(model()), indent=1) + "\n"
 
 
 def rows(schema: dict, default: Any, path: str):

@@ -8,7 +8,6 @@ import importlib.util
 import os
 import sys
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,16 +18,9 @@ from process_group import EndRequest
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_csv, write_text
-from studies.frame.configuration import (
-    Configuration,
-    Configured,
-    configured,
-    merged,
-    merged_study,
-    sections,
-)
-from studies.frame.experiments import checked_design
-from studies.frame.files import read_plain
+from studies.frame.configuration import Configuration, configured, merged_study, sections
+from studies.frame.experiments import experiment_named
+from studies.frame.files import merged, read_plain
 from studies.frame.jobs import enter_folder
 from studies.frame.keys import Accuracy
 from studies.frame.rocks import measured_curves
@@ -44,20 +36,24 @@ _ADVICE = {
 
 
 class Target(NamedTuple):
-    """Goals of Snakemake, one after the other, and the default configuration.
+    """Goals of Snakemake, one after the other.
 
-    ``section``: required section of the configuration, ``usual`` a file that has it;
-    ``check`` refuses a configuration that cannot be run; ``page``: name of the page in the study's
-    folder that the user opens.
+    ``experiment``: its section must be in the configuration, and its file is the default;
+    ``usual``: a file with this section; ``study``: folder of results without a configuration;
+    ``page``: name of the page in the study's folder that the user opens.
     """
 
     goals: tuple[str, ...] = ("all",)
-    configuration: str = ""
-    study: str = ""
-    section: str = ""
+    experiment: str = ""
     usual: str = ""
-    check: Callable[[Configured], object] = lambda configured: None
+    study: str = ""
     page: str = ""
+
+    @property
+    def configuration(self) -> str:
+        """Default configuration."""
+        file = ROOTS["studies"] / self.experiment / f"{self.experiment}.yaml"
+        return os.path.relpath(file) if self.experiment else ""
 
 
 TARGETS = {
@@ -66,15 +62,7 @@ TARGETS = {
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
     "conclusions": Target(("all", "conclusions")),
 }
-TARGETS |= {
-    name.replace("_", "-"): Target(
-        (f"estimate_{name}", name),
-        os.path.relpath(ROOTS["studies"] / f"{name}/{name}.yaml"),
-        section=section.name,
-        check=partial(checked_design, name),
-    )
-    for name, section in sections().items()
-}
+TARGETS |= {name.replace("_", "-"): Target((f"estimate_{name}", name), name) for name in sections()}
 TARGETS["assess"] = TARGETS.pop("assessment")._replace(usual="workflow/usual_assessment.yaml")
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
     goals=("estimate_global_sensitivity",)
@@ -125,14 +113,16 @@ def checked(name: str, override: str) -> tuple[Configuration, list[str]]:
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target, keys = TARGETS[name], merged_study(*([Path(override)] if override else []))
-    usual = [target.usual] if target.usual and not keys.get(target.section) else []
+    section = sections()[target.experiment].name if target.experiment else ""
+    usual = [target.usual] if target.usual and not keys.get(section) else []
     study = configured(merged(keys, *map(read_plain, usual)))
-    if target.section and not study.keys.get(target.section):
+    if section and not study.keys.get(section):
         raise InputError(
-            f"{override}: has no section {target.section}, which make {name} needs "
+            f"{override}: has no section {section}, which make {name} needs "
             f"({target.configuration} has one)"
         )
-    target.check(study)
+    if section:
+        experiment_named(target.experiment).check(study)
     measured_curves(study.typed.curves)
     return study.typed, usual
 
