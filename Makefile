@@ -93,7 +93,7 @@ assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accurac
 mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (ten minutes on two cores)
 	$(RUN) mismatch
 
-size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (two minutes on two cores)
+size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (an hour on two cores)
 	$(RUN) size
 
 misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (three to ten core-minutes)

@@ -30,7 +30,7 @@ STUDIES = {
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
     "conclusions", "continuum", "flow", "global_sensitivity", "global_sensitivity_full", "growth",
-    "measured_fit", "peers", "readings_average", "size", "solver_speed",
+    "measured_fit", "peers", "readings_average", "solver_speed",
 )  # fmt: skip
 """Stored runs of a solver before 0d329c6, since when fixed steps are as they are."""
 OLDER_STEPS = ("accuracy_requests",)
