@@ -96,14 +96,11 @@ class MadeUp(Pilot):
     cycles = np.array([1.0, 0.5])
 
     def __init__(self, changes, joints=180, prior=None, bulk=0.0, seconds=0.5):
-        super().__init__([], Conditions(SPACING, DOLERITE, 3e6, 2).checked(), joints)
-        self.given, self.prior, self.bulk, self.time = changes, prior, bulk, seconds
+        super().__init__(changes, Conditions(SPACING, DOLERITE, 3e6, 2).checked(), joints)
+        self.prior, self.bulk, self.time = prior, bulk, seconds
 
-    def close(self, number, effects):
-        if number >= len(self.given):
-            return None
-        change = 0.0 if effects == ALL else self.given[number]
-        values = np.full(SHAPE, 1.0 + change) * self.cycles
+    def close(self, change, effects):
+        values = np.full(SHAPE, 1.0 + (0.0 if effects == ALL else change)) * self.cycles
         bulk = {"max_bulk_indentation": ("cycle", self.bulk * self.cycles)}
         dataset = xr.Dataset(bulk | {"read": (("quantity", "cycle"), values)})
         seconds = 1.0 if effects == ALL else self.time

@@ -131,8 +131,7 @@ class Pilot:
     def values(self, effects: Effects, count: int) -> np.ndarray:
         """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
         closed = self.closed.setdefault(effects, [])
-        while len(closed) < count and (more := self.close(len(closed), effects)):
-            closed.append(more)
+        closed += [self.close(pair, effects) for pair in self._pairs[len(closed) : count]]
         return np.array([self.read(joint) for joint in closed[:count]])
 
     def read(self, joint: ClosedWalls) -> np.ndarray:
@@ -140,11 +139,8 @@ class Pilot:
         row, failed = read_joint(joint, _READ), np.full(self.conditions.cycle_count, np.nan)
         return np.array([row.get(name, failed) for name in _READ])
 
-    def close(self, number: int, effects: Effects) -> ClosedWalls | None:
-        """Close the pair of a number with some effects; None if there is no such pair."""
-        return self._close(self._pairs[number], effects) if number < len(self._pairs) else None
-
-    def _close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
+    def close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
+        """Close a pair of walls with some effects."""
         stated = self.conditions._replace(effects=effects, **changes)
         if effects not in self._loaded:  # the time to load kernels is not that of the first joint
             upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
@@ -157,7 +153,7 @@ class Pilot:
         first = self.closed[self.effects][0]
         scenes = [scene._replace(breakage=False, gouge=False) for scene in (self.effects, fewer)]
         few = {"flow": False, "numerics": self.conditions.numerics._replace(curve_points=_POINTS)}
-        frozen = [self._close(first.final, scene, **few) for scene in scenes]
+        frozen = [self.close(first.final, scene, **few) for scene in scenes]
         self.frozen_seconds += sum(joint.seconds for joint in frozen)
         with_it, without_it = map(self.read, frozen)
         mean = (without_it - with_it) / self.read(first)
