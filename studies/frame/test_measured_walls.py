@@ -11,12 +11,7 @@ from studies.frame.cases import cases_of, surface_settings
 from studies.frame.files import ConfigurationError
 from studies.frame.keys import Grid
 from studies.frame.rocks import check_files
-from studies.frame.walls import (
-    Cutter,
-    cut_walls,
-    prepared_walls,
-    windows,
-)
+from studies.frame.walls import Cutter, cut_walls, prepared_walls, windows
 from tests.joints import SPACING
 from tests.studied import study_of
 

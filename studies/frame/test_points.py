@@ -45,17 +45,6 @@ def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, j
     assert (joints.seconds > 0.0).all()
 
 
-def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
-    point = points[5]
-    upper, lower = list(point.walls())[1]
-    closed = close_walls(upper, lower, point.settings.conditions)
-    here = (joints.realization == 1) & (joints.rock == "dolerite")
-    here &= (joints.jrc == point.coordinates["jrc"]) & (
-        joints.stress == point.coordinates["stress"]
-    )
-    assert joints.max_closure[here].tolist() == closed.max_closure.values.tolist()
-
-
 def test_a_table_is_the_same_after_it_was_a_dataset(joints):
     dataset = as_dataset(joints)
     assert dataset.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title

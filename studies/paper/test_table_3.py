@@ -18,13 +18,7 @@ from studies.frame.cases import cases_of, closed_keys, ensembles_of, pool_of, wa
 from studies.frame.closing import Ensemble
 from studies.frame.files import PAPER_TABLE_3
 from studies.frame.keys import Accuracy
-from studies.paper.accuracy import (
-    START,
-    Counts,
-    next_counts,
-    reached_table,
-    start_counts,
-)
+from studies.paper.accuracy import START, Counts, next_counts, reached_table, start_counts
 from studies.paper.claims import TARGET
 from studies.paper.closures import (
     best_fits,

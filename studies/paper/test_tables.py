@@ -1,6 +1,5 @@
 """Tables 1 to 3 in the paper's layout."""
 
-import re
 from functools import partial
 from pathlib import Path
 
@@ -8,9 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from jointclosure.joint.barton_bandis import barton_bandis
 from jointclosure.measured.curves import parsed_curve
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import significant
@@ -24,14 +21,8 @@ from studies.frame.products import make_files
 from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
 from studies.paper.closures import fit_table
-from studies.paper.figures import Measurements, interval_figure
-from studies.paper.layout import (
-    case_table,
-    rock_table,
-    table_3_latex,
-    table_3_markdown,
-    with_paper,
-)
+from studies.paper.figures import Measurements
+from studies.paper.layout import case_table, rock_table, table_3_latex, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
 from studies.paper.report.content import (
     STAYS,
@@ -41,7 +32,6 @@ from studies.paper.report.content import (
     most_sensitive,
     setting_rows,
 )
-from studies.paper.report.page import render
 from studies.paper.responses import (
     Covariates,
     as_dataset,
@@ -159,17 +149,6 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     assert most_sensitive(table, "youngs_modulus") == verdict
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
     assert headline(table) == about
-
-
-def test_closures_of_a_joint_are_given_since_seating_and_as_in_the_paper_and_else_not(page):
-    headings = re.findall(r"<th[^>]*>([^<]*)", render(page))
-    shown = {head.strip() for head in headings if "closure" in head.lower() and "(mm)" in head}
-    own = {head for head in shown if "measured" not in head.lower()}
-    assert own == {
-        "Net closure since seating, cycle 1 (mm)",
-        "Net closure since seating, cycle 2 (mm)",
-        "Maximum closure, mean (mm)",
-    }
 
 
 # Covariates belong to the joints that were closed, and are alike in all cases of a study
@@ -396,39 +375,3 @@ def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(four)
     assert len(best) == 2  # loading and unloading of the one cycle that was measured
     (row,) = fits.itertuples()
     assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
-
-
-@pytest.mark.parametrize("seating", [None, 5e5])
-@pytest.mark.parametrize("jrc", [8, 4, 16, 0])
-def test_the_barton_bandis_law_is_drawn_where_it_holds_from_where_closures_start(
-    four, seating, jrc
-):
-    """It counts from zero stress; since seating its closure there is subtracted."""
-    figure = plotting.closure_figure(four, {"one": ROCK._replace(jrc=float(jrc))}, seating, 1.5)
-    first = seating or 0.0
-    for cycle, axes in enumerate(figure.axes, start=1):
-        drawn = [line for line in axes.lines if line.get_color() == "0.2"]
-        assert len(drawn) == (jrc == 8)
-        for line in drawn:
-            assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 1e-6 * first)
-            law = barton_bandis(jrc, ROCK.intact.compressive_strength, 1.5, cycle)
-            reached = 1e3 * (law.closure(2e6) - law.closure(first))
-            np.testing.assert_allclose(line.get_xdata()[-1], reached)
-            assert line.get_xdata().size > 100  # it is a curve between the stresses of the study
-
-
-@pytest.mark.parametrize("varied", [1, 2, 3, 4])
-def test_the_legend_of_intervals_lies_within_the_figure(varied):
-    names = ("jrc", "poisson_ratio", "youngs_modulus", "compressive_strength")[:varied]
-    rows = [(rock, name, cycle) for rock in ROCKS for name in names for cycle in (1, 2)]
-    table = pd.DataFrame(rows, columns=["rock", "parameter", "cycle"]).assign(
-        unit="", test="paired", extrapolated=False, length=1.0, length_low=0.5, length_high=9.0,
-        length_net=1.1, paper_length=1.2, in_paper=True,
-    )  # fmt: skip
-    figure = interval_figure(table, ROCKS)
-    FigureCanvasAgg(figure).draw()
-    (legend,), panel = figure.legends, figure.axes[0].get_window_extent()
-    place = legend.get_window_extent()
-    assert 0.0 <= place.x0 < place.x1 <= figure.bbox.x1
-    assert 0.0 <= place.y0 < place.y1 <= panel.y0
-    assert panel.height > 0.3 * panel.width

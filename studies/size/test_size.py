@@ -167,14 +167,6 @@ def test_what_is_too_many_cells_is_not_closed(run):
     assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
 
 
-def test_larger_patches_close_more(run):
-    table = size_table({"slate": run}, BASE).set_index(["spectrum", "cycle"])
-    for spectrum in ROLL_OFFS:
-        own = table.loc[(spectrum, 1)]
-        at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
-        assert at_base.max_closure_net_mm_ratio.is_monotonic_increasing
-
-
 # Powers are found, and what they remove is judged by surfaces that were not fitted
 
 
@@ -189,13 +181,6 @@ def made_up(surfaces, noise, power=0.7, extra=0.0, seed=1):
     groups = np.zeros(9)
     predictor = np.broadcast_to(size[:, None], response.shape)[np.newaxis]
     return centred(predictor, groups), centred(response, groups)
-
-
-def test_a_power_is_found_and_removes_all_the_spread():
-    found = collapse_of(*made_up(8, 1e-9))
-    assert found.exponents == pytest.approx([0.7])
-    assert found.removed == pytest.approx(1.0)
-    assert found.left < 1e-8
 
 
 def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():

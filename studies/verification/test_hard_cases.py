@@ -27,8 +27,7 @@ STORED = read_csv(HERE / "results/hard_cases/hard_case_errors.csv").set_index("n
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=[pytest.mark.slow] * case["slow"]) for n, case in CASES.items()],
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * case["slow"]) for n, case in CASES.items()]
 )
 def test_a_hard_case_holds(name):
     """Its requirements hold, and no error is more than four times that of the stored table."""

@@ -2,7 +2,6 @@
 
 import mpmath
 import numpy as np
-import pandas as pd
 import pytest
 import scipy
 
@@ -12,7 +11,6 @@ from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
 from studies.verification import printed, sweeps
 from studies.verification.analytic import RADIUS, SOLUTIONS, analytic_table
-from studies.verification.printed import FORMULAS, formula_rows
 from tests.joints import DOLERITE, SPACING
 
 HEIGHTS = 100.0  # closure of the hardest case over the range of heights
@@ -155,35 +153,6 @@ def test_the_quartic_as_printed_loses_every_digit_and_ours_none(base):
     assert as_printed.iloc[-1] < 1e-12
     assert as_printed.iloc[0] > 1.0
     assert found[f"jointclosure, p = {base:g}"].max() < 1e-13
-
-
-LOADS = pd.DataFrame(
-    {
-        "joint": ["paper's grid"] * 2 + ["polished"],
-        "spectral_radius": [0.9, 1.2, 3.0],
-        "fast_residual": [1e-12, 2e-11, 3e-12],
-    }
-)
-
-
-@pytest.fixture(scope="module")
-def measured():
-    return pd.concat(
-        [
-            printed.cubic_errors(np.logspace(-12, 12, 5)),
-            printed.far_field_errors(np.logspace(0, 9, 5)),
-            printed.quartic_errors(np.logspace(-9, -0.5, 4), 78e9),
-        ]
-    )
-
-
-def test_every_formula_and_every_joint_is_a_row_that_holds(measured):
-    rows = pd.DataFrame(formula_rows(measured, LOADS)).set_index("name")
-    joints = ["interaction_paper_grid", "interaction_polished"]
-    assert rows.index.tolist() == [*(name.replace(" ", "_") for name in FORMULAS), *joints]
-    assert rows.holds.all()
-    assert rows.loc["interaction_paper_grid", "largest_error"] == 2e-11
-    assert "2 loads, on 1 of which" in rows.loc["interaction_paper_grid", "hard"]
 
 
 def test_the_exact_deformation_solves_eq_10_to_50_digits():

@@ -182,23 +182,6 @@ def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
         jc.assess([(np.zeros((8, 8)),) * 2], **SCENE | changes)
 
 
-def test_what_cannot_be_had_is_said_with_the_least_that_can():
-    made = closures()
-    words = Assessment(made, LADDER, "middle", 0.05, 1e-3).sentences[1]
-    assert "budget = 0.001 s: buys no mean, which takes at least 80 s" in words
-    fails = made.assign(**{name: made[name].where(made.variant != "fine") for name in JUDGED})
-    assert "fewer than two joints" in Assessment(fails, LADDER, "middle", 0.05).sentences[1]
-    lone = closures(joints=1, scatter=0.3)
-    assert (
-        "budget = 0.001 s: a joint takes"
-        in Assessment(lone, LADDER, "middle", 0.05, 1e-3).sentences[1]
-    )
-    assert (
-        "no setting answers a request below"
-        in Assessment(lone, LADDER, "middle", 0.05).sentences[-1]
-    )
-
-
 def test_walls_that_are_no_pairs_are_refused():
     for walls in (np.zeros((8, 8)), [(np.zeros((8, 8)),)]):
         with pytest.raises(jc.InputError, match="walls: must be"):

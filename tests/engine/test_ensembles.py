@@ -12,7 +12,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine import expected_cost as estimation
-from jointclosure.engine import joints, progress
+from jointclosure.engine import joints
 from jointclosure.engine.expected_cost import (
     BYTES,
     EXPONENTS,
@@ -21,15 +21,13 @@ from jointclosure.engine.expected_cost import (
     check_cells,
     expected_cost,
 )
-from jointclosure.engine.joints import NOT_SIMULATED, Reading, close_joint
-from jointclosure.engine.progress import Countdown
+from jointclosure.engine.joints import NOT_SIMULATED
 from jointclosure.engine.uncertainty import sources_of, variants_of
 from jointclosure.engine.workers import Failed, in_threads, shared
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from tests.engine.dying import die_or_double, kill_worker_once
 from tests.joints import DOLERITE, SPACING
-from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
 
@@ -146,60 +144,7 @@ def test_a_script_without_a_guard_is_not_run_again(tmp_path):
     assert done.stdout.split() == ["run", "2"]
 
 
-def test_each_joint_is_closed_as_a_study_closes_it(alone):
-    conditions = Conditions(
-        SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()
-    )
-    names = "closure", "max_closure", "status"
-    row = close_joint(rule(5), Reading(conditions, names, alone.stress.values))
-    for name in names:
-        np.testing.assert_array_equal(alone[name].values[1], row[name])
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
-        ({"effects": jc.Effects(substrate=False)}, "substrate = False needs interaction = False"),
-        ({"seating_stress": 9e6}, "seating_stress"),
-    ],
-)
-def test_conditions_are_refused_at_every_door_before_walls_are_made(change, message, tmp_path):
-    def walls(*_):
-        raise AssertionError("walls were made")
-
-    stated = LOAD | change
-    curve = tmp_path / "lab.csv"
-    curve.write_text(GOOD)
-    load = {name: value for name, value in stated.items() if name != "spacing"}
-    fitted = {name: value for name, value in stated.items() if name != "max_normal_stress"}
-    for door in (
-        lambda: jc.simulate_ensemble(walls, **stated),
-        lambda: jc.close("none.npy", "none.npy", **load),
-        lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
-        lambda: jc.simulate(*rule(1), **stated),
-    ):
-        with pytest.raises(jc.InputError, match=message):
-            door()
-
-
 # Progress: shown on a terminal, silent elsewhere
-
-
-@pytest.fixture
-def clock(monkeypatch):
-    """A clock that goes on by two seconds at each look."""
-    seconds = iter(range(0, 1000, 2))
-    monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
-
-
-def test_the_rest_is_estimated_and_reported_a_tenth_at_a_time(clock):
-    lines = []
-    count = Countdown("joints", 40, lines.append)
-    for _ in range(4):
-        count()
-    count(36)
-    assert lines == ["joints: 4 of 40, about 1 min 12 s left", "joints: 40 of 40"]
 
 
 # Cost of a large joint before it is closed

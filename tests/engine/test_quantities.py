@@ -1,7 +1,5 @@
 """What is read of each cycle is what engineers are told of the same joint."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,9 +10,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
-from jointclosure.storage.files import read_csv
 from studies.frame.summary import mean_shown
-from tests.studied import ROOT
 
 LARGEST, HALF = 20e6, 10e6
 SLATE = jc.Rock(youngs_modulus=66e9, poisson_ratio=0.25, compressive_strength=159e6)
@@ -103,17 +99,6 @@ def test_a_ratio_is_shown_as_it_is(name):
     assert COLUMNS[name] == (name, 1.0)
     assert HEADINGS[name] == QUANTITIES[name].title
     assert mean_shown(name, np.array([0.2, 0.4])).value == pytest.approx(0.3)
-
-
-def test_stored_tables_name_quantities_as_the_table_of_quantities():
-    for run in ("size", "misalignment", "global_sensitivity", "mismatch"):
-        tables = [read_csv(file) for file in ROOT.glob(f"studies/{run}/results/{run}/{run}*.csv")]
-        assert tables
-        for table in tables:
-            for column in {"response", "reading"} & {*table}:
-                assert {*table[column]} <= {*QUANTITIES}
-            for column in table.filter(regex="closure|stiffness|aperture_|hysteresis"):
-                assert re.sub("_(ratio|error)$", "", column) in HEADINGS
 
 
 def test_walls_are_summed_so_that_mates_have_no_relief(joint):

@@ -1,7 +1,6 @@
 """What walls and numbers may be, at every function that closes a joint."""
 
 import warnings
-from typing import Unpack
 
 import numpy as np
 import pandas as pd
@@ -9,7 +8,6 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.conditions import Changes
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.walls.plausibility import doubts
 from tests import joints
@@ -221,10 +219,3 @@ def test_simulate_warns_once_unless_told_that_values_are_unusual():
         warnings.simplefilter("error")
         jc.simulate(-upper, lower, unusual_values=True, **stated)
         jc.simulate(upper, lower, **stated)
-
-
-def test_conditions_are_typed_keywords_of_every_function_that_takes_them():
-    """So that checkers of types and editors find a keyword that is misspelt."""
-    assert Changes.__annotations__.keys() == set(jc.Conditions._fields)
-    for name in ("assess", "choose_effects", "close", "simulate", "simulate_ensemble"):
-        assert getattr(jc, name).__annotations__["changes"] == Unpack[Changes], name

@@ -15,7 +15,6 @@ from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named
-from jointclosure.walls.measured import Scan
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 from tests.studied import study_of
@@ -102,57 +101,6 @@ def test_a_load_that_cannot_be_is_refused_in_a_line(load, cycles, printed):
     assert "\n" not in str(refused.value)
     assert load_cycles([5e6, 1e6, 6e6], 2) == (LoadCycle(5e6, 1e6), LoadCycle(6e6, 0.0))
     assert load_cycles(5e6) == (LoadCycle(5e6, 0.0),) * 2
-
-
-ONCE = {"effects": ELASTIC, "cycles": 1}
-
-
-@pytest.fixture
-def walls():
-    """A joint that is long enough for scans."""
-    return pair(24)
-
-
-def scanned(upper, lower, **conditions):
-    scans = (Scan(wall, (SPACING, SPACING), (0.0, 0.0)) for wall in (1e-3 - upper, lower))
-    return jc.close(*scans, single=True, orientation="common_frame", **conditions).history
-
-
-DOORS = {
-    "simulate": lambda *walls, **given: jc.simulate(*walls, spacing=SPACING, **given),
-    "simulate_ensemble": lambda *walls, **given: jc.simulate_ensemble(
-        [walls], spacing=SPACING, workers=1, **given
-    ),
-    "choose_effects": lambda *walls, **given: (
-        jc.choose_effects([walls], spacing=SPACING, **given).closed[0].closed
-    ),
-    "close": scanned,
-}
-
-
-def first_closure(closed):
-    return float(np.ravel(closed.max_closure)[0])
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_a_joint_is_closed_below_the_usual_seating_stress(door, walls):
-    closed = DOORS[door](*walls, rock="granite", max_normal_stress=27e3, **ONCE)
-    assert first_closure(closed) > 0.0
-    assert float(np.ravel(closed.max_closure_seated)[0]) > 0.0
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_a_rock_is_given_by_its_name_or_its_properties(door, walls):
-    granite = ROCKS["granite"].intact
-    closures = [
-        first_closure(DOORS[door](*walls, rock=rock, max_normal_stress=2e6, **ONCE))
-        for rock in ("granite", granite, ("Granite", granite))
-    ]
-    assert closures == [closures[0]] * 3
-    for rock in ("marble", None, 3):
-        message = f"rock = {rock!r}: must be a Rock or one of dolerite"
-        with pytest.raises(jc.InputError, match=message):
-            DOORS[door](*walls, rock=rock, max_normal_stress=2e6)
 
 
 def test_the_rocks_of_the_paper_are_those_of_the_default_study():

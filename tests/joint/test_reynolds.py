@@ -31,15 +31,6 @@ def along_first_axis(field: np.ndarray, direction: str) -> np.ndarray:
     return field.T if direction == "x" else field
 
 
-@pytest.mark.parametrize("direction", DIRECTIONS)
-def test_parallel_plates_have_their_own_aperture(direction):
-    flow = flow_along(np.full((7, 13), 3e-4), direction)
-    assert flow.hydraulic_aperture == pytest.approx(3e-4, rel=1e-13)
-    fall = (np.arange(13 if direction == "x" else 7) + 0.5) / (13 if direction == "x" else 7)
-    pressure = along_first_axis(flow.pressure, direction)
-    assert np.allclose(pressure, 1.0 - fall[:, None], rtol=0.0, atol=1e-13)
-
-
 @pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
 def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
     """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""

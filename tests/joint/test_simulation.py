@@ -10,7 +10,6 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.joint.simulation import height_datum
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
 from tests import joints
@@ -194,17 +193,6 @@ def test_a_contact_that_is_locked_and_flat_is_counted_once():
     assert float(joint.flat_share.max()) == 0.0
 
 
-@pytest.mark.parametrize("offset", [0.0, -0.9, 5.0, 40.0, -1e6])
-def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset, walls):
-    wall = np.random.default_rng(3).standard_normal((30, 30)) + offset
-    datum = height_datum(wall)
-    np.testing.assert_array_equal((wall - datum) + datum, wall)
-    if abs(offset) > 100.0:
-        assert np.abs(wall - datum).max() < 20.0
-    assert [height_datum(wall) for wall in walls] == [0.0, 0.0]
-    assert height_datum(np.full((3, 3), 0.1)) == 0.1
-
-
 @pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])
 def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress):
     """0.5 MPa is one of sixty stresses, but for rounding."""
@@ -274,14 +262,6 @@ def test_attributes_state_rock_spacing_and_conventions_and_outlive_a_file(datase
     assert json.loads(attributes["numerics"]) == jc.Numerics()._asdict()
     if name != "equilibrium":
         assert attributes["max_normal_stress_Pa"] == 2e6
-
-
-def test_the_cycle_of_a_step_is_beside_its_branch(datasets):
-    data = datasets["simulate"]
-    assert data.load_cycle.dims == data.branch.dims == ("step",)
-    assert set(data.load_cycle.values.tolist()) == {1, 2}
-    highest = data.normal_stress.groupby("load_cycle").max()
-    np.testing.assert_allclose(highest, 2e6, rtol=1e-2)
 
 
 WEAK = {

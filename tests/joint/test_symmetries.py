@@ -80,10 +80,7 @@ def scaled(scene, method, **scales):
     return closed(walls, (ELASTIC | BREAKING)[scene], method, load=1e6, **scales)
 
 
-@pytest.mark.parametrize(
-    ("lengths", "stresses"),
-    [(1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0**-2)],
-)
+@pytest.mark.parametrize(("lengths", "stresses"), [(1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0**-2)])
 @pytest.mark.parametrize("method", METHODS, ids=str)
 @pytest.mark.parametrize("scene", [*ELASTIC, *BREAKING])
 def test_powers_of_64_scale_whole_histories_to_the_last_bit(scene, method, lengths, stresses):

@@ -12,12 +12,7 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.closing import CHECKED, FINER, Later
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
-from jointclosure.measured.region import (
-    NEITHER,
-    NUMERICS,
-    STRENGTHS,
-    validate,
-)
+from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.region import region_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered

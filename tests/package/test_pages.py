@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from jinja2 import UndefinedError
 
 from jointclosure.cli import main as cli
 from jointclosure.inputs import InputError
@@ -35,31 +34,6 @@ def test_a_committed_page_is_what_its_template_and_the_stored_results_give(page)
     template = templates.pages()[page]
     different = f"{page.name} differs: edit {template}, then make docs"
     assert page.read_text(encoding="utf-8") == templates.made(template), different
-
-
-def test_a_stored_file_or_a_column_that_lacks_fails_with_its_name(monkeypatch):
-    with pytest.raises(UndefinedError, match="missing"):
-        templates.Environment(undefined=templates.StrictUndefined).from_string(
-            "{{ rows('size/size')[0].missing + 1 }}"
-        ).render(rows=templates.rows)
-    with pytest.raises(FileNotFoundError, match=r"nothing\.csv"):
-        templates.rows("size/nothing")
-    with pytest.raises(ValueError, match="no row has cycle == 9"):
-        templates.rows("size/size", "cycle == 9")
-
-
-def test_every_stored_file_is_read_by_a_page_or_by_code():
-    sources = [path for pattern in ("studies/**/*.py", "studies/**/*.j2", "docs/**/*.j2", "*.smk")
-               for path in ROOT.glob(f"**/{pattern}" if pattern == "*.smk" else pattern)
-               if ".venv" not in path.parts]  # fmt: skip
-    text = "".join(path.read_text(encoding="utf-8") for path in sources)
-    for origin in ORIGINS:
-        run = origin.parent.name
-        for path in origin.parent.iterdir():
-            names = (path.name, f"{run}/{path.stem}", f'"{path.stem}"', f"_{path.stem}(")
-            shown = any(name in text for name in names) or path.name == "origin.json"
-            kinds = path.stem.startswith("global_sensitivity_")  # read by their kind
-            assert shown or kinds, path
 
 
 @pytest.mark.parametrize("path", ORIGINS, ids=lambda path: path.parent.name)

@@ -227,14 +227,3 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     inside = (found.force > 0.0) & ~at_limit
     np.testing.assert_allclose(gap[inside], 0.0, atol=1e-13)
     assert np.all(gap[found.force == 0.0] <= 1e-13)
-
-
-def test_resolved_closures_hardly_depend_on_the_tolerance_while_those_of_fixed_steps_do():
-    def mean(**numerics):
-        joints = [closed(pair(24, s), 5e6, largest_radius=20e-3, **numerics) for s in range(10)]
-        assert all(int(joint.status) < 16 for joint in joints)
-        return np.mean([joint.max_closure[0] for joint in joints])
-
-    fine = mean(breakage="resolved", tolerance=0.004)
-    assert abs(mean(breakage="resolved", tolerance=0.02) / fine - 1.0) < 0.04
-    assert mean() / fine - 1.0 > 0.1

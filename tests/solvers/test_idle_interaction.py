@@ -79,16 +79,6 @@ def test_what_is_left_out_bounds_what_it_would_be():
         assert 0.0 < field[joint.force > 0.0].max() <= bound
 
 
-def test_means_of_closure_stay_within_the_share_and_products_are_saved():
-    full, less = (
-        [closed(seed, share, strength_bound="none") for seed in range(10)] for share in (0.0, SHARE)
-    )
-    means = [np.mean([joint.max_closure.values for joint in runs], axis=0) for runs in (full, less)]
-    assert np.abs(means[1] / means[0] - 1.0).max() <= SHARE
-    products = [sum(int(joint.solver_iterations) for joint in runs) for runs in (full, less)]
-    assert products[1] < 0.9 * products[0]
-
-
 @pytest.mark.parametrize(
     ("bound", "value", "idle"),
     [

@@ -6,22 +6,10 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.solvers.conjugate_gradients import coarse_space
 from jointclosure.solvers.fast import FastSolver
-from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint
 from tests import joints
 from tests.joints import DOLERITE, SPACING, pair
-
-
-def system(shape=(42, 42), share=0.4):
-    influence = influence_of(influence_table(*shape, 0.5 * SPACING, MODULUS, SPACING))
-    rng = np.random.default_rng(7)
-    cells = np.flatnonzero(rng.random(shape[0] * shape[1]) < share)
-    return influence, cells, (0.5 + 0.5 * rng.random(cells.size)) * 0.5 * SPACING * MODULUS
-
-
-MODULUS = 4e10
 
 
 def closed(seed, cells=24, stress=4e6, largest_radius=20e-3, **stated):
@@ -92,17 +80,3 @@ def test_steps_beyond_a_former_maximum_are_as_short_as_those_of_a_first_loading(
         rises.append(np.diff(stress)[stress[:-1] >= 4e6])
     assert rises[0].max() < 1.5 * rises[1].max()
     assert 0.5 < rises[0].size / rises[1].size < 2.0
-
-
-def test_the_patches_system_has_the_mean_influence_between_their_cells():
-    influence, cells, stiffness = system((28, 28), 1.0)
-    side = influence.patch
-    space = coarse_space(influence, cells, stiffness)
-    y, x = np.divmod(cells, 28)
-    table = influence.table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-    patch = space.number[influence.patch_of[cells]]
-    member = patch[:, None] == np.arange(space.inverse.shape[0])
-    mean = member.T @ table @ member / side**4
-    total = stiffness @ member
-    expected = np.eye(total.size) + np.sqrt(np.outer(total, total)) * mean
-    np.testing.assert_allclose(np.linalg.inv(space.inverse), expected, rtol=1e-9)

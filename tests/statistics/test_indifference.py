@@ -3,7 +3,7 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.stats
-from hypothesis import assume, given
+from hypothesis import given
 
 import jointclosure as jc
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
@@ -64,19 +64,6 @@ def test_a_scatter_that_outgrows_the_mean_has_no_root_but_none_at_the_base_a_len
     assert not found.extrapolated
     found = jc.indifference_interval(levels, [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
     assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
-
-
-@given(st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=4))
-def test_the_largest_real_root_agrees_with_mpmath(known):
-    known = sorted(known)
-    assume(np.all(np.diff(known) > 1e-2) and np.abs(known).max() > 1e-3)
-    coefficients = np.poly(known)
-    with mpmath.workdps(50):
-        ascending = [mpmath.mpf(c) for c in coefficients[::-1]]
-        exact = mpmath.polyroots(ascending, maxsteps=500, extraprec=500, asc=True)
-        largest = max(abs(float(mpmath.re(r))) for r in exact)
-    found = abs(largest_real_roots(coefficients[None])[0])
-    assert found == pytest.approx(largest, rel=1e-8)
 
 
 def assert_exact(found, levels, means, deviations, n, relative):

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import scipy.stats
 
-import jointclosure as jc
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.repetitions import (
@@ -169,15 +168,6 @@ def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
     unlikely = joint_test(drawn, 5.0 * observed)
     assert unlikely.p < 0.01
     assert unlikely.log_likelihood < joint_test(drawn, observed).log_likelihood - 5.0
-
-
-def test_lengths_are_those_of_the_means_and_deviations_drawn():
-    random = generator(4)
-    drawn = draw_studies({"x": sensitivity(random, 0.05, 60, "x")}, Design(), 200, random)["x"]
-    for r in range(200):
-        one = jc.indifference_interval(LEVELS, drawn.means[r, 0], drawn.deviations[r, 0], 20)
-        expected = np.inf if np.isnan(one.length) else one.length
-        assert drawn.lengths[r, 0] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.slow

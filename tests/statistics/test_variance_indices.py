@@ -86,15 +86,6 @@ def test_a_quadratic_has_its_indices_to_the_last_digits(count):
     np.testing.assert_allclose(found.total, totals / parts.sum(), atol=1e-12)
 
 
-def test_the_design_changes_one_input_at_a_time():
-    points = sampled_rows(4, 16, 2)
-    for one in range(4):
-        changed = points[:, 2 + one] != points[:, 0]
-        assert changed[:, one].all()
-        assert changed.sum() == 16
-        assert np.array_equal(points[:, 2 + one, one], points[:, 1, one])
-
-
 def test_shapley_effects_of_dependent_normals_are_those_of_the_literature():
     """Owen and Prieur (2017), Sec. 4.1: x + y of correlation r share equally; a x + b y do not."""
     points = sampled_rows(2, 256, 4)[:, 0]

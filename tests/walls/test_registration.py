@@ -12,7 +12,6 @@ from scipy import ndimage
 import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.engine.scanned_joint import _force_in_holes, registered_walls
-from jointclosure.engine.selection import choose_effects
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
@@ -20,9 +19,7 @@ from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
-from studies.frame.rocks import ScannedWalls
-from studies.frame.walls import prepared_walls
-from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
+from tests.joints import SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
@@ -261,13 +258,6 @@ def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_conta
     assert sum("plateaus" in line for line in found.warnings) == patches
 
 
-def walls_of_files(upper, lower, spacing, **_):
-    """A study's walls that lie as they are given."""
-    about = ScannedWalls(upper="top", lower="bottom", units="mm")
-    scans = {"upper": grid(upper, step=spacing), "lower": grid(lower, step=spacing)}
-    return prepared_walls(scans, about, spacing, "yu_vayssade_linear_0.25mm")
-
-
 def test_a_flat_and_a_stepped_wall_keep_their_heights(joint):
     steps = np.indices(SHAPE)[1] // 12 * 1e-4
     for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
@@ -397,35 +387,6 @@ def test_a_mated_wall_whose_heights_are_in_another_unit_is_refused(mismatch, fac
         registered(upper._replace(heights=factor * upper.heights), lower, **AS_SCANNED)
 
 
-def close_scans(upper, lower, spacing, rock):
-    scans = grid(-upper, step=spacing), grid(lower, step=spacing)
-    options = {"orientation": "common_frame", "single": True}
-    return jc.close(*scans, rock=rock, max_normal_stress=1e6, **options)
-
-
-DOORS = {
-    "simulate": lambda *pair, **s: jc.simulate(*pair, max_normal_stress=1e6, **s),
-    "equilibrium": lambda *pair, **s: jc.equilibrium(*pair, closure=1e-6, **s),
-    "ensemble": lambda *pair, **s: jc.simulate_ensemble([pair], max_normal_stress=1e6, **s),
-    "effects": lambda *pair, **s: choose_effects([pair], max_normal_stress=1e6, **s),
-    "close": close_scans,
-    "study": walls_of_files,
-}
-
-
-@pytest.mark.parametrize("door", sorted(DOORS))
-@pytest.mark.parametrize("what", ["heights", "spacing"])
-@pytest.mark.parametrize("factor", [1e3, 1e-3])
-def test_a_unit_a_thousand_times_off_is_refused_or_warned_of_at_every_door(door, what, factor):
-    pair = np.array(jc.wall_pair(8.0, (32, 32), SPACING, 7, correlation=0.9))
-    spacing = SPACING * (factor if what == "spacing" else 1.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)  # so that nothing is computed
-        with pytest.raises((jc.InputError, UserWarning)):
-            DOORS[door](*(pair * (factor if what == "heights" else 1.0)), spacing=spacing,
-                        rock=DOLERITE)  # fmt: skip
-
-
 def test_scans_that_lie_apart_are_refused(joint):
     with pytest.raises(jc.InputError, match="walls overlap in 0 x"):
         registered(grid(-joint[0], (1.0, 0.0)), grid(joint[1]), shift="scanned")
@@ -519,25 +480,6 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
-
-
-def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
-    rng = np.random.default_rng(5)
-    waves = rng.normal(size=(60, 2)) * 2500.0
-    phases = rng.random(60) * 2.0 * np.pi
-
-    def heights(places):
-        return 1e-5 * np.cos(places @ waves.T + phases).sum(axis=1)
-
-    places = rng.random((2, 14000, 2)) * 25e-3
-    true = np.array([0.31e-3, -0.83e-3])  # of the upper cloud, along x and y
-    lower = np.column_stack([places[0], heights(places[0])])
-    upper = np.column_stack([places[1], heights(places[1] + true) + 1e-3])
-    found = registered(Cloud(upper), Cloud(lower))
-    assert found.orientation == "common_frame"
-    moved = (found.motion.place - found.motion.middle)[:2]
-    assert moved == pytest.approx(tuple(true), abs=0.05 * found.spacing)
-    assert found.correlation > 0.99
 
 
 @pytest.fixture(scope="module")

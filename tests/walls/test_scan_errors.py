@@ -48,15 +48,6 @@ def test_walls_are_displaced_as_a_motion_moves_points():
     np.testing.assert_allclose(moved[4:-4, 4:-4], expected[4:-4, 4:-4], atol=5e-3)
 
 
-def test_holes_stay_where_no_height_was_scanned():
-    hole = np.zeros(SHAPE, bool)
-    hole[40:50, 40:50] = True
-    wall = np.where(hole, 5.0, np.random.default_rng(0).standard_normal(SHAPE))
-    moved = errors(offset=(0.0, 0.5, 0.5))._replace(holes=hole).displaced(wall, 1)
-    assert np.ptp(detrended(wall)[hole]) == pytest.approx(np.ptp(moved[hole]), abs=0.1)
-    assert (moved[hole] > moved[~hole].max() - 2.0).all()
-
-
 @pytest.mark.parametrize("noise", [5e-6, 15e-6])
 def test_other_noise_changes_walls_by_its_size_and_takes_at_most_its_own_power(walls, noise):
     known = float(np.sqrt(2.0) * noise)

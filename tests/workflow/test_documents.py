@@ -21,7 +21,8 @@ from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
+    *(ROOT / f"config/{name}README.md" for name in ("", "walls/")),
     *sorted((ROOT / "docs").rglob("*.md")),
 ]
 

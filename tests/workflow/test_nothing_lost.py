@@ -15,14 +15,7 @@ import psutil
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.runs import (
-    STAMP,
-    answer,
-    assert_same,
-    checkout,
-    planned,
-    studies_command,
-)
+from tests.workflow.runs import STAMP, answer, assert_same, checkout, planned, studies_command
 
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
 RESULTS = "results/tiny"
@@ -109,18 +102,6 @@ def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied)
     )
     assert_same(mine, intact, "figures")
     assert planned(copied) == {}
-
-
-def test_a_finished_study_of_another_machine_is_reported_without_running_anything(study, tmp_path):
-    there = shutil.copytree(study / RESULTS, tmp_path / "anywhere")
-    for closed in ("cases", "pool"):
-        shutil.rmtree(there / closed)
-    (there / "report.html").unlink(missing_ok=True)
-    done = studies_command("report", there)
-    assert done.returncode == 0, done.stdout + done.stderr
-    page = (there / "report.html").read_text(encoding="utf-8")
-    for figure in (there / "figures").glob("*.png"):
-        assert f'id="figure-{figure.stem}"' in page
 
 
 def test_any_realisation_is_repeated_by_one_command(copied):

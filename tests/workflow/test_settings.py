@@ -127,11 +127,3 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
     good = closed.max_closure.values[[0, 1, 3]]
     assert table.samples.tolist() == [3, 3]
     np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)
-
-
-def test_any_realisation_can_be_repeated_alone(configuration):
-    settings = settings_of(configuration, "slate-jrc-low", range(3, 7))
-    block = close_block(settings)
-    one = settings.surfaces._replace(first_realization=5, realizations=1)
-    again = close_block(settings._replace(surfaces=one))
-    assert differences(block.sel(realization=[5]), again) == []

@@ -1,0 +1,157 @@
+"""Commands find, print and store what the library does (`close`: see test_close)."""
+
+import functools
+import json
+from unittest.mock import Mock
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure.cli import doctor
+from jointclosure.joint.simulation import simulate_by
+from jointclosure.storage.netcdf import read_netcdf
+from tests.joints import COARSE
+
+SMALL = ["--cells", "12x14", "--max-normal-stress", 2, "--seating-stress", 0.2]
+BY_NUMBERS = ["--youngs-modulus", 78, "--poisson-ratio", 0.2, "--strength", 165, "--jrc", 8]
+
+
+def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_path, command):
+    for path, rock in (("name.nc", ["--rock", "dolerite"]), ("numbers.nc", BY_NUMBERS)):
+        words = [*rock, *SMALL, "--seed", 3, "--output", tmp_path / path]
+        code, out, err = command("simulate", *words)
+        assert (code, err) == (0, "")
+        assert "cycle 2" in out
+    name, numbers = (read_netcdf(tmp_path / path) for path in ("name.nc", "numbers.nc"))
+    walls = jc.wall_pair(8.0, (14, 12), 0.25e-3, seed=3)
+    load = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
+    closed = jc.simulate(*walls, spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6), **load)
+    for variable in closed.data_vars:
+        np.testing.assert_array_equal(name[variable], closed[variable])
+        np.testing.assert_array_equal(numbers[variable], closed[variable])
+    assert json.loads(name.attrs["settings"])["rock"]["youngs_modulus"] == 78e9
+    assert name.attrs["source_digest"]
+
+
+def test_a_picture_is_drawn_and_effects_and_settings_are_heeded(tmp_path, command):
+    words = [*SMALL, "--cycles", 1, "--without", "breakage", "gouge", "soft_peaks"]
+    words += ["--curve-points", 7, "--picture", tmp_path / "a.png", "--output", tmp_path / "a.nc"]
+    code, out, err = command("simulate", "--rock", "slate", *words)
+    assert (code, err) == (0, "")
+    assert (tmp_path / "a.png").stat().st_size > 5000
+    closed = read_netcdf(tmp_path / "a.nc")
+    assert json.loads(closed.attrs["effects"])["breakage"] is False
+    # 7 stresses and that of seating, up from first touch and down again
+    assert closed.sizes["step"] == 1 + 8 + 8
+    assert "cycle 2" not in out
+
+
+def test_a_failed_simulation_has_its_status_in_words_and_fails(command, monkeypatch):
+    def failing(*given):
+        closed = simulate_by(*given)
+        closed["status"] = closed.status.copy(data=np.int16(64 + 2))
+        return closed
+
+    monkeypatch.setattr("jointclosure.joint.simulation.simulate_by", failing)
+    code, out, _ = command("simulate", "--rock", "slate", *SMALL)
+    assert code == 1
+    assert "failed: outside_model_range, rigid_contact" in out
+
+
+OF_CURVE = ["--rock", "granite", "--jrc", "10", "--cells", "12", "--surfaces", "4"]
+
+
+def test_fit_finds_what_the_library_does(inputs, tmp_path, command):
+    words = [inputs / "lab.csv", *OF_CURVE, "--tolerance", 0.1, "--output", tmp_path / "fitted"]
+    code, out, err = command("fit", *words)
+    assert (code, err) == (0, "")
+    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    found = jc.fit(inputs / "lab.csv", **about, numerics=COARSE)
+    assert all(f"- {line}" in out for line in found.sentences())
+    record = json.loads((tmp_path / "fitted/fit.json").read_text())
+    for name in ("p_value", "interval_holds", "assumed"):
+        assert record[name] == getattr(found, name)
+    assert found.assumed in out.splitlines()[0]
+    assert record["compressive_strength_MPa"] is None
+    assert json.loads(record["provenance"]["settings"])["shape"] == [12, 12]
+    assert (tmp_path / "fitted/fit.png").stat().st_size > 20000
+
+
+@pytest.mark.parametrize(
+    ("words", "roll_off", "breakage"),
+    [
+        (["--roll-off", "2"], 2e-3, "resolved"),
+        (["--breakage", "fixed_step", "--hurst", "0.7", "--surfaces", "8"], None, "fixed_step"),
+    ],
+)
+def test_stated_assumptions_replace_the_usual_ones(
+    inputs, monkeypatch, command, words, roll_off, breakage
+):
+    stopped = functools.wraps(jc.fit)(Mock(side_effect=jc.InputError("enough")))
+    monkeypatch.setattr("jointclosure.cli.fit.fit", stopped)
+    command("fit", inputs / "lab.csv", *OF_CURVE, *words)
+    settings = stopped.call_args.kwargs
+    assert settings.get("roll_off") == roll_off
+    assert settings["numerics"].breakage == breakage
+
+
+def test_validate_finds_what_the_library_does_and_keeps_its_joints(inputs, tmp_path, command):
+    folder = tmp_path / "region"
+    words = [inputs / "lab.csv", *OF_CURVE, "--output", folder]
+    code, out, err = command("validate", *words)
+    assert (code, err) == (0, "")
+    assert "96 joints are closed, as far as they are not kept" in out
+    stated = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    lines = []
+    stated |= {"cache": folder / "joints", "report": lines.append}
+    found = jc.validate(inputs / "lab.csv", **stated)
+    assert not any(line.startswith("closed") for line in lines)  # by the command
+    assert all(f"- {line}" in out for line in found.sentences())
+    pd.testing.assert_frame_equal(pd.read_csv(folder / "region.csv"), found.table(), rtol=1e-9)
+    record = json.loads((folder / "region.json").read_text())
+    assert record["found"] == found.sentences()
+    assert json.loads(record["provenance"]["settings"])["shape"] == [12, 12]
+    assert (folder / "region.png").stat().st_size > 20000
+
+
+def test_roughness_prints_every_measure_and_writes_table_and_picture(inputs, tmp_path, command):
+    table, picture = tmp_path / "measures.csv", tmp_path / "wall.png"
+    words = ["--units", "mm", "--scan-spacing", "0.25", "--table", table, "--picture", picture]
+    code, out, _ = command("roughness", inputs / "wall.npy", *words)
+    assert code == 0
+    assert "40 x 48 cells (y, x) of 0.25 mm; mean plane removed" in out
+    frame = pd.read_csv(table).set_index("measure")
+    assert all(name in out for name in frame.index)
+    assert frame.value["JRC, yu_vayssade_linear_0.25mm"] == pytest.approx(9.0, abs=0.2)
+    assert picture.stat().st_size > 20000
+
+
+@pytest.fixture
+def sound(tmp_path, monkeypatch):
+    """An empty folder, one thread, and no start of Snakemake, which takes seconds."""
+    monkeypatch.chdir(tmp_path)
+    for name in doctor.THREADS:
+        monkeypatch.setenv(name, "1")
+    monkeypatch.setattr(doctor, "_snakemake", lambda folder: ("snakemake", "starts", ""))
+    monkeypatch.setattr(doctor.os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
+
+
+def test_a_sound_environment_has_no_advice(sound, tmp_path, command):
+    code, out, _ = command("doctor")
+    assert (code, "no problems" in out, "->" in out) == (0, True, False)
+    for what in ("python", "packages", "cores", "threads", "memory", "compiled kernels", "results"):
+        assert f"{what}:" in out
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_threads_set_otherwise_get_an_advice(sound, monkeypatch, command):
+    for name in doctor.THREADS:  # as in any shell: make sets them
+        monkeypatch.delenv(name)
+    assert command("doctor")[0] == 0
+    monkeypatch.setenv("MKL_NUM_THREADS", "2")
+    code, out, _ = command("doctor")
+    assert code == 1
+    assert "OMP_NUM_THREADS=unset" in out
+    assert "set all to 1" in out
