@@ -10,6 +10,7 @@ class Assessment(StudySection):
     """Assessment of a study's rocks by variants of their base case (`make assess`)."""
 
     name = "assessment"
+    of_scans = True
     joints: int = entry("Surfaces of each condition, which all variants close.", ge=2, le=1_000)
     within: Share = entry(
         "Relative error that is requested of mean closures, and up to which an effect can be left "

@@ -55,6 +55,10 @@ class StudySection(Section):
     """Key of the section."""
     separate: ClassVar[bool] = False
     """Whether it holds keys of other configurations, which are checked with these."""
+    mates: ClassVar[bool] = False
+    """Whether it sets how far walls mate, so that the study must not."""
+    of_scans: ClassVar[bool] = False
+    """Whether walls may be scanned; others draw walls of given JRC."""
 
     def problems(self, configuration: "Configuration") -> Iterator[str]:
         """Generate contradictions within the section, and with the study; one line each."""
@@ -126,16 +130,6 @@ class Configuration(Section):
     def file(self, name: str) -> str:
         """Return the path of a file of the study."""
         return f"results/{self.study.name}/{name}"
-
-    def problems_of_walls(self, name: str) -> Iterator[str]:
-        """Generate keys of walls that mate in part, in a study that sets these keys itself."""
-        surface = self.surface
-        given = (surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells)
-        if given != (None, 0.0, 0):
-            yield (
-                f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
-                "shift_in_cells must be null, 0 and 0"
-            )
 
     @property
     def curves(self) -> dict[str, CurveSettings]:
@@ -246,8 +240,14 @@ def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
             f"numerics.idle_interaction = {share:g}: must be null or 0, because "
             "effects.interaction is false for every rock"
         )
-    for section in configuration.study_sections.values():
+    mating = surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells
+    for name, section in configuration.study_sections.items():
         yield from section.problems(configuration)
+        if section.mates and mating != (None, 0.0, 0):
+            yield (
+                f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
+                "shift_in_cells must be null, 0 and 0"
+            )
     for name, rock in configuration.rocks.items():
         yield from rock.problems(name)
         yield from _rock_problems(f"rocks.{name}", rock, configuration)
@@ -295,8 +295,9 @@ def _rock_problems(where: str, rock: StudyRock, configuration: Configuration) ->
                 f"{where}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds from "
                 f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
             )
-    for section in sorted(set(configuration.study_sections) - {"assessment"}) if rock.walls else ():
-        yield f"{section}: not with {where}.walls; it draws walls of given JRC"
+    for name, section in configuration.study_sections.items() if rock.walls else ():
+        if not section.of_scans:
+            yield f"{name}: not with {where}.walls; it draws walls of given JRC"
 
 
 def _unusual(keys: dict, where: str) -> Iterator[str]:

@@ -8,7 +8,7 @@ import difflib
 import functools
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import (
     Annotated,
     Any,
@@ -49,10 +49,27 @@ from studies.frame.files import refuse, short
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
 _Keys = TypeVar("_Keys", bound=BaseModel)
+
+
+def must(words: str, holds: Callable[[Any], bool]) -> AfterValidator:
+    """Return the annotation of a value for which something must hold, in words."""
+
+    def checked(value: Any) -> Any:
+        if not holds(value):
+            raise ValueError(f"must {words}")
+        return value
+
+    return AfterValidator(checked)
+
+
 Several = Annotated[tuple[T, ...], Strict(False)]
-_UNIQUE = Field(json_schema_extra={"uniqueItems": True})
-Distinct = Annotated[Several[T], AfterValidator(lambda values: _distinct(values)), _UNIQUE]
+Distinct = Annotated[
+    Several[T],
+    must("not have a value twice", lambda values: len(set(values)) == len(values)),
+    Field(json_schema_extra={"uniqueItems": True}),
+]
 Ascending = Annotated[Distinct[T], AfterValidator(lambda values: tuple(sorted(values)))]
+WithZero = Annotated[Ascending[T], must("have 0 among them", lambda values: 0 in values)]
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
 Text = Annotated[str, StringConstraints(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -70,12 +87,6 @@ def entry(description: str, default: Any = ..., *, alias: str | None = None, **a
     if alias is not None and name_and_unit(alias)[1]:
         field.metadata.append(AfterValidator(lambda value: _in_si(alias, value)))
     return field
-
-
-def _distinct(values: tuple) -> tuple:
-    if len(set(values)) < len(values):
-        raise ValueError("must not have a value twice")
-    return values
 
 
 def _in_si(name: str, value: Any) -> Any:

@@ -7,7 +7,7 @@ from pydantic import Field, StringConstraints
 
 from jointclosure.parameters import PROPERTIES, key_of
 from studies.frame.configuration import Configuration, StudySection
-from studies.frame.keys import Name, Section, Several, Text, entry
+from studies.frame.keys import Name, Section, Several, Text, entry, must
 
 ROCK = "ROCK"
 """Placeholder in the key of an input for the rock that is closed."""
@@ -30,7 +30,9 @@ class Input(Section):
         | None
     ) = entry("Ends of its range; levels: the outermost of the rock's own.", None)
     logarithmic: bool = entry("Whether it is uniform in its logarithm.", False)
-    values: Several[Any] | None = entry("The few values that it has, in place of a range.", None)
+    values: Annotated[Several[Any], Field(min_length=2)] | None = entry(
+        "The few values that it has, in place of a range.", None
+    )
 
     @property
     def parts(self) -> list[str]:
@@ -56,7 +58,7 @@ class GlobalSensitivity(StudySection):
 
     name = "global_sensitivity"
     separate = True
-    rows: int = entry(
+    rows: Annotated[int, must("be a power of 2", lambda rows: not rows & (rows - 1))] = entry(
         "Rows of the design, a power of 2; each closes two joints at every point, of which there "
         "are two more than inputs.",
         ge=16,
@@ -75,15 +77,11 @@ class GlobalSensitivity(StudySection):
                 if name not in self.inputs:
                     known = ", ".join(self.inputs)
                     yield f"global_sensitivity.dependent = {name!r}: must be one of {known}"
-        if self.rows & (self.rows - 1):
-            yield f"global_sensitivity.rows = {self.rows}: must be a power of 2"
 
 
 def _input_problems(where: str, one: Input) -> Iterator[str]:
     if (one.between is None) == (not one.values):
         yield f"{where}: must have either between or values"
-    if one.values is not None and len(one.values) == 1:
-        yield f"{where}.values = {list(one.values)}: must be two or more"
     if one.path.partition(".")[0] not in VARIED:
         yield f"{where}.key = {one.path}: must begin with {', '.join(VARIED)}"
     if isinstance(one.between, tuple):

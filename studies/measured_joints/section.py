@@ -13,6 +13,7 @@ class MeasuredJoints(StudySection):
     """Design of the comparison with measured joints (measured_joints.yaml)."""
 
     name = "measured_joints"
+    mates = True
     mismatch_wavelength: Ascending[Positive] = entry(
         "Mismatch wavelengths [mm] among which that of a measured joint is fitted.",
         alias="mismatch_wavelength_mm",
@@ -46,7 +47,6 @@ class MeasuredJoints(StudySection):
         study, cells = configuration.study, configuration.grid.cells_x
         if len(study.rocks) != 1:
             yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
-        yield from configuration.problems_of_walls("measured_joints")
         if study.cycles < 2:
             yield f"study.cycles = {study.cycles}: must be at least 2 (measured_joints)"
         largest = max(self.reseating_shift_in_cells, default=0)

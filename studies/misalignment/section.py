@@ -6,18 +6,19 @@ from typing import Annotated
 from pydantic import Field
 
 from studies.frame.configuration import Configuration, StudySection
-from studies.frame.keys import Ascending, Positive, entry
+from studies.frame.keys import Ascending, Positive, WithZero, entry
 
 
 class Misalignment(StudySection):
     """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
 
     name = "misalignment"
-    tilt_degrees: Ascending[Annotated[float, Field(ge=0, le=5)]] = entry(
+    mates = True
+    tilt_degrees: WithZero[Annotated[float, Field(ge=0, le=5)]] = entry(
         "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",
         min_length=1,
     )
-    rotation_degrees: Ascending[Annotated[float, Field(ge=0, lt=360)]] = entry(
+    rotation_degrees: WithZero[Annotated[float, Field(ge=0, lt=360)]] = entry(
         "Rotations of one wall about the normal [degrees]; 0 must be among them.", min_length=1
     )
     mismatch_wavelength: Ascending[Positive] = entry(
@@ -33,12 +34,8 @@ class Misalignment(StudySection):
                 f"grid.cells_x = {grid.cells_x}: must be cells_y ({grid.cells_y}) where walls "
                 "are rotated (misalignment)"
             )
-        yield from configuration.problems_of_walls("misalignment")
         if surface.normalise != "wall":
             yield f"surface.normalise = {surface.normalise!r}: must be 'wall' (misalignment)"
-        for name in ("tilt_degrees", "rotation_degrees"):
-            if 0.0 not in getattr(self, name):
-                yield f"misalignment.{name}: must have 0 among them"
 
 
 SECTION = Misalignment

@@ -1,24 +1,24 @@
 """Section of the study of mated, natural and non-mated walls."""
 
-from collections.abc import Iterator
 from typing import Annotated
 
 from pydantic import Field
 
-from studies.frame.configuration import Configuration, StudySection
-from studies.frame.keys import Ascending, entry
+from studies.frame.configuration import StudySection
+from studies.frame.keys import Ascending, WithZero, entry
 
 
 class Mismatch(StudySection):
     """Design of a study of mated, natural and non-mated walls (mismatch.yaml)."""
 
     name = "mismatch"
+    mates = True
     wavelength: Ascending[Annotated[float, Field(ge=0)]] = entry(
         "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",
         alias="wavelength_mm",
         min_length=1,
     )
-    shift_in_cells: Ascending[Annotated[int, Field(ge=0, le=4096)]] = entry(
+    shift_in_cells: WithZero[Annotated[int, Field(ge=0, le=4096)]] = entry(
         "Shifts of the walls along x, in cells; 0 must be among them.", min_length=1
     )
     tolerance: float = entry(
@@ -27,12 +27,6 @@ class Mismatch(StudySection):
         gt=0,
         lt=1,
     )
-
-    def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate a missing reference, and walls that the study sets itself."""
-        if 0 not in self.shift_in_cells:
-            yield f"mismatch.shift_in_cells = {list(self.shift_in_cells)}: must contain 0"
-        yield from configuration.problems_of_walls("mismatch")
 
 
 SECTION = Mismatch

@@ -6,18 +6,14 @@ from collections.abc import Iterator
 from jointclosure.inputs import InputError
 from jointclosure.walls.synthesis import spectrum_of
 from studies.frame.configuration import Configuration, StudySection
-from studies.frame.keys import Ascending, Name, Positive, Section, entry
+from studies.frame.keys import Ascending, Name, Positive, Section, Surface, entry
 
 
 class SizeSpectrum(Section):
     """Spectrum of the walls of a study of the scale effect; as in `surface`."""
 
-    hurst: float = entry("Hurst exponent H.", gt=0, le=1)
-    roll_off: float | None = entry(
-        "Wavelength beyond which the power spectrum is flat [mm]; null for none.",
-        alias="roll_off_mm",
-        gt=0,
-    )
+    hurst: float = Surface.model_fields["hurst"]  # type: ignore[assignment]
+    roll_off: float | None = Surface.model_fields["roll_off"]  # type: ignore[assignment]
 
 
 class Size(StudySection):
@@ -25,6 +21,7 @@ class Size(StudySection):
     and sampled at several spacings."""
 
     name = "size"
+    mates = True
     patch: Ascending[Positive] = entry(
         "Side lengths of the square patches [mm], each a whole number of times in the largest; "
         "that of the grid must be among them.",
@@ -71,7 +68,6 @@ class Size(StudySection):
                 spectrum_of(spectrum.hurst, surface.rule, spectrum.roll_off, finest)
             except InputError as error:
                 yield f"size.spectra.{name}: {error}"
-        yield from configuration.problems_of_walls("size")
 
 
 def _whole(ratio: float) -> bool:
