@@ -85,7 +85,6 @@ report: $(STAMP) ## Write the study, or that of CONFIG, as one page to read: res
 
 hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
 	$(RUN) hard-cases
-	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
 
 assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
 	$(RUN) assess

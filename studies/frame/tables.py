@@ -59,6 +59,12 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
     return study.status < FAILURE
 
 
+def flag_names(study: xr.Dataset) -> dict[int, str]:
+    """Return the names of the bits of a status."""
+    about = study.status.attrs
+    return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
+
+
 def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
     """Return net or gross closures (..., cycle) [m] from first touch to the seating stress."""
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
@@ -214,8 +220,7 @@ def check_results(
         apart = min(walls["windows_side_by_side"], realizations)
         sharing = f"at most {apart} of {realizations}"
         add(f"realisations of {rock} that share no part of a scan", "reported only", sharing)
-    flags = study.status.attrs
-    for value, name in zip(flags["flag_masks"], flags["flag_meanings"].split(), strict=True):
-        count = int(((study.status.values & int(value)) > 0).sum())
+    for mask, name in flag_names(study).items():
+        count = int(((study.status.values & mask) > 0).sum())
         add(f"simulations flagged {name}", "reported only", f"{count} of {total}")
     return pd.DataFrame(rows)

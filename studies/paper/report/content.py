@@ -14,11 +14,11 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import harmonic_mean, number_text, ratio_of_means
 from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
 from studies.frame.configuration import Configuration, resolved
-from studies.frame.tables import succeeded
+from studies.frame.tables import flag_names, succeeded
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.layout import test_name
 from studies.paper.report.page import Picture, known_cell
-from studies.paper.report.tables import About, flag_names, frames_of
+from studies.paper.report.tables import About, frames_of
 
 STAYS = "Share that remains at seating (%)"
 _LEFT_OUT = ("assessment",)

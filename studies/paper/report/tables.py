@@ -14,7 +14,7 @@ from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import percent, rounded
-from studies.frame.tables import succeeded
+from studies.frame.tables import flag_names, succeeded
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
@@ -181,12 +181,6 @@ _IN_WORDS = {
 def in_words(name: str) -> str:
     """Return the text of a status (docs/reference.md)."""
     return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
-
-
-def flag_names(study: xr.Dataset) -> dict[int, str]:
-    """Return the names of the bits of a status."""
-    about = study.status.attrs
-    return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
 
 
 def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
