@@ -121,6 +121,7 @@ def case_keys(defaults: Mapping[str, Any]) -> type[Keys]:
         walls=keys_like(defaults["walls"], kind=Literal[("self_affine", "mated", *SHAPES)]),
         rock=RockKeys,
         lower_rock=RockKeys | None,
+        history_MPa=list[float] | None,
         breakage=Annotated[list[Literal["fixed_step", "resolved"]], Field(min_length=1)],
         expect=Literal[("answer", "refused", "success", *FLAGS.values())],
         must=MustKeys,
