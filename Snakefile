@@ -79,6 +79,8 @@ for NAME, STEP in PIPELINE.steps.items():
             f"{FOLDER}/logs/{NAME}.log",
             benchmark=f"{FOLDER}/benchmarks/{NAME}.tsv",
         priority: STEP.priority
+        group:
+            STEP.group
         conda:
             "workflow/envs/jointclosure.yaml"
         threads: workflow.cores if STEP.all_cores else 1
@@ -122,6 +124,8 @@ rule close_block:
     log:
         f"{RESULTS}/logs/close_block/{{kind}}/{{block}}.log",
         benchmark=f"{RESULTS}/benchmarks/close_block/{{kind}}/{{block}}.tsv",
+    group:
+        "closures"
     conda:
         "workflow/envs/jointclosure.yaml"
     params:

@@ -121,6 +121,7 @@ class Pipeline:
                 functools.partial(self._key, "effects_of", name),
                 priority=0 if name == "pool" else EARLY,
                 all_cores=True,
+                group="paper",
             )
         if "finest" in self.ensembles:
             firsts = [one for name in ("cases", "finest") for one in self.ensembles[name].firsts()]

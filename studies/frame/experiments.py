@@ -170,5 +170,6 @@ def steps_of(
             settings,
             key,
             all_cores=True,
+            group=name,
         ),
     } | steps_of_products(name, configured)

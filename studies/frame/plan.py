@@ -77,6 +77,7 @@ def step_of(product: Product, configured: Configured) -> Step:
         settings_of(product, configured),
         untimed=BESIDE,
         priority=product.priority,
+        group=product.folder,
     )
 
 

@@ -36,6 +36,7 @@ class Step(NamedTuple):
 
     ``inputs`` without a parameter only precede it, and the times of those ``untimed`` do not count.
     It is made again if its settings, the result of ``depends``, or the code of the function change.
+    Steps of a ``group`` that follow each other are one job of a cluster.
     """
 
     make: Callable[..., Any]
@@ -46,6 +47,7 @@ class Step(NamedTuple):
     untimed: Collection[str] = ()
     priority: int = 0
     all_cores: bool = False
+    group: str | None = None
 
     @property
     def title(self) -> str:
