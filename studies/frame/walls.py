@@ -18,7 +18,7 @@ from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, 
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
 from jointclosure.walls.scans import read_scan
-from jointclosure.walls.synthesis import synthetic_wall
+from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
 from studies.frame.settings import SurfaceSettings, seeds_of
@@ -210,7 +210,9 @@ class Cutter:
             if self.partner == "synthetic":
                 # the name of the stream is a former term: another would give other walls
                 random, (z2, spacing, hurst) = generator(seed_of(seed, "matching")), self.drawn
-                cut[other] = synthetic_wall(z2, self.shape, spacing, hurst, random, self.normalise)
+                cut[other] = synthetic_wall(
+                    z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
+                )
             elif self.partner == FLAT:
                 cut[other] = np.zeros(self.shape)
             else:

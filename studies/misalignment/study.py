@@ -8,12 +8,21 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+import scipy
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.inputs import InputError
 from jointclosure.walls.pairs import Walls
-from jointclosure.walls.roughness import z2_of_jrc
-from jointclosure.walls.synthesis import rotated_pair, spectrum_of, tilted
+from jointclosure.walls.roughness import detrended, z2_of_jrc
+from jointclosure.walls.synthesis import (
+    Spectrum,
+    gaussian_field,
+    generators,
+    scaled_together,
+    spectrum_of,
+    wave_numbers,
+)
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
@@ -51,6 +60,65 @@ def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Itera
             rotation,
         )
         yield tilted(upper, grid.spacing, tilt), lower
+
+
+def tilted(wall: np.ndarray, spacing: float, degrees: float) -> np.ndarray:
+    """Tilt a wall (y, x) [m] about its middle axis along y: heights increase by x tan(degrees)."""
+    nx = wall.shape[1]
+    x = spacing * (np.arange(nx) - 0.5 * (nx - 1))
+    return wall + np.tan(np.deg2rad(degrees)) * x
+
+
+def rotated_pair(
+    z2: float,
+    shape: tuple[int, int],
+    spacing: float,
+    spectrum: Spectrum,
+    seed: int,
+    mismatch_wavelength: float = np.inf,
+    rotation: float = 0.0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Make walls of `wall_pair`, the lower rotated about the normal [degrees], anticlockwise.
+
+    Its waves are summed at rotated points, so that no interpolation damps any. ``z2`` is pooled. At
+    multiples of 90 degrees cells map to cells; else last digits may differ between processors.
+    """
+    n = shape[0]
+    if shape[1] != n:
+        raise InputError(f"shape = {tuple(shape)!r}: a wall is rotated on a square grid only")
+    size = (2 * n, 2 * n)
+    upper, other = (
+        scipy.fft.rfft2(gaussian_field(size, spectrum, random, oversize=1), workers=1)
+        for random in generators(seed)
+    )
+    lower = np.where(np.hypot(*wave_numbers(*size)) < spacing / mismatch_wavelength, -upper, other)
+    still = scipy.fft.irfft2(upper, s=size, workers=1)[:n, :n]
+    turned = _at_rotated_points(lower, n, rotation)
+    return scaled_together(detrended(still), detrended(turned), z2, spacing)
+
+
+def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
+    """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
+    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    middle = 0.5 * (n - 1)
+    about = np.arange(n) - middle
+    wave_y, wave_x = wave_numbers(2 * n, 2 * n)
+    # waves of a real field with negative wave numbers along x are mirror images and not stored
+    twice = np.where((wave_x > 0.0) & (wave_x < 0.5), 2.0, 1.0)
+    weighted = (waves * twice).T / (2 * n) ** 2
+    # rotated point: (middle + cosine x + sine y, middle - sine x + cosine y)
+    of_x = _phases(cosine * about, wave_x), _phases(-sine * about, wave_y.T)
+    of_y = _phases(middle + sine * about, wave_x), _phases(middle + cosine * about, wave_y.T)
+    rows = []
+    for along_x, along_y in zip(*of_y, strict=True):
+        summed = of_x[0] @ (along_x[:, None] * weighted)
+        rows.append(np.sum(summed * of_x[1] * along_y, axis=1).real)
+    return np.stack(rows)
+
+
+def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
+    """Return exp(2 pi i f x) for places x [cells] (n,) and wave numbers f (1, waves)."""
+    return np.exp(2j * np.pi * places[:, None] * waves)
 
 
 def misalignment_jobs(configured: Configured) -> dict[str, list[Point]]:

@@ -21,7 +21,7 @@ from jointclosure.statistics.indifference import (
 )
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
-from jointclosure.walls.roughness import bearing_depths, bearing_excess, z2_of_jrc
+from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
 from studies.frame.keys import Grid, Surface
 from studies.frame.settings import BASE, walls_of_seed
 from studies.frame.tables import succeeded
@@ -56,7 +56,9 @@ def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.nd
     """Compute `COVARIATES` (3,) [m] of two walls (y, x) [m] whose JRC corresponds to a slope Z2."""
     summed = upper + lower
     depths = bearing_depths(summed, [0.01, 0.05])
-    return np.array([*depths, bearing_excess(summed, 0.05)]) / z2
+    level = np.max(summed) - depths[1]
+    excess = np.mean(summed[summed >= level] - level)
+    return np.array([*depths, excess]) / z2
 
 
 def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.ndarray:

@@ -427,7 +427,9 @@ def test_points_far_apart_are_refused_before_a_terabyte_is_allocated():
         wall_on_grid(Cloud(points), point_distance(Cloud(points)))
 
 
-def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_size(wall, tmp_path):
+def test_an_esri_grid_is_placed_by_its_corner_and_may_have_dx_and_dy_for_a_cell_size(
+    wall, tmp_path
+):
     ground = Ground(wall, STEP_MM, (5.0, 3.0))
     usual = read_in("a.asc", ground, tmp_path)
     assert usual.origin == pytest.approx((5e-3 + 0.5 * SPACING, 3e-3 + 0.5 * SPACING))
@@ -435,6 +437,10 @@ def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_s
     of_gdal = read_scan(tmp_path / "b.asc", units="mm")
     np.testing.assert_array_equal(of_gdal.heights, usual.heights)
     assert (of_gdal.spacing, of_gdal.origin) == (usual.spacing, usual.origin)
+    as_esri(tmp_path / "b.asc", ground, cellsize=None, dx=STEP_MM, dy=2.0 * STEP_MM)
+    tall = read_scan(tmp_path / "b.asc", units="mm")
+    assert tall.spacing == pytest.approx((2.0 * SPACING, SPACING))
+    assert tall.origin == pytest.approx((5e-3 + SPACING, 3e-3 + 0.5 * SPACING))
 
 
 @pytest.mark.parametrize(
@@ -443,8 +449,8 @@ def test_an_esri_grid_is_placed_by_its_corner_and_equal_dx_and_dy_are_its_cell_s
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": 10**9}, "at most 800 MB"),
-        (None, {"cellsize": None, "dx": 0.25, "dy": 0.5}, "dx = 0.25, dy = 0.5: must be equal"),
-        (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize"),
+        (None, {"dx": 0.5}, r"spacings \(y, x\): cellsize 0.25 x 0.25; dx 0.5; must be the same"),
+        (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize, or both dx and dy"),
     ],
 )
 def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, printed, wall, tmp_path):

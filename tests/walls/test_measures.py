@@ -14,7 +14,7 @@ from jointclosure.walls.measured import Cloud, wall_on_grid
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan
-from jointclosure.walls.synthesis import synthetic_wall
+from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from tests.joints import SPACING, bump
 from tests.walls.test_formats import STEP_MM
 from tests.walls.writers import Ground, triangles
@@ -55,7 +55,9 @@ def test_each_relation_gives_the_jrc_that_a_wall_was_made_with(name):
 
 @pytest.mark.parametrize("hurst", [0.6, 1.0])
 def test_the_hurst_exponent_is_recovered_and_its_interval_covers_it(hurst):
-    walls = [synthetic_wall(0.2, (100, 100), SPACING, hurst, generator(s)) for s in range(16)]
+    walls = [
+        synthetic_wall(0.2, (100, 100), SPACING, Spectrum(hurst), generator(s)) for s in range(16)
+    ]
     assert np.mean([hurst_of(wall) for wall in walls]) == pytest.approx(hurst, abs=0.04)
     intervals = [measured(wall)["H, both directions"] for wall in walls[:5]]
     assert sum(m.low <= hurst <= m.high for m in intervals) >= 4

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import RELATIONS, Relation, jrc_of_z2, rms_slope
-from jointclosure.walls.synthesis import synthetic_wall
+from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
 TILES = 6
 """Number of tiles along the shorter side."""
@@ -143,12 +144,12 @@ def _scatter(
     measured: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
     """Return `_scaling` of a wall, first, and its scatter over synthetic walls: (1 + DRAWS,)."""
-    hurst = min(max(measured[_EXPONENTS[2]], 0.05), 1.0)
+    spectrum = Spectrum(min(max(measured[_EXPONENTS[2]], 0.05), 1.0))
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(_SEED, "scatter", number))
-        wall = synthetic_wall(measured[_SLOPES[2]], size, spacing, hurst, random, "expectation")
+        wall = synthetic_wall(measured[_SLOPES[2]], size, spacing, spectrum, random, "expectation")
         draws.append(_scaling(wall, spacing))
     scatter = {}
     for name, value in measured.items():
@@ -175,13 +176,10 @@ def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarr
 
 def peak_cells(heights: np.ndarray) -> np.ndarray:
     """Return whether a cell (y, x) is above its eight neighbours; never at edges and gaps."""
-    here = heights[1:-1, 1:-1]
-    higher = np.ones(here.shape, bool)
-    ny, nx = heights.shape
-    for down, right in np.ndindex(3, 3):
-        if (down, right) != (1, 1):
-            higher &= here > heights[down : ny - 2 + down, right : nx - 2 + right]
-    return np.pad(higher, 1)
+    around = np.where(np.isnan(heights), np.inf, heights)
+    ring = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
+    highest = scipy.ndimage.maximum_filter(around, footprint=ring, mode="constant", cval=np.inf)
+    return heights > highest
 
 
 def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:

@@ -40,7 +40,7 @@ KNOWN = 0.9
 TILES = 6
 """Tiles along each axis, whose sums give the errors."""
 FARTHEST = 0.25
-"""Largest distance of the corners from their candidate's place, over half of the longer side."""
+"""Largest distance of the corners from that of the fit on blocks, over half of the longer side."""
 WIDTHS = 20.0
 """Smallest side of a wall, in standard deviations of the means, for which a fit is kept."""
 WIDE = 4.0
@@ -239,16 +239,24 @@ def _levelling(slopes: tuple[float, float]) -> np.ndarray:
     return _about(math.atan(length) / length * np.array([-slopes[1], slopes[0], 0.0]))
 
 
-class Candidate(NamedTuple):
-    """Correlation of slopes at the best shift (x, y) [m] of the middles, at an angle [degrees]."""
+class Fit(NamedTuple):
+    """Correlation of slopes on blocks, at the best shift (x, y) [m] of the middles.
 
+    The upper wall lies as an orientation says, turned by an angle [degrees].
+    """
+
+    orientation: str
     correlation: float
     angle: float
     shift: np.ndarray
 
-    def far(self, other: "Candidate") -> bool:
-        """Return whether the angles differ by more than `APART`."""
-        return abs((self.angle - other.angle + 180.0) % 360.0 - 180.0) > APART
+    def far(self, other: "Fit") -> bool:
+        """Return whether the orientations differ, or the angles by more than `APART`."""
+        apart = abs((self.angle - other.angle + 180.0) % 360.0 - 180.0) > APART
+        return apart or self.orientation != other.orientation
+
+    def __str__(self) -> str:
+        return f"{self.orientation} {self.correlation:.2f} at {self.angle:g} degrees"
 
 
 def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
@@ -259,10 +267,10 @@ def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
     return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
 
 
-def candidates(
+def compared(
     upper: Surface, lower: Surface, orientations: dict[str, np.ndarray], blocks: int
-) -> dict[str, list[Candidate]]:
-    """Compare rotations of the upper wall by orientation, the best rotation first."""
+) -> list[Fit]:
+    """Compare rotations of the upper wall in all orientations; the best fit is the first."""
     cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
     size = cells * upper.spacing
     fixed, bare = (_blocks(s.heights - s.plane, cells) for s in (lower, upper))
@@ -271,9 +279,8 @@ def candidates(
     y, x = np.indices((side, side)) - 0.5 * (side - 1)
     offset = 0.5 * (np.array(fixed.shape) - 1.0) - 0.5 * (side - 1)
     correlations = slope_correlations(fixed, (side, side), LEAST_OVERLAP)
-    found: dict[str, list[Candidate]] = {}
+    fits = []
     for name, flip in orientations.items():
-        found[name] = []
         for angle in np.arange(0.0, 360.0, STEP):
             turn = _about(np.array([0.0, 0.0, math.radians(angle)])) @ flip
             places = [
@@ -286,19 +293,18 @@ def candidates(
             place = np.unravel_index(int(np.nanargmax(over)), over.shape)
             shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
             between = size * (np.array(shift, float) - offset)
-            found[name].append(Candidate(float(over[place]), float(angle), between[::-1]))
-        found[name].sort(key=lambda candidate: -candidate.correlation)
-    return found
+            fits.append(Fit(name, float(over[place]), float(angle), between[::-1]))
+    return sorted(fits, key=lambda fit: -fit.correlation)
 
 
-def fitted(upper: Surface, lower: Surface, flip: np.ndarray, candidate: Candidate) -> Motion:
-    """Refine a candidate by least squares; its covariance is infinite if they find nothing."""
-    turn = _about(np.array([0.0, 0.0, math.radians(candidate.angle)]))
+def fitted(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion:
+    """Refine a fit by least squares; the covariance is infinite if they find nothing."""
+    turn = _about(np.array([0.0, 0.0, math.radians(fit.angle)]))
     start = best = Motion(
         flip,
         _levelling(lower.slopes).T @ turn @ flip @ _levelling(upper.slopes),
         upper.middle,
-        lower.middle + np.append(candidate.shift, 0.0),
+        lower.middle + np.append(fit.shift, 0.0),
         np.full((3, 3), np.inf),
     )
     error, side = math.inf, min(*upper.heights.shape, *lower.heights.shape)
@@ -306,12 +312,12 @@ def fitted(upper: Surface, lower: Surface, flip: np.ndarray, candidate: Candidat
     widest = int(math.log2(max(side / 12.0, 1.0)))
     for smoothing in 2.0 ** np.arange(widest, -1, -1):
         for wide in (False, True)[: 2 if smoothing == 1.0 else 1]:
-            fit = _least_squares(upper, lower, best, smoothing, wide)
-            if fit is None or fit[0].apart(start, reach) > FARTHEST * reach.max():
+            refined = _least_squares(upper, lower, best, smoothing, wide)
+            if refined is None or refined[0].apart(start, reach) > FARTHEST * reach.max():
                 continue
             # tiles of few widths of a mean give too small errors: such a fit is only a start
-            if fit[1] < (WORTH if wide else 1.0) * error or not math.isfinite(error):
-                best, error = fit[0], fit[1] if smoothing <= side / WIDTHS else math.inf
+            if refined[1] < (WORTH if wide else 1.0) * error or not math.isfinite(error):
+                best, error = refined[0], refined[1] if smoothing <= side / WIDTHS else math.inf
     return best
 
 

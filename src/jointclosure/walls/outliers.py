@@ -72,25 +72,20 @@ def spikes(points: np.ndarray) -> np.ndarray:
     for _ in range(ROUNDS):
         if len(left) <= NEIGHBOURS:
             break
-        heights = _sharpness(points[left])
-        sharp = np.isfinite(heights)
+        x, y, heights = points[left].T
+        level = heights - plane_through(x, y, heights).at(x, y)
+        places = points[left, :2]
+        near = scipy.spatial.cKDTree(places).query(places, k=NEIGHBOURS + 1)[1][:, 1:]
+        around = np.sort(level[near], axis=1)
+        usual = np.median(np.abs(level[near] - level[:, None]))
+        up, down = level - around[:, -2], around[:, 1] - level
+        heights = np.where(up >= down, up, -down)
+        sharp = np.abs(heights) > 8.0 * usual  # self-affine walls reach 2
         if not sharp.any():
             break
         spike_heights[left[sharp]] = heights[sharp]
         left = left[~sharp]
     return spike_heights
-
-
-def _sharpness(points: np.ndarray) -> np.ndarray:
-    """Return `spikes` of one round."""
-    x, y, heights = points.T
-    level = heights - plane_through(x, y, heights).at(x, y)
-    near = scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], k=NEIGHBOURS + 1)[1][:, 1:]
-    around = np.sort(level[near], axis=1)
-    usual = np.median(np.abs(level[near] - level[:, None]))
-    up, down = level - around[:, -2], around[:, 1] - level
-    height = np.where(up >= down, up, -down)
-    return np.where(np.abs(height) > 8.0 * usual, height, np.nan)  # self-affine walls reach 2
 
 
 def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:

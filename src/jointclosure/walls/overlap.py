@@ -38,25 +38,6 @@ class Overlap(NamedTuple):
     box: tuple[np.ndarray, np.ndarray]
     first: np.ndarray
 
-    def doubts(self) -> list[str]:
-        """Describe the holes, in sentences."""
-        size, lost = self.upper.size, int(self.holes.any(axis=0).sum())
-        upper, lower = self.holes.sum(axis=(1, 2)).tolist()
-        sentences = []
-        if lost:
-            sentences.append(
-                f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan "
-                f"({upper} of the upper, {lower} of the lower); they were taken out of contact, "
-                "with the largest aperture of those around them"
-            )
-        if self.cut:
-            sentences.append(
-                f"{self.cut} cells in holes of a scan are left out: the walls are the largest "
-                f"rectangle without them, {100.0 * max(self.shares):.0f} % of the smaller scan "
-                "(see largest_filled_share)"
-            )
-        return sentences
-
 
 def overlap_of(
     clouds: list[np.ndarray],

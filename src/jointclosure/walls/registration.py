@@ -15,9 +15,10 @@ from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
     LEAST_OVERLAP,
+    Fit,
     Motion,
     Surface,
-    candidates,
+    compared,
     fitted,
     heights_after,
     on_nodes,
@@ -57,24 +58,8 @@ ORIENTATIONS = {
     "mirrored": "z upwards, mirrored",
 }
 """Orientations of the upper wall's scan, each compared over the full circle."""
-_FLIPS = {
-    name: np.diag(signs)
-    for name, signs in zip(
-        ORIENTATIONS, ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)),
-        strict=True,
-    )
-}  # fmt: skip
-
-
-class Fit(NamedTuple):
-    """Best fit of an orientation: correlation of slopes on blocks, at an angle [degrees]."""
-
-    orientation: str
-    correlation: float
-    angle: float
-
-    def __str__(self) -> str:
-        return f"{self.orientation} {self.correlation:.2f} at {self.angle:g} degrees"
+_SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
+_FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
 
 
 class RegisteredPair(NamedTuple):
@@ -333,15 +318,14 @@ def _fitted(
 ) -> tuple[str, list[Fit], Motion | None]:  # fmt: skip
     """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed."""
     for blocks in BLOCKS:
-        found = candidates(upper, lower, _FLIPS, blocks)
-        name = max(found, key=lambda n: found[n][0].correlation)
-        best = found[name][0]
-        others = [Fit(n, *c[:2]) for n in found for c in found[n] if n != name or c.far(best)]
-        second = max(others, key=lambda fit: fit.correlation)
+        tried = compared(upper, lower, _FLIPS, blocks)
+        best, second = tried[0], next(fit for fit in tried if fit.far(tried[0]))
         clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
         if clear:
             break
-    fits = sorted((Fit(n, *c[0][:2]) for n, c in found.items()), key=lambda fit: -fit.correlation)
+    of_orientation = {fit.orientation: fit for fit in reversed(tried)}  # the best of each
+    fits = [fit for fit in tried if fit is of_orientation[fit.orientation]]
+    name = best.orientation
     if not clear and orientation is None:
         raise InputError(
             f"the fit of the walls is ambiguous: slopes correlate by {fits[0]} and by {second}, "
@@ -369,7 +353,7 @@ def _fitted(
         report.append(caution(wrong))
     if (shift != "mated" and not clear) or (shift == "scanned" and used != name):
         return used, fits, None
-    return used, fits, fitted(upper, lower, _FLIPS[used], found[used][0])
+    return used, fits, fitted(upper, lower, _FLIPS[used], of_orientation[used])
 
 
 def _check_unturned(
@@ -459,9 +443,21 @@ def _described(
 
 
 def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
-    """Describe unusual overlap and inclinations; ``best_fit`` says that the walls are mated."""
-    doubts = overlap.doubts()
-    share = max(overlap.shares)
+    """Describe holes, unusual overlap and inclinations; ``best_fit``: the walls are mated."""
+    doubts, share, size = [], max(overlap.shares), overlap.upper.size
+    if lost := int(overlap.holes.any(axis=0).sum()):
+        upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
+        doubts.append(
+            f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan "
+            f"({upper} of the upper, {lower} of the lower); they were taken out of contact, "
+            "with the largest aperture of those around them"
+        )
+    if overlap.cut:
+        doubts.append(
+            f"{overlap.cut} cells in holes of a scan are left out: the walls are the largest "
+            f"rectangle without them, {100.0 * share:.0f} % of the smaller scan "
+            "(see largest_filled_share)"
+        )
     if both and share < LEAST_OVERLAP:
         question = (
             "in the position of best fit: are the scans of the same part of the joint?"

@@ -129,9 +129,3 @@ def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
     highest = np.sort(np.partition(flat, flat.size - 1 - deepest)[flat.size - 1 - deepest :])[::-1]
     at, next_at = highest[below], highest[np.minimum(below + 1, deepest)]
     return highest[0] - (at + (ranks - below) * (next_at - at))
-
-
-def bearing_excess(summed: np.ndarray, share: float) -> float:
-    """Mean height [m] of the highest share of cells above their lowest level."""
-    level = np.max(summed) - bearing_depths(summed, share)
-    return float(np.mean(summed[summed >= level] - level))

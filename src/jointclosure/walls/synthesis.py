@@ -85,7 +85,7 @@ def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
     return amplitudes
 
 
-def _wave_numbers(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
+def wave_numbers(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
     """Wave numbers of `scipy.fft.rfft2` in cycles per cell, along y (ny, 1) and x (1, waves)."""
     return scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :]
 
@@ -122,14 +122,11 @@ def synthetic_wall(
     z2: float,
     shape: tuple[int, int],
     spacing: float,
-    hurst: float,
+    spectrum: Spectrum,
     random: np.random.Generator,
     normalise: str = "wall",
-    rule: str = "self_affine",
-    roll_off: float | None = None,
 ) -> np.ndarray:
-    """Generate one wall (y, x) [m] of RMS slope ``z2``, detrended; keywords as `wall_pair`."""
-    spectrum = spectrum_of(hurst, rule, roll_off, spacing)
+    """Generate one wall (y, x) [m] of RMS slope ``z2``, detrended; ``normalise`` as `wall_pair`."""
     field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
         return field * (z2 / rms_slope(field, spacing))
@@ -220,10 +217,10 @@ def wall_pair(
         longest = float(mismatch_wavelength) / spacing
         pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
         expected = None if normalise == "wall" else _expected_rms_slope(wide, spectrum, spacing)
-        return _scaled_together(*pair, z2, spacing, expected)
+        return scaled_together(*pair, z2, spacing, expected)
     upper, lower = (
-        synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
-        for random in _generators(seed)
+        synthetic_wall(z2, wide, spacing, spectrum, random, normalise)
+        for random in generators(seed)
     )
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
@@ -236,12 +233,12 @@ def wall_pair(
     return walls[0], walls[1]
 
 
-def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
+def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
     """Generators of the upper and of the lower wall."""
     return generator(seed_of(seed, "upper")), generator(seed_of(seed, "lower"))
 
 
-def _scaled_together(
+def scaled_together(
     upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Scale two walls by one factor, so that their slope, by default pooled, has the RMS ``z2``."""
@@ -255,8 +252,8 @@ def _partly_mated(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Generate walls (y, x) with common waves beyond a wavelength [cells], the upper's shifted."""
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
-    upper, other = (_random_waves(size, spectrum, random) for random in _generators(seed))
-    lower = np.where(np.hypot(*_wave_numbers(*size)) * wavelength < 1.0, -upper, other)
+    upper, other = (_random_waves(size, spectrum, random) for random in generators(seed))
+    lower = np.where(np.hypot(*wave_numbers(*size)) * wavelength < 1.0, -upper, other)
     upper, lower = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
     rows, cells = slice(wide[0]), wide[1] - shift
     return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
@@ -287,7 +284,7 @@ def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> Non
 def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
     check_number("hurst", hurst)
     check_number("correlation", correlation)
-    check_number("shift_in_cells", shift_in_cells, whole=True)
+    check_count("shift_in_cells", shift_in_cells, 0)
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
     for size in shape:
@@ -298,8 +295,6 @@ def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_ce
         raise InputError(f"hurst = {hurst!r}: must lie in (0, 1]")
     if not 0.0 <= correlation <= 1.0:
         raise InputError(f"correlation = {correlation!r}: must lie in [0, 1]")
-    if shift_in_cells < 0:
-        raise InputError(f"shift_in_cells = {shift_in_cells!r}: must be a whole number from 0 on")
 
 
 def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float) -> Spectrum:
@@ -328,62 +323,3 @@ def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: flo
             mean_squares.append(float(np.sum(powers * (4.0 * _sines(wave) ** 2))))
             weights.append((n - 1) * across)
     return float(np.sqrt(np.average(np.array(mean_squares), weights=weights))) / spacing
-
-
-def tilted(wall: np.ndarray, spacing: float, degrees: float) -> np.ndarray:
-    """Tilt a wall (y, x) [m] about its middle axis along y: heights increase by x tan(degrees)."""
-    nx = wall.shape[1]
-    x = spacing * (np.arange(nx) - 0.5 * (nx - 1))
-    return wall + np.tan(np.deg2rad(degrees)) * x
-
-
-def rotated_pair(
-    z2: float,
-    shape: tuple[int, int],
-    spacing: float,
-    spectrum: Spectrum,
-    seed: int,
-    mismatch_wavelength: float = np.inf,
-    rotation: float = 0.0,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Make walls of `wall_pair`, the lower rotated about the normal [degrees], anticlockwise.
-
-    Its waves are summed at rotated points, so that no interpolation damps any. ``z2`` is pooled. At
-    multiples of 90 degrees cells map to cells; else last digits may differ between processors.
-    """
-    n = shape[0]
-    if shape[1] != n:
-        raise InputError(f"shape = {tuple(shape)!r}: a wall is rotated on a square grid only")
-    size = (2 * n, 2 * n)
-    upper, other = (
-        scipy.fft.rfft2(gaussian_field(size, spectrum, random, oversize=1), workers=1)
-        for random in _generators(seed)
-    )
-    lower = np.where(np.hypot(*_wave_numbers(*size)) < spacing / mismatch_wavelength, -upper, other)
-    still = scipy.fft.irfft2(upper, s=size, workers=1)[:n, :n]
-    turned = _at_rotated_points(lower, n, rotation)
-    return _scaled_together(detrended(still), detrended(turned), z2, spacing)
-
-
-def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
-    """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
-    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
-    middle = 0.5 * (n - 1)
-    about = np.arange(n) - middle
-    wave_y, wave_x = _wave_numbers(2 * n, 2 * n)
-    # waves of a real field with negative wave numbers along x are mirror images and not stored
-    twice = np.where((wave_x > 0.0) & (wave_x < 0.5), 2.0, 1.0)
-    weighted = (waves * twice).T / (2 * n) ** 2
-    # rotated point: (middle + cosine x + sine y, middle - sine x + cosine y)
-    of_x = _phases(cosine * about, wave_x), _phases(-sine * about, wave_y.T)
-    of_y = _phases(middle + sine * about, wave_x), _phases(middle + cosine * about, wave_y.T)
-    rows = []
-    for along_x, along_y in zip(*of_y, strict=True):
-        summed = of_x[0] @ (along_x[:, None] * weighted)
-        rows.append(np.sum(summed * of_x[1] * along_y, axis=1).real)
-    return np.stack(rows)
-
-
-def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """Return exp(2 pi i f x) for places x [cells] (n,) and wave numbers f (1, waves)."""
-    return np.exp(2j * np.pi * places[:, None] * waves)

@@ -186,14 +186,11 @@ def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     known = heights[np.isfinite(heights) & ~missing]
     zeros = int((known == 0.0).sum())
     # an instrument that rounds gives neighbouring values about equally often
-    if not 10 <= zeros < known.size or zeros < 10 * _most_frequent(known[known != 0.0]):
+    if not 10 <= zeros < known.size:
+        return missing, remarks
+    if zeros < 10 * np.unique(known[known != 0.0], return_counts=True)[1].max():
         return missing, remarks
     about = f"{zeros} of {known.size} heights are exactly 0, far more than of any other"
     if zeros > 0.5 * known.size:  # the wall may be flat
         return missing, (*remarks, caution(f"{about}; they were used as heights"))
     return missing | (heights == 0.0), (*remarks, caution(f"{about}; they were treated as missing"))
-
-
-def _most_frequent(values: np.ndarray) -> int:
-    """Return how often the most frequent value occurs."""
-    return int(np.unique(values, return_counts=True)[1].max())

@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -64,7 +64,7 @@ class _Statement(NamedTuple):
 
     names: str
     spacing: np.ndarray
-    units: str | None
+    units: str | None = None
 
 
 def grid_of(
@@ -244,8 +244,7 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
 
 def read_npy(path: Path) -> Contents:
     """Read one array, without units or spacing."""
-    with path.open("rb") as file:
-        return Contents(heights=_array(file))
+    return Contents(heights=_array(lambda: path.open("rb")))
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
@@ -254,15 +253,11 @@ def read_npz(path: Path, variable: str | None) -> Contents:
         arrays = {}
         for member in archive.namelist():
             name = member.removesuffix(".npy")
-            load = partial(_member, archive, member, _array)
-            shape, kind = _member(archive, member, _head)
-            arrays[name] = Array(shape, kind, split_name(name)[1], load)
+            opened = partial(archive.open, member)
+            with opened() as content:
+                shape, kind = _head(content)
+            arrays[name] = Array(shape, kind, split_name(name)[1], partial(_array, opened))
         return grid_of(arrays, variable)
-
-
-def _member(archive: zipfile.ZipFile, member: str, read: Callable[[IO[bytes]], Any]) -> Any:
-    with archive.open(member) as content:
-        return read(content)
 
 
 def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
@@ -273,12 +268,13 @@ def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
     return shape, kind
 
 
-def _array(file: IO[bytes]) -> np.ndarray:
+def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
     """Read an array up to the largest size; pickles are refused."""
-    shape, kind = _head(file)
-    check_size(shape, kind.itemsize)
-    file.seek(0)
-    return np.lib.format.read_array(file, allow_pickle=False)
+    with opened() as file:
+        shape, kind = _head(file)
+        check_size(shape, kind.itemsize)
+        file.seek(0)
+        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
@@ -309,10 +305,9 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
 def _netcdf_array(variable: netCDF4.Variable, turned: bool = False) -> Array:
     """Return a variable that is not yet read, a matrix transposed if it is turned."""
     units = getattr(variable, "units", None) or split_name(variable.name)[1]
-    kind = np.dtype(variable.dtype)
-    if turned:
-        return Array(variable.shape[::-1], kind, units, lambda: variable[...].T)
-    return Array(variable.shape, kind, units, lambda: variable[...])
+    shape = variable.shape[::-1] if turned else variable.shape
+    load = (lambda: variable[...].T) if turned else (lambda: variable[...])
+    return Array(shape, np.dtype(variable.dtype), units, load)
 
 
 def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
@@ -331,7 +326,10 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
     arrays: dict[str, Array] = {}
     asked = re.split(r"[.({]", variable or "")[0]
     for (name, shape, kind), size in zip(*_listed(path), strict=True):
-        load = partial(_matlab_array, path, name)
+
+        def load(name: str = name) -> np.ndarray:
+            return scipy.io.loadmat(path, variable_names=[name])[name]
+
         if kind in ("struct", "cell") and asked in ("", name):
             check_size((size,), 1, name)
             arrays |= _leaves({name: load()})
@@ -339,11 +337,6 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
             number = np.dtype(bool if kind == "logical" else kind)
             arrays[name] = Array(shape, number, split_name(name)[1], load)
     return grid_of(arrays, variable)
-
-
-def _matlab_array(path: Path, name: str) -> np.ndarray:
-    """Read one variable of a MATLAB file."""
-    return scipy.io.loadmat(path, variable_names=[name])[name]
 
 
 def _listed(path: Path) -> tuple[list[tuple], list[int]]:
@@ -400,7 +393,12 @@ def read_esri(path: Path) -> Contents:
             raise InputError(f"{key} = {value!r}: must be a number") from None
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
-    step = _cell_size(head)
+    steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
+    stated = [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
+    spacing, _ = _agreed(stated)
+    if spacing is None or np.isnan(spacing).any():
+        raise InputError("its header lacks cellsize, or both dx and dy")
+    dy, dx = spacing.tolist()
     rows, columns = _count("nrows", head), _count("ncols", head)
     check_size((rows, columns))
     _check_rows([len(line) for line in lines if line and line[0].lower() not in _KNOWN], columns)
@@ -415,10 +413,10 @@ def read_esri(path: Path) -> Contents:
     # the middle of the first cell, if the file places it
     places = [
         head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", np.nan) + 0.5 * step)
-        for axis in "yx"
+        for axis, step in (("y", dy), ("x", dx))
     ]
     origin = None if np.isnan(places).any() else (places[0], places[1])
-    return Contents(heights, (step, step), origin=origin)
+    return Contents(heights, (dy, dx), origin=origin)
 
 
 def _check_rows(counts: list[int], columns: int) -> None:
@@ -429,18 +427,6 @@ def _check_rows(counts: list[int], columns: int) -> None:
             f"row {wrong[0]} contains {counts[wrong[0] - 1]} heights, must be {columns} "
             f"({len(wrong)} such rows)"
         )
-
-
-def _cell_size(head: dict[str, float]) -> float:
-    """Return the cell size, or equal dx and dy in its place, as GDAL writes them."""
-    sizes = {key: head[key] for key in ("dx", "dy", "cellsize") if key in head}
-    if sizes.keys() in ({"dx"}, {"dy"}, set()):
-        raise InputError("its header lacks cellsize")
-    first = next(iter(sizes.values()))
-    if any(abs(size - first) > 1e-6 * abs(first) for size in sizes.values()):
-        listed = ", ".join(f"{key} = {size:g}" for key, size in sizes.items())
-        raise InputError(f"{listed}: must be equal, because an ESRI grid has square cells")
-    return first
 
 
 def _count(key: str, head: dict[str, float]) -> int:
@@ -571,8 +557,7 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
         surface = reader.topography(channel_index=index, **given)
         if surface.dim != 2:
             raise InputError("contains a profile, must be a surface")
-        heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
-        pixels, units = surface.pixel_size, surface.unit
-    # SurfaceTopography's arrays are (x, y)
+        # its arrays are (x, y)
+        heights, pixels, units = surface.heights().T, surface.pixel_size, surface.unit
     spacing = (float(pixels[1]), float(pixels[0])) if sized else None
-    return Contents(heights.T, spacing, None, units, units)
+    return Contents(heights, spacing, None, units, units)
