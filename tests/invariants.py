@@ -12,7 +12,7 @@ import jointclosure as jc
 from jointclosure.engine import oracle
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
-from jointclosure.joint.simulation import height_datum, simulate_by
+from jointclosure.joint.simulation import close_walls, height_datum
 from jointclosure.solvers.registry import solver_named
 from studies.verification.judged import JudgedSolver
 
@@ -97,11 +97,11 @@ def judged(upper, lower, *, rock, spacing, effects, choices, numerics=jc.Numeric
     def show(state: oracle.State) -> None:
         assert_at_rest(joint, state, numerics.force_tolerance)
 
-    return simulate_by(
-        lambda name: JudgedSolver(solver_named(name), show),
+    return close_walls(
         upper,
         lower,
-        Conditions(numerics=numerics, seating_stress=0.0, unusual_values=True, **stated),
+        Conditions(numerics=numerics, seating_stress=0.0, **stated),
+        solver_of=lambda name: JudgedSolver(solver_named(name), show),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.history import crossing
+from jointclosure.joint.curves import crossing
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands.compare import (

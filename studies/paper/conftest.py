@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.joint.history import ATTRIBUTES
+from jointclosure.joint.curves import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
-from jointclosure.joint.barton_bandis import CYCLES, UNCHECKED, barton_bandis, law_holds
+from jointclosure.joint.laws import CYCLES, UNCHECKED, barton_bandis, law_holds
 from jointclosure.joint.protocol import UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis

@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
-from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
+from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
 from jointclosure.walls.pairs import Walls

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.joint.barton_bandis import barton_bandis, scaled_to
 from jointclosure.joint.curves import closures_at, landing_stress
+from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.size.study import (

@@ -24,7 +24,7 @@ from jointclosure.engine.uncertainty import COPIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.protocol import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
-from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
+from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
@@ -191,9 +191,10 @@ def _run(frozen: str) -> Outcome:
                 target = _target(case, upper, lower, setting)
                 stated = setting | load_of(case, target)
                 conditions = Conditions(seating_stress=0.0, unusual_values=True, **stated)
-                dataset = simulate_by(
-                    lambda name: JudgedSolver(solver_named(name), judge), upper, lower, conditions
-                )
+                dataset = close_walls(
+                    upper, lower, conditions,
+                    solver_of=lambda name: JudgedSolver(solver_named(name), judge),
+                )  # fmt: skip
             bits = int(dataset.status)
             status = " ".join(name for bit, name in FLAGS.items() if bits & bit) or "success"
         except InputError as error:

@@ -7,8 +7,9 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.cli.exports import porepy_files
-from jointclosure.joint.barton_bandis import CYCLES, barton_bandis, laws_of_joint
 from jointclosure.joint.curves import (
+    GROSS,
+    NET,
     area_of,
     closures_at,
     curve_table,
@@ -19,8 +20,16 @@ from jointclosure.joint.curves import (
     stress_levels,
     stress_table,
 )
-from jointclosure.joint.history import GROSS, NET
-from jointclosure.joint.laws import LAWS, fit_law, fitted_laws, law_curves, parameter
+from jointclosure.joint.laws import (
+    CYCLES,
+    LAWS,
+    barton_bandis,
+    fit_law,
+    fitted_laws,
+    law_curves,
+    laws_of_joint,
+    parameter,
+)
 from jointclosure.plotting.joint import engineering_figure
 from tests import joints
 from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.joint.history import crossing, unloading_excess, values_at_stresses
+from jointclosure.joint.curves import crossing, unloading_excess, values_at_stresses
 
 STRESS = np.array([0.0, 1.0, 3.0, 2.0, 4.0])
 CLOSURE = np.array([0.0, 10.0, 20.0, 30.0, 40.0])

@@ -5,8 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine.uncertainty import coarser
-from jointclosure.joint.curves import net_responses
-from jointclosure.joint.history import branch_of
+from jointclosure.joint.curves import branch_of, net_responses
 from tests.joints import SPACING
 
 STRESS, SEATING = 10.27e6, 0.257e6

@@ -8,8 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import closures_at
-from jointclosure.joint.history import branch_of, read_along
+from jointclosure.joint.curves import branch_of, closures_at, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.calibration import (

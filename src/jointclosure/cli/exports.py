@@ -9,17 +9,17 @@ import xarray as xr
 
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.inputs import InputError
-from jointclosure.joint.barton_bandis import BartonBandis
 from jointclosure.joint.curves import (
+    branch_of,
     curve_table,
     cycle_table,
+    former_maximum,
     has_flow,
     members,
     spacing_of,
     stress_table,
 )
-from jointclosure.joint.history import branch_of, former_maximum
-from jointclosure.joint.laws import LAWS, fit_law, fitted_laws
+from jointclosure.joint.laws import LAWS, BartonBandis, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
 OPENING_SLOPE = 0.95

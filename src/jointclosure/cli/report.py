@@ -19,7 +19,7 @@ from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.joint.laws import LAWS, fitted_laws, law_words
+from jointclosure.joint.laws import LAWS, fitted_laws
 from jointclosure.joint.protocol import LOADING
 from jointclosure.statistics.standard_errors import ABSENT, number_text
 from jointclosure.storage.files import add_file, read_csv, read_text, write_text
@@ -71,7 +71,7 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     laws = fitted_laws(history)
     about = {column: about for law in LAWS.values() for column, about in law.parameters.items()}
     laws["parameter"] = [", ".join(filter(None, about[name])) for name in laws.parameter]
-    laws["law"] = laws.law.map(law_words)
+    laws["law"] = laws.law.str.replace("_", "-")
     first = pd.DataFrame(record["table"])
 
     def text(name: str, cycle: int = 1) -> str:

@@ -14,10 +14,16 @@ from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, results_o
 from jointclosure.engine.budget import QUANTITIES as BUDGETED
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.barton_bandis import JointLaws
 from jointclosure.joint.conditions import largest_stress
-from jointclosure.joint.curves import cycle_table, has_flow, members, stress_table
-from jointclosure.joint.history import branch_of, with_snapshots
+from jointclosure.joint.curves import (
+    branch_of,
+    cycle_table,
+    has_flow,
+    members,
+    stress_table,
+    with_snapshots,
+)
+from jointclosure.joint.laws import JointLaws
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write

@@ -21,8 +21,8 @@ from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
 from jointclosure.engine.progress import closing_bar, duration
 from jointclosure.inputs import InputError
-from jointclosure.joint.barton_bandis import laws_of_joint
-from jointclosure.joint.conditions import Conditions, describe_load
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.laws import laws_of_joint
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
 from jointclosure.walls.synthesis import wall_pair
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {1e3 * conditions.grid_spacing:g} mm, "
         f"seed {arguments.seed}"
     )
-    print(f"{title}: {describe_load(conditions.max_normal_stress, conditions.cycle_count)}")
+    print(f"{title}: {conditions.load_text()}")
     start = time.perf_counter()
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)

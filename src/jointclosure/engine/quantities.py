@@ -12,11 +12,13 @@ import xarray as xr
 from jointclosure.engine import oracle
 from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import cycle_table, hysteresis, net_responses
-from jointclosure.joint.history import (
+from jointclosure.joint.curves import (
     ATTRIBUTES,
     branch_of,
+    cycle_table,
+    hysteresis,
     loop_between,
+    net_responses,
     seat_of,
     values_at_stresses,
 )

@@ -16,16 +16,14 @@ from jointclosure.engine.uncertainty import uncertainty_budget
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.joint.barton_bandis import JointLaws, laws_of_joint
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
     conditions_from,
-    describe_load,
     takes_conditions,
 )
-from jointclosure.joint.curves import cycle_table
-from jointclosure.joint.history import with_snapshots
+from jointclosure.joint.curves import cycle_table, with_snapshots
+from jointclosure.joint.laws import JointLaws, laws_of_joint
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import close_walls
@@ -71,13 +69,12 @@ class ClosedJoint(NamedTuple):
         net, gross = (
             ", ".join(self._closure(column, table)) for column in (CLOSURE_NET, CLOSURE_GROSS)
         )
-        load = describe_load(self.conditions.max_normal_stress, self.conditions.cycle_count)
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
             f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
             f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
             f"({gross} mm gross) since {seating:g} MPa "
-            f"({load}){failed}>"
+            f"({self.conditions.load_text()}){failed}>"
         )
 
     def __str__(self) -> str:
@@ -276,9 +273,8 @@ def registered_walls(
 def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
     """Describe rock, cells and load of a joint in a line."""
     ny, nx = pair.upper.shape
-    load = describe_load(conditions.max_normal_stress, conditions.cycle_count)
     rock = rock_text(conditions.rock, rock_name)
-    return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {load}"
+    return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {conditions.load_text()}"
 
 
 def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:

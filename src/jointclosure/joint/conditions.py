@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
-from jointclosure.inputs import InputError, check_length, check_number
+from jointclosure.inputs import InputError, check_count, check_length, check_number
 from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.rocks import ROCKS, rock_record, rocks_of_walls
 from jointclosure.parameters import (
@@ -42,9 +42,7 @@ def load_cycles(
 ) -> tuple[LoadCycle, ...]:
     """Check a load and return its cycles [Pa]."""
     if cycles is not None:
-        check_number("cycles", cycles, whole=True)
-        if cycles < 1:
-            raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
+        check_count("cycles", cycles)
     turns = _turns(max_normal_stress)
     history = turns is not None
     given = [cast(float, max_normal_stress)] if turns is None else turns
@@ -78,13 +76,6 @@ def usual_seating(least: float) -> float:
     """Return the default seating stress [Pa] for the smallest maximum [Pa] of a load."""
     low = 0.0 < LARGEST_SEATING * least < SEATING_STRESS
     return _SEATING_SHARE * least if low else SEATING_STRESS
-
-
-def describe_load(max_normal_stress: float | Sequence[float], cycles: int) -> str:
-    """Describe a load in words: its stresses in MPa, and its cycles."""
-    given = _turns(max_normal_stress) or [cast(float, max_normal_stress)]
-    stresses = ", ".join(f"{1e-6 * stress:g}" for stress in given)
-    return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
 
 def largest_stress(max_normal_stress: float | Sequence[float]) -> float:
@@ -180,6 +171,12 @@ class Conditions(NamedTuple):
     def largest_stress(self) -> float:
         """Largest normal stress of all cycles [Pa]."""
         return largest_stress(self.max_normal_stress)
+
+    def load_text(self) -> str:
+        """Describe the load in words: its stresses in MPa, and its cycles."""
+        given = _turns(self.max_normal_stress) or [cast(float, self.max_normal_stress)]
+        stresses, cycles = ", ".join(f"{1e-6 * stress:g}" for stress in given), self.cycle_count
+        return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
     def attributes(self) -> dict[str, Any]:
         """Return checked conditions as attributes of a dataset."""

@@ -11,7 +11,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.history import ATTRIBUTES as OF_HISTORY
+from jointclosure.joint.curves import ATTRIBUTES as OF_HISTORY
 from jointclosure.joint.protocol import Step
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Joint
@@ -69,6 +69,23 @@ class _Network(NamedTuple):
         """Return the network of some of the faces."""
         ends = self.first[faces], self.second[faces]
         return _Network(*ends, self.conductance[faces], self.shape)
+
+    def matrix(self) -> scipy.sparse.csr_array:
+        """Return the conductances (n, n) between nodes."""
+        one, other = [self.first, self.second], [self.second, self.first]
+        at = np.concatenate(one), np.concatenate(other)
+        return scipy.sparse.csr_array((np.tile(self.conductance, 2), at), (self.nodes,) * 2)
+
+    def groups(self) -> np.ndarray:
+        """Return the number (n,) of the connected group of each node."""
+        return scipy.sparse.csgraph.connected_components(self.matrix(), directed=False)[1]
+
+    def sums(self) -> np.ndarray:
+        """Return the sum (n,) of the conductances of each node."""
+        one, other = (
+            np.bincount(ends, self.conductance, self.nodes) for ends in (self.first, self.second)
+        )
+        return one + other
 
 
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
@@ -132,14 +149,12 @@ def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarr
     first = np.concatenate([first, cells[:, 0], cells[:, -1]])
     second = np.concatenate([second, np.full(rows, inlet), np.full(rows, outlet)])
     conductance = np.concatenate([inner, 2.0 * through[cells[:, 0]], 2.0 * through[cells[:, -1]]])
-    nodes = cells.size + 2
-    # total conductance of each cell; inlet and outlet are not cells
-    total = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
-    total[-2:] = 0.0
+    network = _Network(first, second, conductance, (rows, columns))
+    total = network.sums()
+    total[-2:] = 0.0  # inlet and outlet are not cells
     is_open = conductance > CLOSED * np.maximum(total[first], total[second])
     conducts = conductance > 0.0
-    network = _Network(first, second, conductance, (rows, columns)).part(conducts)
-    return network, is_open[conducts]
+    return network.part(conducts), is_open[conducts]
 
 
 def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> float:
@@ -148,7 +163,7 @@ def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> f
     nodes = left_out.nodes
     if not first.size:
         return 0.0
-    group = _groups(network)
+    group = network.groups()
     # each such group has the mean of the pressures next to it, so that a dead end adds nothing
     weight, total = np.zeros(nodes), np.zeros(nodes)
     for inside, outside in ((first, second), (second, first)):
@@ -163,35 +178,25 @@ def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> f
 
 def _joined(network: _Network) -> np.ndarray | None:
     """Return the nodes (n,) connected to inlet and outlet; None if these are not connected."""
-    label = _groups(network)
+    label = network.groups()
     return label == label[-1] if label[-1] == label[-2] else None
-
-
-def _groups(network: _Network) -> np.ndarray:
-    """Return the number (n,) of the connected group of each node."""
-    links = (network.conductance, (network.first, network.second))
-    graph = scipy.sparse.coo_array(links, shape=(network.nodes, network.nodes))
-    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     """Return pressures of all nodes (2, n): 1 at the inlet to 0 at the outlet, and reversed."""
-    first, second, conductance, _ = network
-    nodes, black = network.nodes, _black(network, joined)
-    diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
+    black = _black(network, joined)
     white = joined & ~black
     white[-2:] = False
-    coupling = _matrix(network, white, black)
-    among_white = _matrix(network, white, white)
-    sides = nodes - 2, nodes - 1
-    beside = [second == side for side in sides]
-    loads = [np.bincount(first[faces], conductance[faces], nodes) for faces in beside]
+    matrix, diagonal = network.matrix(), network.sums()
+    coupling, among_white = (matrix[white][:, cells] for cells in (black, white))
+    sides = network.nodes - 2, network.nodes - 1
+    loads = matrix[:, sides].toarray().T
     # symmetric and diagonally dominant: pivoting is not needed; narrow panels suit small supernodes
     share = coupling / diagonal[black]
-    matrix = scipy.sparse.diags_array(diagonal[white]) - among_white - share @ coupling.T
+    reduced = scipy.sparse.diags_array(diagonal[white]) - among_white - share @ coupling.T
     ordering = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "panel_size": 2}
-    factors = scipy.sparse.linalg.splu(matrix.tocsc(), **ordering, options={"SymmetricMode": True})
-    pressures = np.zeros((2, nodes))
+    factors = scipy.sparse.linalg.splu(reduced.tocsc(), **ordering, options={"SymmetricMode": True})
+    pressures = np.zeros((2, network.nodes))
     for pressure, load, side in zip(pressures, loads, sides, strict=True):
         pressure[white] = factors.solve(load[white] + share @ load[black])
         pressure[black] = (load[black] + coupling.T @ pressure[white]) / diagonal[black]
@@ -206,19 +211,6 @@ def _black(network: _Network, joined: np.ndarray) -> np.ndarray:
     odd ^= odd.flat[np.argmax(joined[:-2])]
     odd[rows - rows % 2 :] = False  # in an odd number of joined rows, the last one meets the first
     return np.append(odd, [False, False]) & joined
-
-
-def _matrix(network: _Network, rows: np.ndarray, columns: np.ndarray) -> scipy.sparse.csr_array:
-    """Return the conductances between two sets (n,) of nodes."""
-    first, second, conductance, _ = network
-    entries = []
-    for here, there in ((first, second), (second, first)):
-        at = rows[here] & columns[there]
-        row, column = (np.cumsum(rows) - 1)[here[at]], (np.cumsum(columns) - 1)[there[at]]
-        entries.append((conductance[at], row, column))
-    value, row, column = (np.concatenate(parts) for parts in zip(*entries, strict=True))
-    shape = int(rows.sum()), int(columns.sum())
-    return scipy.sparse.csr_array((value, (row, column)), shape=shape)
 
 
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:

@@ -17,14 +17,14 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.history import (
+from jointclosure.joint.curves import (
     ATTRIBUTES,
     GROSS,
     branch_of,
     cycle_closures,
     unloading_excess,
 )
+from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
     UNLOADING,
@@ -101,7 +101,7 @@ def simulate(
         negative where asperities are pressed into each other), ``equilibrium_residual``, with
         coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
-        (`jointclosure.joint.history.cycle_closures`), ``locked_share`` and
+        (`jointclosure.joint.curves.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
@@ -127,38 +127,29 @@ def simulate(
     ``Numerics.curve_points`` stresses (and the seating stress) up and down one curve.
     """
     conditions = conditions_from(conditions, changes, "simulate", "spacing")
+    spacing = conditions.grid_spacing
+    walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
-        spacing = conditions.grid_spacing
-        warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
-    return simulate_by(solver_named, upper, lower, conditions, report, snapshots, pristine)
+        warn_of_doubts(*walls, spacing)
+    return close_walls(*walls, conditions.checked(snapshots), report, snapshots, pristine)
 
 
 def close_walls(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    report: Report | None = None,
-    snapshots: Sequence[float] = (),
-    pristine: Sequence[ArrayLike] | None = None,
-) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before."""
-    unchecked = conditions._replace(unusual_values=True)
-    return simulate_by(solver_named, upper, lower, unchecked, report, snapshots, pristine)
-
-
-def simulate_by(
-    solver_of: Callable[[str], Solver],
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
+    solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Simulate with a solver that ``solver_of`` makes from its name, otherwise as `simulate`."""
+    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before.
+
+    ``solver_of`` makes the solver from its name.
+    """
     spacing = conditions.grid_spacing
     upper, lower = checked_walls(upper, lower, spacing)
-    conditions = conditions.checked(snapshots)
+    conditions = conditions._replace(unusual_values=True).checked(snapshots)
     largest, load = float(conditions.largest_stress), conditions.load
     effects, choices = conditions.effects, in_double(conditions.choices)
     _check_steps(upper, lower, conditions.numerics)

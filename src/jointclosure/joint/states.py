@@ -1,7 +1,7 @@
 """Fields of a joint at one step, and its states at given stresses."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import xarray as xr
@@ -52,11 +52,7 @@ class _State(NamedTuple):
 
     step: int
     normal_stress: float
-    upper: np.ndarray
-    lower: np.ndarray
-    force: np.ndarray
-    gap: np.ndarray
-    broken_volume: float
+    fields: dict[str, Any]
 
 
 class Snapshots:
@@ -84,18 +80,13 @@ class Snapshots:
 
     def _state(self, joint: Joint, step: Step) -> _State:
         cell, lost = joint.law.spacing**2, 0.0
-        walls = joint.upper.copy(), joint.lower.copy()
-        if self._first is not None:
-            for pristine, wall in zip(self._first[2:4], walls, strict=True):
-                lost += cell * float(np.maximum(pristine - wall, 0.0).sum())
-        return _State(
-            0 if self._last is None else self._last.step + 1,
-            step.settled.total_force / (joint.upper.size * cell),
-            *walls,
-            joint.force.copy(),
-            -fields_of(joint, step.settled.closure).overlap,
-            lost,
-        )
+        fields = {name: getattr(joint, name).copy() for name in ("upper", "lower", "force")}
+        pristine = self._first.fields if self._first else fields
+        for name in ("upper", "lower"):
+            lost += cell * float(np.maximum(pristine[name] - fields[name], 0.0).sum())
+        fields |= {"gap": -fields_of(joint, step.settled.closure).overlap, "broken_volume": lost}
+        stress = step.settled.total_force / (joint.upper.size * cell)
+        return _State(self._last.step + 1 if self._last else 0, stress, fields)
 
     def _passes(self, stress: float, before: float, now: float, branch: str) -> bool:
         if branch == LOADING:
@@ -105,19 +96,20 @@ class Snapshots:
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with its snapshots along ``snapshot``, in order of time."""
         shape = (closed.sizes["y"], closed.sizes["x"])
-        states = list(self._kept.values())
+        states, first = list(self._kept.values()), cast(_State, self._first)
+        datums = dict(zip(("upper", "lower"), self._datums, strict=True))
         variables: dict[str, Any] = {}
         for name, (text, unit) in _FIELDS.items():
             dimensions = () if name == "broken_volume" else shape
-            values = np.array([getattr(state, name) for state in states], dtype=np.float64)
+            values = np.array([state.fields[name] for state in states], dtype=np.float64)
             values = values.reshape(len(states), *dimensions)
-            if name in ("upper", "lower"):
-                values += self._datums[name == "lower"]
+            if name in datums:
+                values += datums[name]
             along = ("snapshot", "y", "x")[: values.ndim]
             variables[f"snapshot_{name}"] = (along, values, {"long_name": text, "units": unit})
-        for name, datum in zip(("upper", "lower"), self._datums, strict=True):
+        for name, datum in datums.items():
             about = {"long_name": f"{name} wall at first touch", "units": "m"}
-            variables[f"{name}_first"] = ("y", "x"), getattr(self._first, name) + datum, about
+            variables[f"{name}_first"] = ("y", "x"), first.fields[name] + datum, about
         rows = [(*place, state.step) for place, state in self._kept.items()]
         coordinates = {}
         for k, (name, (text, about, kind)) in enumerate(_PLACES.items()):

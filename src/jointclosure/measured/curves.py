@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import SPELT, InputError
-from jointclosure.joint.history import crossing
+from jointclosure.joint.curves import crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.parameters.units import SI_FACTORS
 

@@ -281,7 +281,7 @@ def validate(
     -----
     The region assumes that the model is right and that rock, roughness and size are known. Closures
     of the model are net of the indentation of the half-spaces
-    (`jointclosure.joint.history.read_along`).
+    (`jointclosure.joint.curves.read_along`).
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
     measured, pair = given.measured, given.pair

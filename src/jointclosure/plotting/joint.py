@@ -11,17 +11,19 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.engine.quantities import CURVES
-from jointclosure.joint.barton_bandis import BartonBandis
-from jointclosure.joint.curves import WATER, has_flow, members, stress_table
-from jointclosure.joint.history import (
+from jointclosure.joint.curves import (
     GROSS,
     NET,
+    WATER,
     branch_of,
     former_maximum,
+    has_flow,
+    members,
     read_along,
     seat_of,
+    stress_table,
 )
-from jointclosure.joint.laws import LAWS, fit_law
+from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
 from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import Region

@@ -11,8 +11,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.inputs.extras import needs
-from jointclosure.joint.curves import stress_table
-from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.curves import GROSS, NET, stress_table
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map, state_map
 from jointclosure.plotting.style import BRANCH_LINES, styled

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import spacing_of
-from jointclosure.joint.history import GROSS
+from jointclosure.joint.curves import GROSS, spacing_of
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.style import StyledFigure, panel_grid, styled
 from jointclosure.plotting.walls import draw_field
