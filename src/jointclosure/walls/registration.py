@@ -340,16 +340,12 @@ def _fitted(
         f"{listed}"
     )
     if clear and used != name:
-        if not unusual:
-            raise InputError(
-                f"orientation = {orientation!r}: {name} fits clearly better, and closures of walls "
-                f"in a wrong orientation are several times too large; state {name} or leave "
-                f"orientation out; {AS_IT_IS}"
-            )
         wrong = (
-            f"the stated orientation {used} fits worse than {name}, which is clear; in a wrong "
-            "orientation closures are several times too large"
+            f"orientation = {orientation!r}: {name} fits clearly better, and closures of walls in "
+            "a wrong orientation are several times too large"
         )
+        if not unusual:
+            raise InputError(f"{wrong}; state {name} or leave orientation out; {AS_IT_IS}")
         report.append(caution(wrong))
     if (shift != "mated" and not clear) or (shift == "scanned" and used != name):
         return used, fits, None
