@@ -70,7 +70,9 @@ def elsewhere(**environment: str) -> str:
     ).stdout
 
 
-@pytest.mark.parametrize("name", PROCESSORS)
+@pytest.mark.parametrize(
+    "name", [pytest.param("without AVX-512", marks=pytest.mark.slow), "without AVX2"]
+)
 def test_bits_are_the_same_on_any_processor(here, name):
     assert elsewhere(**PROCESSORS[name]) == here
 

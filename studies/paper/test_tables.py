@@ -8,9 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.measured.curves import parsed_curve
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.standard_errors import significant
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import cases_of, surface_settings
@@ -20,8 +18,6 @@ from studies.frame.plan import inputs_of, settings_of
 from studies.frame.products import make_files
 from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
-from studies.paper.closures import fit_table
-from studies.paper.figures import Measurements
 from studies.paper.layout import case_table, rock_table, table_3_latex, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
 from studies.paper.report.content import (
@@ -42,14 +38,6 @@ from studies.paper.responses import (
 )
 from tests.studied import ROOT, checked_study, study_of
 from tests.world import world
-
-
-@pytest.mark.parametrize(
-    ("value", "figures", "text"),
-    [(12.70, 3, "12.7"), (0.1401, 3, "0.140"), (130.2, 2, "130"), (9.996, 3, "10.0"), (0, 3, "0")],
-)
-def test_numbers_are_rounded_as_the_paper_prints_them(value, figures, text):
-    assert significant(value, figures) == text
 
 
 def test_table_3_marks_its_lengths_and_runs_no_command_of_a_title():
@@ -358,20 +346,3 @@ def test_closures_are_drawn_since_seating_or_since_first_touch(four, seating, fi
         # unloading ends at seating, with the residual closure
         np.testing.assert_allclose(unloading.get_xdata()[0], left)
         assert unloading.get_ydata()[0] == first[1]
-
-
-MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
-
-
-def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(four):
-    curves = {"one": parsed_curve(MEASURED, "lab.csv")}
-    fits = fit_table(four, curves, 5e5)
-    figure = plotting.closure_figure(four, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
-    axes = figure.axes[0]
-    (measured,) = [line for line in axes.lines if line.get_color() == "k"]
-    np.testing.assert_allclose(measured.get_xdata(), [0.0, 0.05, 0.09, 0.08], atol=1e-12)
-    np.testing.assert_allclose(measured.get_ydata(), [0.5, 1.0, 2.0, 1.0])
-    best = [line for line in axes.lines if line.get_marker() == "o"]
-    assert len(best) == 2  # loading and unloading of the one cycle that was measured
-    (row,) = fits.itertuples()
-    assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()

@@ -1,6 +1,7 @@
 """What a joint may not depend on: units, the names of the walls, the axes of the grid."""
 
 import functools
+from itertools import product
 
 import numpy as np
 import pytest
@@ -81,8 +82,12 @@ def scaled(scene, method, **scales):
 
 
 @pytest.mark.parametrize(("lengths", "stresses"), [(1 / 64, 1.0), (64.0**3, 64.0), (1.0, 64.0**-2)])
-@pytest.mark.parametrize("method", METHODS, ids=str)
-@pytest.mark.parametrize("scene", [*ELASTIC, *BREAKING])
+@pytest.mark.parametrize(
+    ("scene", "method"),
+    # breakage is resolved where something breaks
+    [*product(ELASTIC, METHODS[::2]), *product(BREAKING, METHODS)],
+    ids=str,
+)
 def test_powers_of_64_scale_whole_histories_to_the_last_bit(scene, method, lengths, stresses):
     """Their square and cube roots are powers of two, so no rounding differs."""
     effects, one = (ELASTIC | BREAKING)[scene], scaled(scene, method)

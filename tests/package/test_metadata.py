@@ -10,8 +10,7 @@ from packaging.requirements import Requirement
 
 import jointclosure as jc
 from jointclosure.cli.options import documented
-from jointclosure.inputs import InputError
-from jointclosure.inputs.extras import EXTRAS, needs
+from jointclosure.inputs.extras import EXTRAS
 from jointclosure.measured.joints import MeasuredJoint
 
 ROOT = Path(__file__).parents[2]
@@ -35,14 +34,6 @@ def test_the_extras_are_those_of_pyproject_and_none_is_needed_by_the_library():
         of_extra = {module.lower() for module in modules}
         assert of_extra == names(declared[extra]) - {"jointclosure"}
         assert not names(PROJECT["dependencies"]) & of_extra
-
-
-def test_a_missing_module_names_its_extra_in_one_line():
-    with pytest.raises(InputError) as caught, needs("figures", "a page"):
-        raise ModuleNotFoundError("No module named 'seaborn'", name="seaborn.axisgrid")
-    packages = " ".join(f"'{entry}'" for entry in PROJECT["optional-dependencies"]["figures"])
-    assert str(caught.value).startswith("a page needs seaborn")
-    assert str(caught.value).endswith(f"pip install {packages}")  # without the name of this one
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch
 @pytest.mark.parametrize("tolerance", [1e-14, 0.01, 0.1, 0.9])
 def test_success_means_that_every_step_is_within_the_tolerance(tolerance, breakage):
     """Also a coarse one, at which forces and what answers them differ in sum."""
-    for seed in range(3):
+    for seed in range(2):
         joint = closed(pair(24, seed), breakage=breakage, force_tolerance=tolerance)
         assert int(joint.status) < FAILURE
         assert float(joint.equilibrium_residual.max()) <= tolerance

@@ -550,18 +550,3 @@ def test_a_no_data_value_that_is_no_number_is_none_or_named(word, fails, wall, t
     else:
         found = read_scan(tmp_path / "a.tif", units="mm", scan_spacing=SPACING)
         np.testing.assert_allclose(found.heights, 1e-3 * wall)
-
-
-def test_a_row_of_an_esri_grid_that_lost_a_number_is_named(wall, tmp_path):
-    as_esri(tmp_path / "a.asc", Ground(wall))
-    rows = (tmp_path / "a.asc").read_text().splitlines()
-    words = [word for row in rows[6:] for word in row.split()]
-    divided = [" ".join(words[start : start + 10]) for start in range(0, len(words), 10)]
-    (tmp_path / "b.asc").write_text("\n".join(rows[:6] + divided))
-    scan = read_scan(tmp_path / "b.asc", units="mm")
-    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
-    rows[10] = rows[10].partition(" ")[2]
-    rows[17] += " 1.0"
-    (tmp_path / "a.asc").write_text("\n".join(rows))
-    with pytest.raises(jc.InputError, match=r"row 5 contains 25 heights, must be 26 \(2 such rows"):
-        read_scan(tmp_path / "a.asc", units="mm")
