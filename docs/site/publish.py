@@ -27,7 +27,10 @@ def publish(results: Path, run: str, *further: str) -> Path:
     folder = folder_of(run)
     names = {path.name for path in folder.glob("*.*")} - {"origin.json"} | set(further)
     if not names:
-        raise InputError(f"{run}: nothing is stored of it: name the files that pages show")
+        raise InputError(
+            f"{run}: nothing is stored of it yet: name the files that pages show, such as "
+            f"{sys.executable} docs/site/publish.py {results} {run} {run}.csv {run}.png"
+        )
     check_folder(results)
     places = [results / "tables", results / "figures", results]
     sources = {name: [p / name for p in places if (p / name).is_file()] for name in sorted(names)}

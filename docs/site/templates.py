@@ -42,7 +42,8 @@ Rows = list[dict]
 def folder_of(run: str) -> Path:
     """Folder of the stored results of a run: of a study, or of a benchmark."""
     of_studies = list(ROOT.glob(f"studies/*/results/{run}"))
-    return of_studies[0] if of_studies else ROOT / "benchmarks/results" / run
+    room = ROOT / "studies" / run if (ROOT / "studies" / run).is_dir() else ROOT / "benchmarks"
+    return of_studies[0] if of_studies else room / "results" / run
 
 
 @cache

@@ -133,11 +133,14 @@ CHANGED = [
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"rock": jc.Rock._make((-1.0, 0.2, 1e8))}, "youngs_modulus = -1.0"),
+        ({"rock": DOLERITE._replace(youngs_modulus=-1.0)}, "youngs_modulus = -1.0"),
         ({"rock": 3.0}, "rock"),
-        ({"rock": jc.Rock._make((1e9, "a", 1e8))}, "poisson_ratio = 'a': must be a number"),
+        ({"rock": DOLERITE._replace(poisson_ratio="a")}, "poisson_ratio = 'a': must be a number"),
         (
-            {"rock": jc.Rock._make((78, 0.2, 165)), "unusual_values": True},
+            {
+                "rock": DOLERITE._replace(youngs_modulus=78, compressive_strength=165),
+                "unusual_values": True,
+            },
             "max_normal_stress = 1000000.0 Pa: must be below",
         ),
         ({"spacing": "x"}, "spacing = 'x'"),

@@ -39,7 +39,13 @@ def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load
         [lengths * wall for wall in walls],
         stresses * load,
         spacing=lengths * SPACING,
-        rock=tuple(jc.Rock(stresses * e, nu, stresses * sigma) for e, nu, sigma in rocks),
+        rock=tuple(
+            rock._replace(
+                youngs_modulus=stresses * rock.youngs_modulus,
+                compressive_strength=stresses * rock.compressive_strength,
+            )
+            for rock in rocks
+        ),
         seating_stress=0.0,
         effects=effects,
         largest_radius=lengths * 20e-3,

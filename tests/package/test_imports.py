@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,12 @@ def test_every_public_name_is_what_its_module_defines():
     assert dir(jc) == sorted([*jc.__all__, "__version__"])
     with pytest.raises(AttributeError, match="no attribute 'simulte'"):
         jc.simulte  # noqa: B018
+
+
+def test_every_study_is_in_the_contracts_of_imports():
+    root = Path(__file__).parents[2]
+    held = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    studies = {f"studies.{file.parent.name}" for file in root.glob("studies/*/page.md.j2")}
+    (layers,) = (each["layers"][0] for each in held if each["name"].startswith("Studies build"))
+    (alone,) = (each["modules"] for each in held if each["name"].startswith("No study imports"))
+    assert set(layers.split(" | ")) == set(alone) == studies - {"studies.paper"}

@@ -32,7 +32,15 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import stress_levels, stress_table
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import close_walls
-from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
+from jointclosure.parameters import (
+    OF_ROCK,
+    PLAUSIBLE,
+    Choices,
+    Numerics,
+    acting,
+    both_walls,
+    key_of,
+)
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.pairs import Walls
@@ -256,7 +264,8 @@ def uncertainty_budget(
         report((len(answers) - 1) / len(variants), TITLES.get(name, name))
     rows, curves = zip(*(answers[at] for at in sorted(answers)), strict=True)
     results = pd.concat(rows, ignore_index=True)
-    omitted = tuple(name for name in ("registration", *OF_ROCK) if name not in sources)
+    known = "registration", *acting(both_walls(conditions.rock)[0])
+    omitted = tuple(name for name in known if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.0
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])

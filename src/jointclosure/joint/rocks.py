@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError
-from jointclosure.parameters import PROPERTIES, Rock, both_walls, key_of
+from jointclosure.parameters import PROPERTIES, Rock, acting, both_walls, key_of
 
 
 class KnownRock(NamedTuple):
@@ -73,9 +73,10 @@ def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
 
 
 def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
-    """Return each property in the unit of its key, and that unit after a space, by field."""
+    """Return each property that acts in the unit of its key, and that unit after a space."""
     shown = {}
-    for field, value in rock._asdict().items():
+    for field in acting(rock):
+        value = getattr(rock, field)
         unit, size = PROPERTIES[field].unit, PROPERTIES[field].size
         # twelve digits: 73e9/1e9 and similar values are shown as they were given
         shown[field] = float(f"{value / size:.12g}"), "" if unit == "1" else f" {unit}"

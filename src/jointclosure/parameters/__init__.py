@@ -222,6 +222,12 @@ def in_double(settings: _Settings) -> _Settings:
     return settings._replace(**numbers)
 
 
+def acting(rock: Rock) -> list[str]:
+    """Return the names of the properties of a rock that are not neutral, as defaults are."""
+    neutral = Rock._field_defaults
+    return [name for name, value in rock._asdict().items() if value != neutral.get(name)]
+
+
 def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks."""
     pair = (rock, rock) if isinstance(rock, Rock) else rock
