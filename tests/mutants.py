@@ -48,7 +48,8 @@ def mutants() -> list[Mutant]:
 def copied() -> None:
     """Copy all files that Git knows, and compiled kernels, which most mutants leave valid."""
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
-    COPY.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(COPY, ignore_errors=True)  # may have files that Git knows no longer
+    COPY.mkdir(parents=True)
     command = ["tar", "-c", "--null", "-T", "-", "-f", "-"]
     packed = subprocess.run(command, cwd=ROOT, input=files.stdout, capture_output=True, check=True)
     subprocess.run(["tar", "-x"], cwd=COPY, input=packed.stdout, check=True)
