@@ -41,6 +41,22 @@ def edit(file, old, new):
     file.write_text(text.replace(old, new), encoding="utf-8")
 
 
+def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
+    names = ("solvers.fast", "joint.protocol", "statistics.indifference")
+    before = [digest(name) for name in names]
+    edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
+    after = [digest(name) for name in names]
+    assert [a == b for a, b in zip(before, after, strict=True)] == [False, False, True]
+
+
+def test_comments_docstrings_and_layout_do_not_count(copy):
+    before = digest("mechanics")
+    file = copy / "mechanics/contact.py"
+    text = file.read_text(encoding="utf-8")
+    file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
+    assert digest("mechanics") == before
+
+
 FUNCTIONS = '''
 from functools import partial
 from jointclosure.statistics import indifference as b, correlations as p

@@ -13,6 +13,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.compilation import kernels as compilation
+from jointclosure.compilation import sources
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.joint import states  # imported before it is patched, or it would keep `refuse`
 from jointclosure.solvers import elastic, fast, interaction_operator, joint
@@ -88,6 +89,11 @@ def test_a_scene_without_breakage_calls_no_breakage_and_takes_no_steps(monkeypat
     found = closed(ELASTIC)
     assert found.breakage_steps == 0
     np.testing.assert_array_equal(found.upper_final, pair(10, 1)[0])
+
+
+def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
+    code = sources.code_digest(*compilation.KERNEL_PARTS, titles=False)
+    assert compilation.cache_folder().name.startswith(f"numba-{code}-")
 
 
 def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():

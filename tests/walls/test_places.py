@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import jointclosure as jc
-from jointclosure.walls.scans import read_scan
+from jointclosure.walls.scans import contents, read_scan
 from tests.walls.test_formats import RANDOM
 
 SIZES = {"m": 1e-3, "mm": 1.0, "um": 1e3}
@@ -183,3 +183,26 @@ def test_a_spacing_that_is_no_number_is_named(tmp_path):
         write(tmp_path / "a.npz", {"Z_mm": WALL, "spacing_mm": spacing})
         with pytest.raises(jc.InputError, match=r"spacing_mm: values of type .*: must be real"):
             read_scan(tmp_path / "a.npz")
+
+
+def test_of_a_matlab_file_only_what_is_needed_is_loaded(tmp_path, monkeypatch):
+    large = np.zeros((60, 1000))
+    content = {"Z_mm": WALL, "h_mm": 0.3, "other": large, "S": {"Z_mm": large, "h_mm": 0.3}}
+    scipy.io.savemat(tmp_path / "a.mat", content, do_compression=True)
+    monkeypatch.setattr(contents, "LARGEST_ARRAY", 100_000)
+    loaded, load = [], scipy.io.loadmat
+
+    def counted(path, variable_names):
+        loaded.extend(variable_names)
+        return load(path, variable_names=variable_names)
+
+    monkeypatch.setattr(scipy.io, "loadmat", counted)
+    np.testing.assert_allclose(read_scan(tmp_path / "a.mat", variable="Z_mm").heights, 1e-3 * WALL)
+    assert sorted(loaded) == ["Z_mm", "h_mm"]
+    for variable, size in (
+        ("other", "60 x 1000 values of 8"),
+        ("S.Z_mm", r"480\d\d\d values of 1"),
+    ):
+        with pytest.raises(jc.InputError, match=f"declares {size} bytes: must be at most 0.1 MB"):
+            read_scan(tmp_path / "a.mat", variable=variable)
+    assert sorted(loaded) == ["Z_mm", "h_mm"]
