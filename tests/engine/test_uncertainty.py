@@ -27,6 +27,7 @@ from jointclosure.engine.uncertainty import (
     variants_of,
 )
 from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.files import read_plain
@@ -153,6 +154,15 @@ def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
     printed = str(budget)
     assert budget.text(1, CLOSURE) in printed
     assert budget.sentences()[-1] in printed
+
+
+@pytest.mark.filterwarnings("ignore:All-NaN:RuntimeWarning")
+def test_a_joint_that_fails_has_unknown_results_and_no_error(small_joint):
+    load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
+    budget = uncertainty_budget(*small_joint, CONDITIONS._replace(**load))
+    best = budget.results[budget.results.source == ""]
+    assert (best.status >= FAILURE).all()
+    assert best[CLOSURE].isna().all()
 
 
 def test_random_values_fill_their_ranges():

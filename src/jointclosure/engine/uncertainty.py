@@ -238,15 +238,18 @@ def uncertainty_budget(
     variants = list(variants_of(conditions, sources))
     closed = close_walls(upper, lower, conditions) if closed is None else closed
     levels = stress_levels(closed)
+    known = stress_table(closed, levels)
 
     def tables_of(variant: Variant, joint: xr.Dataset | None) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the rows of a variant, and its curves; values are unknown if it failed."""
         status = -1 if joint is None else int(joint.status)
         if joint is None or status >= FAILURE:
-            rows = first[0][["cycle"]].assign(**dict.fromkeys(QUANTITIES, np.nan))
-            curves = first[1][["cycle", "branch", "normal_stress_MPa"]]
+            rows = pd.DataFrame({"cycle": known.cycle.unique()})
+            rows = rows.assign(**dict.fromkeys(QUANTITIES, np.nan))
+            curves = known[["cycle", "branch", "normal_stress_MPa"]]
         else:
-            rows, curves = results_of(joint), stress_table(joint, levels)
+            curves = known if joint is closed else stress_table(joint, levels)
+            rows = results_of(joint)
         about = {"source": variant.source, "value": variant.value, "status": status}
         return rows.assign(**about), curves.assign(source=variant.source)
 
@@ -264,8 +267,8 @@ def uncertainty_budget(
         report((len(answers) - 1) / len(variants), TITLES.get(name, name))
     rows, curves = zip(*(answers[at] for at in sorted(answers)), strict=True)
     results = pd.concat(rows, ignore_index=True)
-    known = "registration", *acting(both_walls(conditions.rock)[0])
-    omitted = tuple(name for name in known if name not in sources)
+    exact = "registration", *acting(both_walls(conditions.rock)[0])
+    omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.0
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
