@@ -1,7 +1,7 @@
 """How long the flow through a published gap takes, here and in reynoldsflow.
 
 Both codes solve the same discretisation of Reynolds' equation on the same gap with periodic sides
-(`studies.verification.analytic`), and must give the published flux. Times are processor times of
+(`published_gap`), and must give the published flux. Times are processor times of
 whole calls, medians of runs in turn after one that is not counted. "scipy-spsolve" factorises by
 SuperLU as we do, "scipy.amg-rs" is multigrid; "cholesky" needs scikit-sparse and SuiteSparse.
 
@@ -19,9 +19,9 @@ from yardstick import machine, options, show, timed
 # isort: split
 import numpy as np
 import pandas as pd
+from published_gap import PUBLISHED_FLUXES, published_gap
 
 from jointclosure.joint.flow import flow_along
-from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
 

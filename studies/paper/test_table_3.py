@@ -28,7 +28,6 @@ from studies.paper.closures import (
     indifference_table,
 )
 from studies.paper.judged_claims import Evidence, judge_claims
-from studies.paper.planning import GOALS, Goal, plan, power_of_ends
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import responses
 from tests.studied import checked_study, study_of
@@ -126,37 +125,6 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     assert dict(lengths_dataset(found).sizes) == {"entry": 8, "repetition": 400}
 
 
-@pytest.mark.parametrize("paired", [False, True])
-def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
-    # one planned from a large pool, then done many times
-    wish, parameter, cycle = Goal("power", 0.8), "compressive_strength", 1
-    stated = {"irregular": 0.1} if paired else {}
-    draws = COMMON if paired else {}
-    pool = world(pool_of(study_of(ONE, STRENGTH_ALONE, {"study": {"pool": 200}})), **stated)
-    table = plan(pool, wish, paired=paired).set_index(["parameter", "cycle"])
-    n = int(table.surfaces[parameter, cycle])
-    significant = []
-    for number in range(40):
-        size = {"study": {"name": f"done_{number}", "realizations": n}}
-        study = world(study_of(ONE, STRENGTH_ALONE, size, draws), **stated)
-        row = indifference_table(study, study_of(ONE).statistics, 1)
-        row = row[(row.parameter == parameter) & (row.cycle == cycle)].iloc[0]
-        significant.append(row.p_of_ends < 0.05)
-    assert abs(np.mean(significant) - 0.8) < 0.17
-    assert table.core_minutes[parameter, cycle] == pytest.approx(3 * n * 1.5 / 60.0)
-
-
-def test_a_plan_says_how_far_its_number_is_known(pool):
-    """About two thirds of other pools plan a number within the stated range."""
-    wish, parameter = Goal("standard-error", 0.01), "jrc"
-    table = plan(pool, wish).set_index(["parameter", "cycle"])
-    assert (table.low_68 <= table.surfaces * 1.05).all()
-    assert (table.high_68 >= table.surfaces * 0.95).all()
-    # n goes as the variance of 40 normal samples, which is known to sqrt(2/39)
-    width = (table.high_68 - table.low_68) / table.surfaces / 2.0
-    assert abs(width[parameter, 1] - np.sqrt(2.0 / 39.0)) < 0.1
-
-
 def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     none = dict.fromkeys(("poisson_ratio", "youngs_modulus_GPa", "compressive_strength_MPa", "jrc"))
     study = world(study_of(ONE, {"rocks": {"dolerite": {"levels": none}}}))
@@ -167,25 +135,9 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert read_netcdf(tmp_path / "lengths.nc").sizes["entry"] == 0
     assert joint_table(found, PAPER).empty
     assert elasticity_table(study).empty
-    assert plan(study, Goal("power", 0.8)).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
-
-
-def test_more_surfaces_are_needed_for_more(pool):
-    amounts = {"length": (4, 8), "width": (0.2, 0.4), "standard-error": (0.01, 0.02),
-               "elasticity-error": (0.02, 0.04), "power": (0.95, 0.5)}  # fmt: skip
-    assert set(amounts) == set(GOALS)
-    few = pool.isel(case=np.isin(pool.parameter, ["base", "jrc"]))
-    for kind, (more, less) in amounts.items():
-        strict, loose = (plan(few, Goal(kind, amount)).surfaces for amount in (more, less))
-        assert (strict >= loose).all()
-        assert (strict > loose).any()
-        if kind == "standard-error":
-            np.testing.assert_allclose(strict / loose, 4, 0.1)
-    response = next(responses(pool, "max_closure"))
-    assert power_of_ends(response._replace(samples=response.samples * 0 + 1), 10, 0.05) == 1.0
 
 
 # Realisations of a study that fit measured curves best

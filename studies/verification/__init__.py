@@ -1,1 +1,1 @@
-"""Verification: hard cases, exact arithmetic, and oracles that share no code with the solvers."""
+"""Verification: hard cases, judged by an oracle that shares no code with the solvers."""

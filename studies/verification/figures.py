@@ -1,11 +1,8 @@
 """One page with the closure curves of all hard cases."""
 
 from textwrap import fill
-from typing import Any
 
-import numpy as np
 import pandas as pd
-import seaborn as sns
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
@@ -72,79 +69,3 @@ def _mark(row) -> str:
     if row.status in ("target_jumped", "outside_model_range", "target_jumped outside_model_range"):
         return "holds, with a remark"
     return "holds: refused, or fails by name as it must"
-
-
-FLOOR, CEILING = 1e-17, 1e2
-"""Errors beyond are drawn here: none at all in double precision, or formulas without a number."""
-
-_OURS, _PRINTED = "C0", ("C3", "C1", "C4")
-_PANELS = {
-    "cubic": ("stiffness ratio g = γ δ$_S^{1/2}$", "error of δ$_a$, Eqs. (11), (13)"),
-    "far field": ("distance ζ/r", "error of the displacement, Eq. (17)"),
-    "quartic": ("half range of the levels / p$_M$", "error of the interval's length, Eq. (29)"),
-    "convergence": ("sweeps, or products with the interaction", "residual of equilibrium"),
-}
-_TITLES = {
-    "cubic": "one contact",
-    "far field": "interaction",
-    "quartic": "indifference interval",
-    "convergence": "1024 polished cells in touch, r = h",
-}
-_LEGENDS: dict[str, dict[str, Any]] = {
-    "cubic": {"loc": "center right", "bbox_to_anchor": (1.0, 0.6)},
-    "far field": {"loc": "center left", "bbox_to_anchor": (0.03, 0.75)},
-    "quartic": {"loc": "center left", "bbox_to_anchor": (0.03, 0.45)},
-    "convergence": {"loc": "lower left"},
-}
-
-
-@styled
-def numerics_figure(numerics: pd.DataFrame) -> Figure:
-    """Draw errors against 50 digits, and the sweep against the fast solver."""
-    figure, panels = subplots(2, 2, figsize=(11.0, 8.6))
-    for axes, (subject, (at, error)) in zip(panels.flat, _PANELS.items(), strict=True):
-        part = numerics[numerics.subject == subject]
-        if subject == "convergence":
-            _draw_convergence(axes, part)
-        else:
-            _draw_errors(axes, part)
-        axes.set(xscale="log", yscale="log", ylim=(0.4 * FLOOR, 2.5 * CEILING))
-        axes.set(xlabel=at, ylabel=error, title=_TITLES[subject])
-        powers = np.arange(-17, 3, 3)
-        labels = [f"$10^{{{power}}}$" for power in powers]
-        if subject != "convergence":
-            labels[0] = f"$\\leq{labels[0][1:]}"
-            rounding = {"ls": (0, (4, 3)), "label": "rounding of one number, $2^{-52}$"}
-            axes.axhline(np.finfo(float).eps, color="0.6", lw=0.9, zorder=0, **rounding)
-        axes.set_yticks(10.0**powers, labels)
-        axes.minorticks_off()
-        axes.legend(frameon=False, fontsize=8, **_LEGENDS[subject])
-    sns.despine(figure)
-    return figure
-
-
-def _draw_errors(axes, part: pd.DataFrame) -> None:
-    printed, fill = iter(_PRINTED), iter((_OURS, "none"))
-    for name, series in part.groupby("series", sort=False):
-        error = np.clip(series["error"].to_numpy(), FLOOR, CEILING)
-        if name.startswith("jointclosure"):
-            style = {"color": _OURS, "marker": "o", "ms": 3.0, "lw": 0.8, "mfc": next(fill)}
-        else:
-            style = {"color": next(printed), "marker": ".", "ms": 4.0, "lw": 1.2}
-        axes.plot(series["at"], error, label=name, **style)
-    if (part["error"] > CEILING).any():
-        style = {"transform": axes.get_yaxis_transform(), "fontsize": 7.5, "color": "0.4"}
-        axes.text(0.02, 0.1 * CEILING, "on top: larger, or no number", **style)
-
-
-def _draw_convergence(axes, part: pd.DataFrame) -> None:
-    stop = {"color": _PRINTED[0], "marker": "X", "ms": 10, "ls": ""}
-    styles = {
-        "all contacts at once": {"color": _PRINTED[1], "lw": 0.6},
-        "contact by contact": {"color": _PRINTED[0], "lw": 1.6},
-        "contact by contact, stopped at 1 %": stop,
-        "jointclosure": {"color": _OURS, "marker": "o", "ms": 4.0, "lw": 1.2},
-    }
-    for name, style in styles.items():
-        series = part[part.series == name]
-        axes.plot(series["at"], np.clip(series["error"], FLOOR, CEILING), label=name, **style)

@@ -1,4 +1,4 @@
-"""Joints that are hard to solve, judged by an oracle, and tests of the paper's formulas and sweep.
+"""Joints that are hard to solve, judged by an oracle.
 
 Their steps (docs/model.md) depend on no configuration, and no other step depends on them.
 """
@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from jointclosure.compilation.sources import ROOTS
@@ -18,8 +17,6 @@ from jointclosure.storage.provenance import commit, processor, versions_of
 from studies.frame.files import read_plain
 from studies.frame.jobs import compile_all
 from studies.frame.products import Step, figure_files
-from studies.verification import printed, sweeps
-from studies.verification.analytic import analytic_table
 from studies.verification.hard_cases import (
     curve_of,
     error_table,
@@ -54,32 +51,16 @@ def close_hard_cases(
     return pd.DataFrame(rows), pd.concat(curves)
 
 
-def measure_numerics() -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Measure the errors of the paper's formulas and sweep, of ours, and of elastic joints."""
-    half_ranges = np.logspace(-9, -0.5, 52)
-    parts = [
-        printed.cubic_errors(np.logspace(-12, 12, 97)),
-        printed.far_field_errors(np.logspace(0, 9, 109)),
-        *(printed.quartic_errors(half_ranges, base) for base in (78e9, 1e-9)),
-        sweeps.convergence_histories(),
-    ]
-    return pd.concat(parts), sweeps.load_table(), analytic_table()
-
-
 def present_hard_cases(
     tables: list[pd.DataFrame],
     curves: list[pd.DataFrame],
-    formulas: pd.DataFrame,
-    loads: pd.DataFrame,
     order: list[str],
     log: Callable[[str], None],
 ) -> dict[str, Any]:
-    """Join the groups of hard cases in one table with their errors; draw cases and errors."""
-    from studies.verification.figures import hard_case_page, numerics_figure
+    """Join the groups of hard cases in one table with their errors, and draw their curves."""
+    from studies.verification.figures import hard_case_page
 
     table = pd.concat(tables).set_index("name").loc[order].reset_index()
-    rows = pd.DataFrame(printed.formula_rows(formulas, loads))
-    whole = pd.concat([table, rows], ignore_index=True)
     versions = versions_of("numpy", "scipy", "numba").items()
     origin = {
         "processor": processor(),
@@ -87,13 +68,12 @@ def present_hard_cases(
         "commit": commit(),
     }
     features = table[["name", "hard", *FEATURES]].dropna(subset="contacts_at_max")
-    log(f"{int(whole.holds.sum())} of {len(whole)} hold")
+    log(f"{int(table.holds.sum())} of {len(table)} hold")
     return {
-        "hard_cases.csv": whole,
+        "hard_cases.csv": table,
         "hard_case_errors.csv": error_table(table, origin),
         "hard_case_features.csv": lambda path: write_csv(features, path, figures=4),
         "hard_cases": hard_case_page(table, pd.concat(curves)),
-        "numerics": numerics_figure(formulas),
     }
 
 
@@ -102,22 +82,20 @@ def steps() -> dict[str, Step]:
     cases = merged_cases(read_plain(ROOTS["studies"] / "verification/hard_cases.yaml"))
     groups = sorted({case["group"] for case in cases.values()})
     kernels, tables = f"{FOLDER}/logs/kernels.txt", f"{FOLDER}/tables"
-    numerics = [f"{tables}/{name}.csv" for name in ("numerics", "sweep_loads", "analytic")]
     closed = [f"{FOLDER}/cases/{group}.csv" for group in groups]
     curves = [f"{FOLDER}/cases/{group}.curves.csv" for group in groups]
     compiled = {"kernels": kernels_of_cases(cases.values())}
     found = {
         "compile_hard_cases": Step(compile_all, [kernels], settings=compiled),
-        "measure_numerics": Step(measure_numerics, numerics, {"after": kernels}),
         "present_hard_cases": Step(
             present_hard_cases,
             [
                 f"{tables}/hard_cases.csv",
                 f"{tables}/hard_case_errors.csv",
                 f"{tables}/hard_case_features.csv",
-                *figure_files(("hard_cases", "numerics"), f"{FOLDER}/figures"),
+                *figure_files(("hard_cases",), f"{FOLDER}/figures"),
             ],
-            {"tables": closed, "curves": curves, "formulas": numerics[0], "loads": numerics[1]},
+            {"tables": closed, "curves": curves},
             {"order": list(cases)},
         ),
     }
@@ -128,5 +106,5 @@ def steps() -> dict[str, Step]:
     return found
 
 
-TARGET = [f"{FOLDER}/tables/analytic.csv", f"{FOLDER}/tables/hard_cases.csv"]
-"""Files whose steps make all others."""
+TARGET = [f"{FOLDER}/tables/hard_cases.csv"]
+"""File whose step makes all others."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
+from benchmarks.published_gap import PUBLISHED_FLUXES, published_gap
 from jointclosure.joint import flow as reynolds
 from jointclosure.joint.flow import (
     AT_LEAST,
@@ -14,7 +15,6 @@ from jointclosure.joint.flow import (
     flow_along,
     largest_hydraulic,
 )
-from studies.verification.analytic import PUBLISHED_FLUXES, published_gap
 
 
 def random_field(seed: int, shape=(40, 60), contact=0.1) -> np.ndarray:

@@ -83,6 +83,17 @@ def test_forces_and_gaps_are_complementary(solver, small_joint, closure, soft_pe
     assert found.normal_stress == pytest.approx(force.sum() / (force.size * SPACING**2))
 
 
+@pytest.mark.parametrize("part", [0.3, 1.0, 10.0, 100.0])
+def test_polished_walls_that_touch_everywhere_come_to_equilibrium(part):
+    # with bases of two cells, on which a sweep takes a thousand passes
+    walls, choices = 1e-8 * np.random.default_rng(1).normal(size=(2, 32, 32)), Choices(1.0)
+    closure = part * np.ptp(walls.sum(axis=0))
+    stated = {"choices": choices, "effects": ELASTIC, "unusual_values": True}
+    force = balanced(walls, closure, **stated, force_tolerance=1e-12).force.values
+    joint = oracle.Joint(*walls, SPACING, DOLERITE, ELASTIC, choices)
+    assert oracle.judge(joint, oracle.State(*walls, force, closure, force.sum())).residual < 1e-10
+
+
 def test_a_sweep_never_raises_the_energy_and_ends_at_the_solution(small_joint):
     contacts, table = contacts_at(*small_joint, 3e-4)
     matrix = influence_matrix(table, contacts.cells)

@@ -15,7 +15,6 @@ from jointclosure.statistics.indifference import (
     paired_indifference_interval,
 )
 from jointclosure.statistics.randomness import generator
-from studies.verification.printed import exact_length
 
 LEVELS = np.array([70.0, 78.0, 85.0])
 
@@ -66,6 +65,39 @@ def test_a_scatter_that_outgrows_the_mean_has_no_root_but_none_at_the_base_a_len
     assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
 
 
+def exact_length(levels, means, deviations, n, critical):
+    """The length by all roots of Eq. (29) in 150 digits, NaN without a real one.
+
+    The parameter is counted from p_M, which loses no digits in exact arithmetic. A root is real
+    if its imaginary part is below 1e-30.
+    """
+    with mpmath.workdps(150):
+        p, mean, deviation = (
+            [mpmath.mpf(float(v)) for v in row] for row in (levels, means, deviations)
+        )
+        half_range = (p[2] - p[0]) / 2
+        powers = mpmath.matrix([[((v - p[1]) / half_range) ** k for k in (2, 1, 0)] for v in p])
+        (b, c, d), (bs, cs, ds) = (
+            mpmath.lu_solve(powers, mpmath.matrix(v)) for v in (mean, deviation)
+        )
+        rise, t2 = d - mean[1], mpmath.mpf(critical) ** 2
+        quartic = [
+            n * b**2 - t2 * bs**2,
+            2 * n * b * c - 2 * t2 * bs * cs,
+            n * c**2 + 2 * n * b * rise - t2 * cs**2 - 2 * t2 * bs * ds,
+            2 * n * c * rise - 2 * t2 * cs * ds,
+            n * rise**2 - t2 * (ds**2 + deviation[1] ** 2),
+        ]
+        largest = max(map(abs, quartic))
+        while quartic and abs(quartic[0]) <= largest * mpmath.mpf(10) ** -100:
+            del quartic[0]
+        if len(quartic) < 2:
+            return mpmath.nan
+        roots = mpmath.polyroots(quartic[::-1], maxsteps=5000, extraprec=1000, asc=True)
+        real = [abs(r.real) for r in roots if abs(r.imag) <= mpmath.mpf(10) ** -30 * (1 + abs(r))]
+        return min(real) * half_range if real else mpmath.nan
+
+
 def assert_exact(found, levels, means, deviations, n, relative):
     """A length equals the exact one for the very same inputs, or both are none."""
     exact = exact_length(levels, means, deviations, n, found.critical_value)
@@ -86,6 +118,15 @@ def test_the_length_keeps_12_digits_however_small_the_response_beside_its_mean(b
         deviations = spread * random.uniform(0.05, 0.5, 3)
         found = jc.indifference_interval(levels, means, deviations, n)
         assert_exact(found, levels, means, deviations, n, 1e-12)
+
+
+@pytest.mark.parametrize("base", [1e-9, 0.2, 78e9])
+def test_the_length_keeps_13_digits_however_close_the_levels_are(base):
+    means, deviations = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083)  # [mm], like dolerite's
+    for half in np.logspace(-9, -0.5, 18):
+        levels = base * np.array([1.0 - half, 1.0, 1.0 + half])
+        found = jc.indifference_interval(levels, means, deviations, 20)
+        assert_exact(found, levels, means, deviations, 20, 1e-13)
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 78e9])

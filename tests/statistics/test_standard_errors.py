@@ -48,7 +48,7 @@ def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
         row = []
         for covariance in (mean_covariance(samples, paired), deviation_covariance(samples, paired)):
             errors = quadratic_errors(levels, covariance, base)
-            row += [*errors.reduced, *errors.in_parameter]
+            row += [*np.sqrt(np.diag(errors.covariance)), *errors.in_parameter]
         stated.append(np.square(row))
     np.testing.assert_allclose(np.sqrt(np.mean(stated, axis=0)), np.std(fits, axis=0), rtol=0.1)
 

@@ -14,7 +14,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "peers": ("ContactMechanics", "tamaas"),
     "report": ("docutils", "jinja2"),
     "walls": ("SurfaceTopography", "tifffile", "trimesh"),
-    "workflow": ("mpmath", "snakemake"),
+    "workflow": ("snakemake",),
 }
 """Modules that each extra adds to the dependencies of the library."""
 

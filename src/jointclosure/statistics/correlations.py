@@ -105,11 +105,10 @@ def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
 
 
 class QuadraticErrors(NamedTuple):
-    """Standard errors (3,) of a quadratic's coefficients; ``covariance`` (3, 3) of those in u."""
+    """Standard errors (3,) of the coefficients of Eqs. (24), (26); covariance (3, 3) of b, c, d."""
 
-    reduced: np.ndarray  # of b, c, d of `Quadratic`
-    in_parameter: np.ndarray  # of those of Eqs. (24) and (26)
-    covariance: np.ndarray
+    in_parameter: np.ndarray
+    covariance: np.ndarray  # of `Quadratic`, in u
 
 
 def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) -> QuadraticErrors:
@@ -121,8 +120,7 @@ def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) ->
     change = np.array([[1.0, 0.0, 0.0], [-2.0 * m, 1.0, 0.0], [m * m, -m, 1.0]])
     change /= np.array([half_range**2, half_range, 1.0])[:, None]
     in_parameter = change @ reduced @ change.T
-    in_u, errors = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (reduced, in_parameter))
-    return QuadraticErrors(in_u, errors, reduced)
+    return QuadraticErrors(np.sqrt(np.maximum(np.diag(in_parameter), 0.0)), reduced)
 
 
 def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: bool) -> Estimate:
