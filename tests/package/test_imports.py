@@ -13,8 +13,8 @@ import jointclosure as jc
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
-    "numba", "numpy", "pandas", "rich", "scipy.interpolate", "scipy.optimize",
-    "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "tifffile", "trimesh", "xarray",
+    "numba", "numpy", "pandas", "rasterio", "rich", "scipy.interpolate", "scipy.optimize",
+    "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "trimesh", "xarray",
 }  # fmt: skip
 
 

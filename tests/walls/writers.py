@@ -82,11 +82,11 @@ def as_matlab(path, ground):
     return {}
 
 
-def surfer_7(heights, step, corner=(0.0, 0.0), version=1, angle=0.0, blank=1e30):
+def surfer_7(heights, step, corner=(0.0, 0.0), blank=1e30):
     """Content of a Surfer grid of version 7."""
     (ny, nx), (y, x) = heights.shape, corner
-    grid = struct.pack("<2i8d", ny, nx, x, y, step, step, 0.0, 0.0, angle, blank)
-    sections = {b"DSRB": struct.pack("<i", version), b"FLTI": bytes(5), b"GRID": grid}
+    grid = struct.pack("<2i8d", ny, nx, x, y, step, step, 0.0, 0.0, 0.0, blank)
+    sections = {b"DSRB": struct.pack("<i", 2), b"FLTI": bytes(5), b"GRID": grid}
     parts = (sections | {b"DATA": heights.astype("<f8").tobytes()}).items()
     return b"".join(name + struct.pack("<i", len(part)) + part for name, part in parts)
 
@@ -102,7 +102,7 @@ def as_surfer(path, ground):
         path.write_bytes(head + ground.heights.astype("<f4").tobytes())
     else:
         numbers = " ".join(f"{value:.9f}" for value in ground.heights.ravel())
-        path.write_text(f"DSAA {nx} {ny} {' '.join(map(repr, map(float, limits)))} {numbers}")
+        path.write_text(f"DSAA\n{nx} {ny} {' '.join(map(repr, map(float, limits)))} {numbers}")
     return {"units": "mm"}
 
 
@@ -150,9 +150,10 @@ def as_tiff(path, ground):
     return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
 
 
-def as_geotiff(path, ground):
-    """A GeoTIFF in metres, whose first row has the largest y."""
-    keys, step = (1, 1, 0, 2, 3076, 0, 1, 9001, 4099, 0, 1, 9001), 1e-3 * ground.step
+def as_geotiff(path, ground, placed=2):
+    """A GeoTIFF in metres, whose first row has the largest y, placed by a middle (2) or corner."""
+    keys, step = (1, 1, 0, 3, 1025, 0, 1, placed, 3076, 0, 1, 9001, 4099, 0, 1, 9001), 1e-3
+    step *= ground.step
     y, x = (1e-3 * part for part in ground.corner)
     top = y + step * (len(ground.heights) - 1)
     tags = [

@@ -13,7 +13,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "figures": ("matplotlib", "seaborn"),
     "peers": ("ContactMechanics", "tamaas"),
     "report": ("docutils", "jinja2"),
-    "walls": ("SurfaceTopography", "tifffile", "trimesh"),
+    "walls": ("SurfaceTopography", "rasterio", "trimesh"),
     "workflow": ("snakemake",),
 }
 """Modules that each extra adds to the dependencies of the library."""

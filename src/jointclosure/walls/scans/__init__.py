@@ -34,7 +34,7 @@ class Format(NamedTuple):
 
 
 _NETCDF = Format("netCDF", grids.read_netcdf_grid, named=True, in_parts=True)
-_TIFF = Format("TIFF", grids.read_tiff, in_parts=True)
+_TIFF = Format("TIFF", functools.partial(grids.read_raster, driver="GTiff"), in_parts=True)
 _TEXT = Format("points", text.read_text, named=True)
 _SCANNER = Format("a scanner's file", grids.read_scanner, named=True)
 BY_SUFFIX = {
@@ -49,9 +49,10 @@ BY_SUFFIX = {
     ),
 }
 """Formats by suffix of a file's name; SurfaceTopography reads all other files."""
-BY_CONTENT = {b"ncols": Format("an ESRI grid", grids.read_esri)} | dict.fromkeys(
-    grids.SURFER, Format("a Surfer grid", grids.read_surfer)
-)
+BY_CONTENT = {b"ncols": Format("an ESRI grid", grids.read_esri)} | {
+    mark: Format("a Surfer grid", functools.partial(grids.read_raster, driver=name), in_parts=True)
+    for mark, name in grids.SURFER.items()
+}
 """Formats by the first bytes of a file, which have priority over its name."""
 
 _STARTS = {

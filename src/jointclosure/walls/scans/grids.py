@@ -5,6 +5,7 @@ rasters of ESRI, Surfer and TIFF files, and files of surface scanners.
 import math
 import re
 import struct
+import warnings
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
@@ -25,6 +26,7 @@ from jointclosure.walls.scans.contents import (
     check_size,
     incomplete,
     reading_as,
+    real,
     split_name,
 )
 from jointclosure.walls.scans.points import contents_of
@@ -40,9 +42,8 @@ _NEEDED = ("ncols", "nrows")
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")
 """Words of the header of an ESRI grid."""
-_BLANK = 1.70141e38
-"""Heights of a Surfer grid from this value on are missing."""
-_METRE, _LINEAR, _VERTICAL = 9001, "ProjLinearUnitsGeoKey", "VerticalUnitsGeoKey"
+SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
+"""Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
 
 class Array(NamedTuple):
@@ -378,158 +379,73 @@ def _leaves(values: dict) -> dict[str, Array]:
 
 
 def read_esri(path: Path) -> Contents:
-    """Read an ESRI ASCII grid: a header of words and numbers, then rows from the largest y down."""
-    lines = [line.split() for line in path.read_text(encoding="latin-1").splitlines()]
-    words = [word for line in lines for word in line]
+    """Read an ESRI ASCII grid: a header of words and numbers, then rows from the largest y down.
+
+    GDAL would read words, and heights that are missing at the end, as zeros.
+    """
+    lines = [line.split() for line in path.read_text(encoding="latin-1").lower().splitlines()]
+    stated = [line for line in lines if line and line[0] in _KNOWN]
+    rows = [line for line in lines if line and line[0] not in _KNOWN]
     head: dict[str, float] = {}
-    for key, value in zip(map(str.lower, words[::2]), words[1::2], strict=False):
-        if key not in _KNOWN:
-            break
+    for key, value in stated:
         if key in head:
             raise InputError(f"{key}: must be only once in the header")
-        try:
-            head[key] = float(value)
-        except ValueError:
-            raise InputError(f"{key} = {value!r}: must be a number") from None
+        head[key] = float(value)
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
-    stated = [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
-    spacing, _ = _agreed(stated)
+    spacing, _ = _agreed(
+        [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
+    )
     if spacing is None or np.isnan(spacing).any():
         raise InputError("its header lacks cellsize, or both dx and dy")
     dy, dx = spacing.tolist()
-    rows, columns = _count("nrows", head), _count("ncols", head)
-    check_size((rows, columns))
-    _check_rows([len(line) for line in lines if line and line[0].lower() not in _KNOWN], columns)
-    values = words[2 * len(head) :]
-    if len(values) != rows * columns:
-        raise incomplete(f"{rows} rows of {columns} heights, {rows * columns}", len(values))
-    try:
-        heights = np.array(values, dtype=float).reshape(rows, columns)[::-1].copy()
-    except ValueError as error:
-        raise InputError(f"has a height that is not a number ({error})") from None
+    shape = int(head["nrows"]), int(head["ncols"])
+    check_size(shape)
+    values = [value for row in rows for value in row]
+    if len(values) != math.prod(shape):
+        raise incomplete(f"{shape[0]} rows of {shape[1]} heights, {math.prod(shape)}", len(values))
+    counts = {len(row) for row in rows}
+    if shape[1] in counts and len(counts) > 1:  # otherwise rows are wrapped
+        raise InputError(f"has rows of {min(counts)} to {max(counts)} heights: must be {shape[1]}")
+    heights = np.array(values, dtype=float).reshape(shape)[::-1].copy()
     heights[heights == head.get("nodata_value", -9999.0)] = np.nan
     # the middle of the first cell, if the file places it
-    places = [
+    y, x = (
         head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", np.nan) + 0.5 * step)
         for axis, step in (("y", dy), ("x", dx))
-    ]
-    origin = None if np.isnan(places).any() else (places[0], places[1])
-    return Contents(heights, (dy, dx), origin=origin)
+    )
+    return Contents(heights, (dy, dx), origin=None if np.isnan(y + x) else (y, x))
 
 
-def _check_rows(counts: list[int], columns: int) -> None:
-    """Raise `InputError` if most lines are a row and others have more or fewer heights."""
-    wrong = [row for row, count in enumerate(counts, start=1) if count != columns]
-    if wrong and len(wrong) <= 0.5 * len(counts):
-        raise InputError(
-            f"row {wrong[0]} contains {counts[wrong[0] - 1]} heights, must be {columns} "
-            f"({len(wrong)} such rows)"
-        )
-
-
-def _count(key: str, head: dict[str, float]) -> int:
-    if not (head[key] >= 1.0 and head[key].is_integer()):
-        raise InputError(f"{key} = {head[key]:g}: must be a whole number of at least 1")
-    return int(head[key])
-
-
-def read_surfer(path: Path) -> Contents:
-    """Read a Surfer grid of version 6 (text DSAA, binary DSBB) or 7 (DSRB), from the least y up."""
-    content = path.read_bytes()
-    (nx, ny, (x, x_end), (y, y_end)), heights = SURFER[content[:4]](content)
-    if min(nx, ny) < 2:
-        raise InputError(f"declares {ny} rows of {nx} heights: must be at least 2 of 2")
-    if heights.size != nx * ny:
-        raise incomplete(f"{ny} rows of {nx} heights, {nx * ny}", heights.size)
-    heights = np.where(heights >= 0.999 * _BLANK, np.nan, heights).reshape(ny, nx)
-    spacing = (y_end - y) / (ny - 1), (x_end - x) / (nx - 1)
-    return Contents(heights, spacing, origin=(y, x))
-
-
-def _surfer_text(content: bytes) -> tuple[tuple, np.ndarray]:
-    """Return (nx, ny, x limits, y limits) and the heights in the order of the file."""
-    words = content.split()
-    nx, ny = int(words[1]), int(words[2])
-    check_size((ny, nx))
-    limits = [float(word) for word in words[3:7]]
-    return (nx, ny, limits[:2], limits[2:]), np.array(words[9:], dtype=float)
-
-
-def _surfer_binary(content: bytes) -> tuple[tuple, np.ndarray]:
-    """Return the same of a binary grid."""
-    nx, ny, *limits = struct.unpack_from("<2h4d", content, 4)
-    check_size((ny, nx))
-    start = 4 + struct.calcsize("<2h6d")
-    heights = np.frombuffer(content[start : start + 4 * nx * ny], dtype="<f4").astype(float)
-    return (nx, ny, limits[:2], limits[2:]), heights
-
-
-def _surfer_sections(content: bytes) -> tuple[tuple, np.ndarray]:
-    """Return the same of version 7; heights from its blank value on, or equal to it, are NaN."""
-    sections, start = {}, 0
-    while start + 8 <= len(content):
-        name, size = struct.unpack_from("<4si", content, start)
-        if size < 0:
-            raise InputError(f"section {name!r}: must have a size of at least 0 bytes")
-        sections[name] = content[start + 8 : start + 8 + size]
-        start += 8 + size
-    if missing := {b"GRID", b"DATA"} - sections.keys():
-        raise InputError(f"lacks the section {', '.join(sorted(map(bytes.decode, missing)))}")
-    ny, nx, x, y, dx, dy, *_, angle, blank = struct.unpack_from("<2i8d", sections[b"GRID"])
-    if angle != 0.0:
-        raise InputError(f"rotation = {angle:g} degrees: must be 0, a grid along x and y")
-    check_size((ny, nx))
-    heights = np.frombuffer(sections[b"DATA"][: 8 * nx * ny], dtype="<f8").copy()
-    exact = struct.unpack_from("<i", sections[b"DSRB"]) == (2,)
-    heights[heights == blank if exact else heights >= blank] = np.nan
-    return (nx, ny, (x, x + (nx - 1) * dx), (y, y + (ny - 1) * dy)), heights
-
-
-SURFER = {b"DSAA": _surfer_text, b"DSBB": _surfer_binary, b"DSRB": _surfer_sections}
-"""Readers of Surfer grids by the first bytes of a file."""
-
-
-def read_tiff(path: Path) -> Contents:
-    """Read the first page of a TIFF; of a GeoTIFF also pixel size, units and missing value."""
-    with needs("walls", "TIFF"):
-        import tifffile
-    with tifffile.TiffFile(path) as file:
-        page = file.pages.first
-        check_size(page.shape, np.dtype(page.dtype).itemsize)
-        heights, geo = page.asarray(), page.geotiff_tags or {}
-        nothing = page.tags.valueof("GDAL_NODATA")
-    if heights.ndim != 2 or heights.dtype.kind not in "fiu":
-        raise InputError(f"has an image {heights.shape} of {heights.dtype}: must be heights (y, x)")
-    heights = heights.astype(float)
-    if (value := _no_data(nothing)) is not None:
-        heights[heights == value] = np.nan
-    spacing = origin = None
-    if "ModelPixelScale" in geo:
-        dx, dy = (float(value) for value in geo["ModelPixelScale"][:2])
-        spacing, heights = (dy, dx), heights[::-1]
-        tie = geo.get("ModelTiepoint")
-        if tie is not None and len(tie) == 6:  # exactly one: places the last row, of least y
-            column, row, _, x, y, _ = (float(value) for value in tie)
-            origin = y - (len(heights) - 1 - row) * dy, x - column * dx
-    units = {
-        key: "m" if int(geo[key]) == _METRE else f"EPSG unit {int(geo[key])}"
-        for key in (_LINEAR, _VERTICAL)
-        if key in geo
-    }
-    return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR), origin)
-
-
-def _no_data(written) -> float | None:
-    """Return the value of pixels without a height, None if the file declares none."""
-    word = str("" if written is None else written).strip("\0 ")
-    if word.lower() in ("", "none", "null"):
-        return None
-    try:
-        return float(word)
-    except ValueError:
-        raise InputError(f"GDAL_NODATA = {word!r}: must be a number or none") from None
+def read_raster(path: Path, driver: str) -> Contents:
+    """Read a raster of one band by a driver of GDAL; places are those of the middles of cells."""
+    with needs("walls", "a TIFF or Surfer grid"):
+        import rasterio
+        from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)
+        with rasterio.open(path, driver=driver) as raster:
+            if raster.count != 1:
+                raise InputError(f"has an image of {raster.count} bands: must be one, of heights")
+            check_size(raster.shape, np.dtype(raster.dtypes[0]).itemsize)
+            try:
+                heights = raster.scales[0] * real(raster.read(1, masked=True)) + raster.offsets[0]
+            except RasterioIOError as error:  # its message leaves out the cause
+                raise error.__cause__ or error from None
+            transform, crs, units = raster.transform, raster.crs, raster.units[0]
+    if transform.is_identity:  # not stated
+        return Contents(heights, height_units=units)
+    dx, along_x, left, along_y, dy, top = transform[:6]
+    if along_x or along_y or dx <= 0.0:
+        raise InputError("is turned or mirrored: columns must be along x, and rows along y")
+    if dy < 0.0:
+        heights, top, dy = heights[::-1], top + dy * len(heights), -dy
+    across = crs.units_factor[0] if crs else None
+    return Contents(
+        heights, (dy, dx), None, units, None if across == "unknown" else across,
+        (top + 0.5 * dy, left + 0.5 * dx),
+    )  # fmt: skip
 
 
 def read_scanner(path: Path, variable: str | None) -> Contents:

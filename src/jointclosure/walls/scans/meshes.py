@@ -2,7 +2,6 @@
 
 import itertools
 import re
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ from jointclosure.inputs.extras import needs
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.scans.contents import Contents, incomplete
 from jointclosure.walls.scans.points import contents_of
-from jointclosure.walls.scans.text import is_binary
 
 _DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
 """Comment of an OBJ file that states the number of vertices."""
@@ -26,10 +24,11 @@ def read_mesh(path: Path) -> Contents:
     count = len(vertices)
     if declared > count:
         raise incomplete(f"{declared} vertices", count)
-    if faces.size and faces.max() >= count:
-        raise InputError(f"a face has vertex {faces.max() + 1}, but there are {count} vertices")
+    if faces.size and not 0 <= faces.min() <= faces.max() < count:
+        wrong = f"faces have vertices {faces.min() + 1} to {faces.max() + 1}"
+        raise InputError(f"{wrong}, but there are {count} vertices")
     if count < 4:
-        raise InputError(f"has {count} vertices: too few for a wall")
+        raise InputError(f"has {count} vertices, too few for a wall: is the file incomplete?")
     _check_single_sheet(vertices, faces)
     contents = contents_of(vertices)
     if len(faces) and (loose := count - len(np.unique(faces))):
@@ -42,8 +41,6 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
     """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
     with needs("walls", form.upper()):
         import trimesh
-    if form == "stl":
-        _check_stl(path)
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
     with path.open("rb") as file:
         head = file.read(65_536).partition(b"end_header")[0]
@@ -57,50 +54,30 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
     return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
 
 
-def _check_stl(path: Path) -> None:
-    """Raise `InputError` if a binary STL file is shorter than its head declares."""
-    with path.open("rb") as file:
-        start = file.read(1024)
-    if start.lstrip().lower().startswith(b"solid") and not is_binary(start):
-        return  # its text form
-    size = path.stat().st_size
-    if len(start) < 84:
-        problem = f"contains {size} bytes, less than the head of 84"
-        raise InputError(f"{problem}: is the file incomplete?")
-    (triangles,) = struct.unpack_from("<I", start, 80)
-    if size < 84 + 50 * triangles:
-        raise incomplete(f"{triangles} triangles, {84 + 50 * triangles} bytes", size)
-
-
 def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments."""
-    vertices: list[list[float]] = []
+    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments.
+
+    trimesh would join the numbers of all lines, and leaves out vertices without a face.
+    """
+    vertices: list[str] = []
     faces: list[list[int]] = []
     declared = 0
     with path.open(encoding="latin-1") as file:
-        for number, line in enumerate(file, start=1):
+        for line in file:
             kind, *words = line.split() or [""]
-            valid = True
-            try:
-                if kind == "v":
-                    vertices.append([float(word) for word in words])
-                    valid = len(vertices[-1]) == len(vertices[0]) >= 3
-                elif kind == "f":
-                    corners = [int(word.split("/")[0]) for word in words]
-                    # negative numbers count back from the last vertex
-                    corners = [n if n > 0 else len(vertices) + 1 + n for n in corners]
-                    valid = len(corners) >= 3 and min(corners) >= 1
-                    faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
-                elif stated := _DECLARED.match(line):
-                    declared += int(stated[1] or stated[2])
-            except ValueError:
-                valid = False
-            if not valid:
-                must = "must be v with x, y, z, as other vertices, or f with three vertices or more"
-                raise InputError(f"line {number}, {line.strip()[:60]!r}: {must}")
+            if kind == "v":
+                vertices.append(line[2:])
+            elif kind == "f":
+                # negative numbers count back from the last vertex
+                corners = [int(word.split("/")[0]) for word in words]
+                corners = [n - 1 if n > 0 else len(vertices) + n for n in corners]
+                faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
+            elif stated := _DECLARED.match(line):
+                declared += int(stated[1] or stated[2])
     if not vertices:
         raise InputError("has no vertices (lines 'v x y z')")
-    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1, declared
+    points = np.loadtxt(vertices, ndmin=2)[:, :3]
+    return points, np.array(faces, dtype=int).reshape(-1, 3), declared
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:

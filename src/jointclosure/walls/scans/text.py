@@ -156,7 +156,7 @@ def _columns(table: Table, variable: str | None) -> list[int]:
 def read_table(path: Path) -> Table:
     """Read a table of numbers; separators, decimal commas, names and comments are detected."""
     content = path.read_bytes()
-    if is_binary(content):
+    if not content.startswith(_UTF_16) and _BINARY.search(content):
         raise InputError("is not text: it contains binary data")
     lines = _decoded(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
@@ -212,11 +212,6 @@ def are_places(values: np.ndarray) -> bool:
     step = (values[-1] - values[0]) / (len(values) - 1)
     offsets = values - values[0] - step * np.arange(len(values))
     return bool(step != 0.0 and np.abs(offsets).max() <= LARGEST_OFFSET * abs(step))
-
-
-def is_binary(content: bytes) -> bool:
-    """Return whether a file's content, or the start of it, has bytes that no text has."""
-    return not content.startswith(_UTF_16) and _BINARY.search(content) is not None
 
 
 def _decoded(content: bytes) -> str:
