@@ -12,8 +12,8 @@ ONLY_CONFIGURED = {
     verdict: f"{verdict} as configured" for verdict in (STANDS, FALLS, NO_DIFFERENCE)
 }
 """Conclusions for which no reading of all rocks and no choice was tried, which is no agreement."""
-JUDGED_ELSEWHERE = "judged elsewhere"
-"""Conclusion that a sensitivity study cannot judge."""
+NOT_JUDGED = "not judged"
+"""Conclusion on a claim that a sensitivity study cannot judge."""
 UNJUDGED = frozenset(claim.number for claim in CLAIMS if not claim.cycles)
 """Numbers of claims that a sensitivity study cannot judge."""
 
@@ -122,7 +122,7 @@ def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
 def _conclusion(row: dict) -> str:
     verdict = row["verdict"]
     if row["number"] in UNJUDGED:
-        return JUDGED_ELSEWHERE
+        return NOT_JUDGED
     if verdict == UNDECIDED:
         return UNDECIDED
     if row["opposed_by"]:

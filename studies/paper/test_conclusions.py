@@ -12,7 +12,7 @@ from studies.paper.conclusions import (
     COUNTS,
     DEPENDS,
     FOUND,
-    JUDGED_ELSEWHERE,
+    NOT_JUDGED,
     ONLY_CONFIGURED,
     conclusion_table,
 )
@@ -91,7 +91,7 @@ GROSS, NET = "max_closure", "max_closure_net"
         (STANDS, "5a, net", [(NET, 2, 0.3, 0.2, 0.4), (GROSS, 2, 1.0, 1.0, 1.0)], DEPENDS),
         # on both cycles: that of the cycle where it is least true
         (FALLS, "6a", [(GROSS, 2, 0.0, 0.0, 0.05), (GROSS, 1, 1.0, 0.9, 1.0)], FALLS),
-        (UNDECIDED, "8", [], JUDGED_ELSEWHERE),
+        (UNDECIDED, "8", [], NOT_JUDGED),
         (UNDECIDED, "5d", [], UNDECIDED),
     ],
 )
