@@ -272,7 +272,7 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
 def main(realizations: int, stress: float, output: Path) -> None:
     """Print the machine and the comparison; write tables/continuum.csv and the figure."""
     settings = case_settings(realizations, peers.CELLS, stress, FULL)
-    pairs, histories = list(walls_of(settings.surfaces)), {}
+    pairs, histories = list(walls_of(settings)), {}
     stresses = [
         stresses_of(stress, landing_stress(close(walls, FULL, stress), 1)) for walls in pairs
     ]

@@ -62,8 +62,8 @@ def case_of(scene: str, seed: int, realisations: int):
         realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], yardstick.SCENES[scene],
         cycles=1, root_seed=seed,
     )  # fmt: skip
-    settings = settings.with_surfaces(jrc=BASE["jrc"]).under(seating_stress=0.0)
-    return partial(close_block, settings._replace(case=settings.case.changed("jrc", BASE["jrc"])))
+    case = settings.case.changed("jrc", BASE["jrc"]).under(seating_stress=0.0)
+    return partial(close_block, settings._replace(case=case))
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:

@@ -91,7 +91,7 @@ def joint_rows(label: str, joint: int) -> list[dict]:
     jobs = EXPERIMENT.design(configured(merged_study(STUDY))).jobs()
     point = next(p for p in jobs[label] if p.coordinates["variant"] == ROCK)
     at = {"wavelength_mm": 1e3 * point.coordinates["wavelength"]}
-    pair = next(islice(walls_of(point.settings.surfaces), joint, None))
+    pair = next(islice(walls_of(point.settings), joint, None))
     return [at | row for row in loadings(pair, point.settings)]
 
 

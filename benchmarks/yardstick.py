@@ -109,7 +109,7 @@ def case_settings(
         {"grid": {"cells_x": cells, "cells_y": cells}, "study": {"rocks": ["dolerite"]} | study}
     )
     case = case.under(max_normal_stress=max_normal_stress, effects=effects)
-    settings = block_settings(configuration, {case.label: case}, case.label, range(realizations))
+    settings = block_settings(configuration, case, range(realizations))
     return settings._replace(largest_stress=max_normal_stress)
 
 
@@ -146,8 +146,8 @@ def median_time(function: Callable, repeats: int, before: Callable = lambda: Non
 def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
     """Close a surface pair as the study does: seconds, and the dataset."""
     block = range(realization, realization + 1)
-    settings = block_settings(configuration, {case.label: case}, case.label, block)
-    walls = next(walls_of(settings.surfaces))
+    settings = block_settings(configuration, case, block)
+    walls = next(walls_of(settings))
     return timed(lambda: close_walls(*walls, settings.conditions))
 
 

@@ -133,9 +133,9 @@ def assessment_jobs(configured: Configured) -> dict[str, list[Point]]:
     for number, case in enumerate(_conditions(configuration, section)):
         settings = settings_of(configuration, case)
         count = section.joints
-        if settings.surfaces.walls:  # a scan has room for a number of joints
+        if settings.walls:  # a scan has room for a number of joints
             count = min(count, configuration.study.realizations)
-        settings = settings.with_surfaces(realizations=count)
+        settings = settings._replace(realizations=count)
         stated, _, variants = variants_of(settings.conditions)
         options = {"unusual_values": configuration.study.unusual_values == "allow"}
         for name, conditions in variants.items():
@@ -172,12 +172,11 @@ def _conditions(configuration: Configuration, section: Assessment) -> Iterator[C
 
 def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterator[Walls]:
     """Generate copies (`COPIES`) of the walls of a block, made or cut out of scans."""
-    surfaces = settings.surfaces
-    if surfaces.walls:
-        about = surfaces.grid.spacing, surfaces.surface.jrc_relation, unusual_values
-        pairs = cut_walls(_scanned(surfaces.walls, *about), surfaces)
+    if settings.walls:
+        about = settings.grid.spacing, settings.surface.jrc_relation, unusual_values
+        pairs = cut_walls(_scanned(settings.walls, *about), settings)
     else:
-        pairs = walls_of(surfaces)
+        pairs = walls_of(settings)
     for upper, lower in pairs:
         yield COPIES[copy](upper), COPIES[copy](lower)
 

@@ -20,7 +20,7 @@ def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
     settings = next(iter(design.jobs().values()))[0].settings
     conditions = settings.conditions._replace(flow=False)
-    found = jc.assess(list(walls_of(settings.surfaces)), conditions=conditions, workers=1)
+    found = jc.assess(list(walls_of(settings)), conditions=conditions, workers=1)
     here = tables["assessment"].query("stress_MPa == 1")
     for column in ("value", "low", "high"):
         expected = 100.0 * found.differences[column].to_numpy()
@@ -54,4 +54,4 @@ def test_a_study_without_the_section_is_assessed_by_the_usual_one():
     study = checked_study(read_plain(ROOT / "workflow/usual_assessment.yaml"))
     points = EXPERIMENT.design(study).points()
     assert {point.coordinates["rock"] for point in points} == set(study.typed.rocks)
-    assert {point.settings.surfaces.realizations for point in points} == {8}
+    assert {point.settings.realizations for point in points} == {8}

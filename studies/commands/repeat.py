@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     (settings,) = entry.settings
     print(f"realisation {realization} of {label}", flush=True)
     again = close_block(
-        settings.with_surfaces(first_realization=realization, realizations=1),
+        settings._replace(first_realization=realization, realizations=1),
         report=lambda line: None,
         walls=entry.options.get("walls"),
     )

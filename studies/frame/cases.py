@@ -11,7 +11,7 @@ from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Accuracy, Study
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import BASE, Case, ClosureSettings, SurfaceSettings
+from studies.frame.settings import BASE, Case, ClosureSettings
 
 BLOCK, FEW = 10, 4
 """Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""
@@ -26,17 +26,16 @@ def level_names(levels: tuple[float, ...], base: float) -> list[str]:
 
 def base_case(configuration: Configuration, name: str) -> Case:
     """Return the case of a rock with its base values."""
-    label, rock, study = f"{name}-{BASE}", configuration.rocks[name], configuration
+    rock, study = configuration.rocks[name], configuration
     conditions = Conditions(
         study.grid.spacing, rock.intact, rock.max_normal_stress, study.study.cycles,
         study.seating_stress, rock.effects, study.choices, study.numerics, study.flow,
     )  # fmt: skip
-    return Case(label, name, BASE, BASE, float("nan"), rock.jrc, conditions, label)
+    return Case(f"{name}-{BASE}", name, BASE, BASE, float("nan"), rock.jrc, conditions)
 
 
 def cases_of(configuration: Configuration) -> list[Case]:
     """Return all cases by rock in the order of the study, with the base case of each rock first."""
-    common = configuration.study.draws == "common"
     cases = []
     for name, rock in configuration.rocks.items():
         base = base_case(configuration, name)
@@ -47,11 +46,8 @@ def cases_of(configuration: Configuration) -> list[Case]:
             for level, value in named:
                 if level == BASE:
                     continue
-                label = f"{name}-{parameter}-{level}"
-                case = base.changed(parameter, value)
-                case = case._replace(label=label, parameter=parameter, level=level, value=value)
-                surface = base.label if common and parameter != "jrc" else label
-                cases.append(case._replace(surface=surface))
+                case = base.changed(parameter, value)._replace(label=f"{name}-{parameter}-{level}")
+                cases.append(case._replace(parameter=parameter, level=level, value=value))
     return cases
 
 
@@ -97,10 +93,10 @@ def dataset_of(ensemble: str) -> str:
     return "study.nc" if ensemble == "cases" else f"{ensemble}.nc"
 
 
-def wall_name(study: Study, case: Case) -> list[str]:
+def wall_name(study: Study, case: Case) -> tuple[str, ...]:
     """Return the name, without any index, from which the seeds of a case's surface pairs derive."""
-    name = [study.surfaces_of or study.name, case.rock]
-    return [*name, case.parameter, case.level] if study.draws == "independent" else name
+    name = study.surfaces_of or study.name, case.rock
+    return (*name, case.parameter, case.level) if study.draws == "independent" else name
 
 
 def blocks_of(study: Study) -> list[range]:
@@ -123,30 +119,19 @@ def wall_digests(walls: ScannedWalls) -> dict[str, str]:
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
-def surface_settings(configuration: Configuration, case: Case, block: range) -> SurfaceSettings:
-    """Settings of the surface pairs of a case that closes its own: its ``surface`` is its label."""
+def block_settings(configuration: Configuration, case: Case, block: range) -> ClosureSettings:
+    """Settings of the closures of a case and a block of realisations."""
     walls = configuration.rocks[case.rock].walls
-    return SurfaceSettings(
-        jrc=case.jrc,
+    return ClosureSettings(
+        case=case,
         walls=walls,
         sha256=wall_digests(walls) if walls else {},
         root_seed=configuration.study.root_seed,
-        seeds_named_by=tuple(wall_name(configuration.study, case)),
+        seeds_named_by=wall_name(configuration.study, case),
         first_realization=block.start,
         realizations=len(block),
         grid=configuration.grid,
         surface=configuration.surface,
-    )
-
-
-def block_settings(
-    configuration: Configuration, cases: dict[str, Case], label: str, block: range
-) -> ClosureSettings:
-    """Settings of the closures of a case and a block of realisations."""
-    case = cases[label]
-    return ClosureSettings(
-        case=case,
-        surfaces=surface_settings(configuration, cases[case.surface], block),
         stress_points=configuration.output.stress_points,
         largest_stress=configuration.output.largest_stress,
         effects_chosen_to=configuration.effects.auto,

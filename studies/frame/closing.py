@@ -30,7 +30,7 @@ from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of,
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
-from studies.frame.settings import BASE, ClosureSettings, SurfaceSettings, seeds_of, walls_of
+from studies.frame.settings import BASE, ClosureSettings, seeds_of, walls_of
 from studies.frame.tables import join_cases, succeeded
 from studies.frame.walls import cut_walls, described
 
@@ -59,11 +59,10 @@ def close_block(
     for each realisation, in which ``again`` is the command that repeats a failed one, without its
     number. A failed realisation has a status of 16 or more, counts, and otherwise NaN.
     """
-    reading, first = reading_of_case(settings), settings.surfaces.first_realization
-    seeds = _seeds(settings.surfaces)
+    reading, first = reading_of_case(settings), settings.first_realization
     known = _rows_by_seed(pilot, settings.case.label) if pilot else {}
     rows: list[Row] = []
-    pairs = zip(seeds, _pairs(settings.surfaces, walls), strict=True)
+    pairs = zip(_seeds(settings), _pairs(settings, walls), strict=True)
     for realization, (seed, pair) in enumerate(pairs, start=first):
         repeat = f"; to repeat it: {again} {realization}" if again else ""
         try:
@@ -73,25 +72,26 @@ def close_block(
             raise
         report(f"realisation {realization}: {_described(row, repeat)}")
         rows.append(row)
-    closed = _joined(rows, settings.surfaces, reading)
+    closed = _joined(rows, settings)
     return closed.assign_attrs(scene=scene_name(settings.conditions.effects))
 
 
-def _seeds(surfaces: SurfaceSettings) -> np.ndarray:
-    return np.array([f"{seed:032x}" for seed in seeds_of(surfaces)], dtype=object)
+def _seeds(settings: ClosureSettings) -> list[str]:
+    return [f"{seed:032x}" for seed in seeds_of(settings)]
 
 
-def _joined(rows: Sequence[Row], surfaces: SurfaceSettings, reading: Reading) -> xr.Dataset:
+def _joined(rows: Sequence[Row], settings: ClosureSettings) -> xr.Dataset:
     """Join the rows of the first joints of a block, with their numbers and seeds."""
-    numbers = surfaces.first_realization + np.arange(len(rows))
-    return stacked(rows, numbers, _seeds(surfaces)[: len(rows)], reading)
+    numbers = settings.first_realization + np.arange(len(rows))
+    seeds = np.array(_seeds(settings)[: len(rows)], dtype=object)
+    return stacked(rows, numbers, seeds, reading_of_case(settings))
 
 
-def _pairs(surfaces: SurfaceSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
+def _pairs(settings: ClosureSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
     """Return the walls of a block: made from seeds, cut out of a file of scanned ones, or given."""
     if walls is None:
-        return walls_of(surfaces)
-    return cut_walls(read_netcdf(walls), surfaces) if isinstance(walls, Path) else walls
+        return walls_of(settings)
+    return cut_walls(read_netcdf(walls), settings) if isinstance(walls, Path) else walls
 
 
 def _rows_by_seed(pilot: Path, label: str) -> dict[str, Row]:
@@ -133,9 +133,9 @@ def choose_for_rock(
 
     label = min(settings, key=order)
     examined, tolerance = settings[label], settings[label].effects_chosen_to
-    joints = sum(one.surfaces.realizations for one in settings.values())
+    joints = sum(one.realizations for one in settings.values())
     report(f"{label}, for {len(settings)} cases of {joints} joints together:")
-    pairs = list(islice(_pairs(examined.surfaces, walls), MOST_PAIRS))
+    pairs = list(islice(_pairs(examined, walls), MOST_PAIRS))
     pilot = Pilot(pairs, examined.conditions.checked(), joints)
     choice = choose_among(pilot, tolerance or 0.0, report)
     reading = reading_of_case(examined.under(effects=choice.effects))
@@ -146,7 +146,7 @@ def choose_for_rock(
     about = {"effects": choice.effects._asdict(), "error": choice.error}
     details = {"reasons": choice.reasons, "changes": choice.changes.to_dict("records")}
     chosen = about | {"cases": {label: about | details}}
-    closed = _joined(rows, examined.surfaces, reading)
+    closed = _joined(rows, examined)
     return closed.assign_attrs(case=label, chosen=json.dumps(chosen))
 
 
@@ -165,7 +165,7 @@ class Ensemble:
 
     def settings(self, label: str, block: range) -> ClosureSettings:
         """Settings of a case and a block, with all effects that may be chosen."""
-        return block_settings(self.configuration, self.cases, label, block)
+        return block_settings(self.configuration, self.cases[label], block)
 
     def pilots(self) -> dict[str, Entry]:
         """Choices of effects by rock, which are those of the study for its pool too."""
@@ -235,7 +235,7 @@ class Ensemble:
     def first_walls(self) -> xr.Dataset:
         """Return the first pair of walls (y, x) [m] of the first case."""
         entry = self.entries()[0]
-        walls, settings = entry.options.get("walls"), entry.settings[0].surfaces
+        walls, settings = entry.options.get("walls"), entry.settings[0]
         pair = zip(("upper", "lower"), next(iter(_pairs(settings, walls))), strict=True)
         about = {"units": "m", "long_name": "height towards the other wall"}
         return xr.Dataset(

@@ -83,9 +83,8 @@ def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
 
 def settings_of(configuration: Configuration, case: Case, **surface: Any) -> ClosureSettings:
     """Return the settings that close a case on all realisations, with changed keys of surfaces."""
-    changed = configuration._replace(surface=configuration.surface._replace(**surface))
-    block = range(configuration.study.realizations)
-    return block_settings(changed, {case.label: case}, case.label, block)
+    settings = block_settings(configuration, case, range(configuration.study.realizations))
+    return settings._replace(surface=settings.surface._replace(**surface))
 
 
 def at_wavelengths(

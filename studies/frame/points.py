@@ -37,7 +37,7 @@ class Point(NamedTuple):
         """Generate the walls of each realisation."""
         module, _, function = self.maker.partition(":")
         if not function:
-            return walls_of(self.settings.surfaces)
+            return walls_of(self.settings)
         return getattr(import_module(module), function)(self.settings, **self.options)
 
 
@@ -64,7 +64,7 @@ def close_points(
     for point in points:
         settings, rows = point.settings, []
         reading = Reading(settings.conditions, ("status", "timing_simulation", *quantities))
-        first = settings.surfaces.first_realization
+        first = settings.first_realization
         for realization, walls in enumerate(point.walls(), first):
             row = close_joint(walls, reading)
             at = point.coordinates | {
@@ -92,9 +92,8 @@ def tried_points(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
     """Return a few of the points of each rock, grid and model, and the joints of all of these."""
     alike: dict[tuple, list[Point]] = {}
     for point in points:
-        case, surfaces = point.settings.case, point.settings.surfaces
-        model = case.conditions.effects, case.conditions.numerics
-        kind = case.rock, *model, surfaces.grid, *point.options
+        settings, model = point.settings, point.settings.conditions
+        kind = settings.case.rock, model.effects, model.numerics, settings.grid, *point.options
         alike.setdefault(kind, []).append(point)
     return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
 
@@ -108,10 +107,10 @@ def estimated_time(points: Iterable[Point], report: Callable[[str], None]) -> pd
     rows = []
     for tried, joints in tried_points(points):
         first = [
-            point._replace(settings=point.settings.with_surfaces(realizations=1)) for point in tried
+            point._replace(settings=point.settings._replace(realizations=1)) for point in tried
         ]
         times = close_points(first, ()).query("cycle == 1").seconds
-        grid = tried[0].settings.surfaces.grid
+        grid = tried[0].settings.grid
         row = {"rock": tried[0].settings.case.rock, "cells": grid.cells_x * grid.cells_y}
         row |= {"joints": joints, "seconds": joints * times.mean()}
         rows.append(row | {"error": joints * times.sem()})
@@ -135,7 +134,7 @@ def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
 
 def joints_of(points: Iterable[Point]) -> int:
     """Return the number of joints that are closed at some points."""
-    return sum(point.settings.surfaces.realizations for point in points)
+    return sum(point.settings.realizations for point in points)
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:

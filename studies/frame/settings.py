@@ -19,9 +19,7 @@ class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
     ``rock`` is the name of the rock. ``conditions`` have its properties, and the effects of the
-    study or those set for the rock. ``surface`` is the label of the case whose surfaces are closed:
-    this case itself, or the base case of the rock if draws are common and JRC is unchanged. ``jrc``
-    is NaN for scanned walls.
+    study or those set for the rock. ``jrc`` is NaN for scanned walls.
     """
 
     label: str
@@ -31,7 +29,6 @@ class Case(NamedTuple):
     value: float
     jrc: float
     conditions: Conditions
-    surface: str
 
     @property
     def max_normal_stress(self) -> float:
@@ -53,14 +50,16 @@ class Case(NamedTuple):
         return self._replace(conditions=self.conditions._replace(**changes))
 
 
-class SurfaceSettings(NamedTuple):
-    """Settings that the surface pairs of a case and a block of realisations depend on.
+class ClosureSettings(NamedTuple):
+    """Settings that the joints of a case and a block of realisations depend on, in SI.
 
-    ``seeds_named_by`` and ``root_seed`` determine the seeds. ``sha256`` contains digests of the
-    files of scanned ``walls``, by wall.
+    ``sha256`` contains digests of the files of scanned ``walls``, by wall; others are made from
+    seeds, which ``seeds_named_by`` and ``root_seed`` determine. ``stress_points`` and
+    ``largest_stress`` define the common stress axis. ``effects_chosen_to`` is the tolerance by
+    which a pilot selects the effects of the case.
     """
 
-    jrc: float
+    case: Case
     walls: object | None
     sha256: dict[str, str]
     root_seed: int
@@ -69,17 +68,6 @@ class SurfaceSettings(NamedTuple):
     realizations: int
     grid: Grid
     surface: Surface
-
-
-class ClosureSettings(NamedTuple):
-    """Settings that the closures of a case and a block of realisations depend on, in SI.
-
-    ``stress_points`` and ``largest_stress`` define the common stress axis. ``effects_chosen_to`` is
-    the tolerance by which a pilot selects the effects of the case.
-    """
-
-    case: Case
-    surfaces: SurfaceSettings
     stress_points: int
     largest_stress: float
     effects_chosen_to: float | None
@@ -89,16 +77,12 @@ class ClosureSettings(NamedTuple):
         """Conditions at which the walls of the case are closed."""
         return self.case.conditions
 
-    def with_surfaces(self, **changes: Any) -> "ClosureSettings":
-        """Return the settings with changed settings of the surfaces."""
-        return self._replace(surfaces=self.surfaces._replace(**changes))
-
     def under(self, **changes: Any) -> "ClosureSettings":
         """Return the settings with changed conditions."""
         return self._replace(case=self.case.under(**changes))
 
 
-def seeds_of(settings: SurfaceSettings) -> list[int]:
+def seeds_of(settings: ClosureSettings) -> list[int]:
     """Return the seeds of the walls of a block."""
     first = settings.first_realization
     return [
@@ -112,9 +96,9 @@ def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **dict(surface), unusual_values=True)
 
 
-def walls_of(settings: SurfaceSettings) -> Iterator[Walls]:
+def walls_of(settings: ClosureSettings) -> Iterator[Walls]:
     """Generate the walls of a block, from a JRC."""
     if settings.walls:
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
-        yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
+        yield walls_of_seed(seed, settings.case.jrc, settings.grid, settings.surface)

@@ -7,7 +7,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
-from studies.frame.cases import cases_of, surface_settings
+from studies.frame.cases import block_settings, cases_of, wall_name
 from studies.frame.files import ConfigurationError
 from studies.frame.keys import Grid
 from studies.frame.rocks import check_files
@@ -37,14 +37,15 @@ def prepared(scans, **changes):
 
 
 def test_measured_walls_take_the_place_of_a_jrc():
+    study = study_of(with_walls()).study
     cases = cases_of(study_of(with_walls()))
     assert [case.parameter for case in cases] == [
         "base", *["poisson_ratio"] * 2, *["youngs_modulus"] * 2, *["compressive_strength"] * 2,
     ]  # fmt: skip
     assert all(np.isnan(case.jrc) for case in cases)
-    common = cases_of(study_of(with_walls(), {"study": {"draws": "common"}}))
-    assert {case.surface for case in common} == {"slate-base"}
-    assert len({case.surface for case in cases}) == len(cases)
+    common = study_of(with_walls(), {"study": {"draws": "common"}}).study
+    assert len({wall_name(common, case) for case in cases}) == 1
+    assert len({wall_name(study, case) for case in cases}) == len(cases)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +86,7 @@ def test_heights_that_point_into_the_rock_are_turned(scan):
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     walls, study = prepared({"lower": scan}), study_of(with_walls())
     assert Cutter(walls, (20, 24), 5).room()["windows_side_by_side"] == 4
-    surfaces = surface_settings(
+    surfaces = block_settings(
         study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
         cases_of(study)[0], range(3),
     )._replace(grid=Grid(cells_x=24, cells_y=20, spacing_mm=1e3 * SPACING))  # fmt: skip

@@ -31,7 +31,7 @@ def settings_to(tolerance, **rock):
     rock = rock | {"max_normal_stress_MPa": 1}
     study = study_of(SMALL, {"effects": {"auto": tolerance}, "rocks": {"slate": rock}})
     cases = {case.label: case for case in cases_of(study)}
-    return {label: block_settings(study, cases, label, range(4)) for label in cases}
+    return {label: block_settings(study, case, range(4)) for label, case in cases.items()}
 
 
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():
@@ -61,7 +61,7 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     walls = None
     if rock:
         scan = Scan(jc.wall_pair(9.0, (40, 50), SPACING, 3, roll_off=None)[0], (SPACING, SPACING))
-        keys = settings.surfaces.walls._replace(units="mm")
+        keys = settings.walls._replace(units="mm")
         prepared = prepared_walls({"lower": scan}, keys, SPACING, "yu_vayssade_linear_0.25mm")
         walls = tmp_path / "slate.nc"
         write_netcdf(prepared, walls)

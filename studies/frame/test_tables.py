@@ -106,7 +106,7 @@ TINY = {
 def settings_of(label, flow=False):
     configuration = study_of(TINY, {"flow": flow})
     cases = {case.label: case for case in cases_of(configuration)}
-    return block_settings(configuration, cases, label, range(3))
+    return block_settings(configuration, cases[label], range(3))
 
 
 def tiny_study(flow: bool) -> xr.Dataset:
@@ -124,7 +124,7 @@ def studies():
 @pytest.mark.parametrize("direction", ["x", "y"])
 def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
     settings = settings_of("slate-base")
-    walls = next(iter(walls_of(settings.surfaces)))
+    walls = next(iter(walls_of(settings)))
     closed = jc.simulate(*walls, **settings.conditions._asdict() | {"flow": True})
     here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
     along = closed.hydraulic_aperture.sel(direction=direction).values[here]

@@ -21,7 +21,7 @@ from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import SurfaceSettings, seeds_of
+from studies.frame.settings import ClosureSettings, seeds_of
 
 REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
 """Keys of scanned walls that their registration takes."""
@@ -271,7 +271,7 @@ def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
     return count
 
 
-def cut_walls(walls: xr.Dataset, settings: SurfaceSettings) -> Iterator[tuple]:
+def cut_walls(walls: xr.Dataset, settings: ClosureSettings) -> Iterator[tuple]:
     """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
     cutter = Cutter(walls, settings.grid.shape, order, settings.surface.normalise)

@@ -128,7 +128,7 @@ def settings_of_rock(
         typed = resolved(overlaid(plain, keys_at(sampling, rock, point)))
         block = range(SURFACES * row, SURFACES * (row + 1))
         case = base_case(typed, rock)
-        return block_settings(typed, {case.label: case}, case.label, block)
+        return block_settings(typed, case, block)
 
     return settings
 

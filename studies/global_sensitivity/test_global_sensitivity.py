@@ -75,12 +75,12 @@ def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design)
     np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
     expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
     assert [each.conditions.choices.peaks for each in first] == expected
-    assert {each.surfaces.first_realization for each in first} == {6}
-    assert settings(4, points[4, 0]).surfaces.first_realization == 8
+    assert {each.first_realization for each in first} == {6}
+    assert settings(4, points[4, 0]).first_realization == 8
     # at the same roughness the walls are the same ones
     same = [each for each in first if each.case.jrc == first[0].case.jrc]
     assert len(same) > 2
-    one, other = (next(walls_of(each.surfaces)) for each in same[:2])
+    one, other = (next(walls_of(each)) for each in same[:2])
     assert np.array_equal(one[0], other[0])
 
 
@@ -107,7 +107,7 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
             typed = configured(keys).typed
             case = base_case(typed, rock)
             block = range(2 * row, 2 * row + 2)
-            expected = block_settings(typed, {case.label: case}, case.label, block)
+            expected = block_settings(typed, case, block)
             assert repr(settings(row, point)) == repr(expected)
 
 

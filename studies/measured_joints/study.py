@@ -79,7 +79,7 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
             name = name if rock == BASE else f"{rock}, {name}"
             variants[name] = Point({"loaded_as": rock}, of_rock.under(choices=choices))
         for shift in section.reseating_shift_in_cells:
-            name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
+            name = f"reseated, {1e3 * shift * settings.grid.spacing:g} mm off"
             name = name if rock == BASE else f"{rock}, {name}"
             once = of_rock.under(cycles=1)
             variants[name] = Point(
@@ -91,7 +91,7 @@ def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, P
 def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
     conditions = settings.conditions._replace(cycles=1)
-    for pair in walls_of(settings.surfaces):
+    for pair in walls_of(settings):
         crushed = closed_walls(pair, conditions).final
         yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
 

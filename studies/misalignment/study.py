@@ -46,12 +46,11 @@ WALLS = f"{__name__}:misaligned"
 
 def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
     """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
-    surfaces = settings.surfaces
-    grid, surface = surfaces.grid, surfaces.surface
+    grid, surface = settings.grid, settings.surface
     wavelength = surface.mismatch_wavelength
-    for seed in seeds_of(surfaces):
+    for seed in seeds_of(settings):
         upper, lower = rotated_pair(
-            z2_of_jrc(surfaces.jrc, grid.spacing, surface.hurst, surface.jrc_relation),
+            z2_of_jrc(settings.case.jrc, grid.spacing, surface.hurst, surface.jrc_relation),
             grid.shape,
             grid.spacing,
             spectrum_of(surface.hurst, surface.rule, surface.roll_off, grid.spacing),

@@ -36,10 +36,9 @@ def test_every_tilt_and_every_rotation_is_closed_alone(design, joints):
 
 def test_aligned_walls_close_as_everywhere(design, run):
     settings = design.jobs()["slate.770um"][0].settings
-    surfaces = settings.surfaces
-    made = {"mismatch_wavelength": 0.77e-3, "roll_off": surfaces.surface.roll_off}
-    spacing, seed = surfaces.grid.spacing, seeds_of(surfaces)[2]
-    upper, lower = wall_pair(surfaces.jrc, (24, 24), spacing, seed, **made)
+    made = {"mismatch_wavelength": 0.77e-3, "roll_off": settings.surface.roll_off}
+    spacing, seed = settings.grid.spacing, seeds_of(settings)[2]
+    upper, lower = wall_pair(settings.case.jrc, (24, 24), spacing, seed, **made)
     closed = close_walls(upper, lower, settings.conditions)
     aligned = run.sel(wavelength=0.77e-3, tilt=0.0, rotation=0.0, realization=2)
     np.testing.assert_allclose(aligned.max_closure, closed.max_closure, rtol=1e-6)

@@ -38,11 +38,11 @@ def mismatch_jobs(configured: Configured) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
     section, jobs = configured.typed.section(Mismatch), {}
     for rock, name, wavelength, settings in at_wavelengths(configured.typed, section.wavelength):
-        surface, points = settings.surfaces.surface, []
+        surface, points = settings.surface, []
         for shift in section.shift_in_cells if np.isfinite(wavelength) else (0,):
             at = {"rock": rock, "wavelength": wavelength}
             at["shift"] = configured.typed.grid.spacing * shift
-            moved = settings.with_surfaces(surface=surface._replace(shift_in_cells=shift))
+            moved = settings._replace(surface=surface._replace(shift_in_cells=shift))
             points.append(Point(at, moved))
         jobs[f"{rock}.{name}"] = points
     return jobs

@@ -403,7 +403,7 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     assert [len(block) for block in cases.blocks] == [10, 10, 5]
     assert [len(block) for block in finest.blocks] == [4, 4]
     one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
-    assert other.surfaces == one.surfaces
+    assert other._replace(case=one.case, effects_chosen_to=one.effects_chosen_to) == one
     assert other.conditions.numerics == FINEST != one.conditions.numerics
     assert cases.pilots().keys() == {"slate"}
     assert finest.pilots() == {}

@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.parameters import PROPERTIES
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
-from studies.frame.cases import cases_of, surface_settings
+from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import model
 from studies.frame.keys import json_schema
 from studies.frame.plan import inputs_of, settings_of
@@ -152,7 +152,7 @@ def test_covariates_are_those_of_the_walls_that_were_closed():
     configuration = study_of(SMALL)
     values = measure_covariates(world(configuration), configuration.grid, configuration.surface)
     for i, case in enumerate(cases_of(configuration)):
-        walls = list(walls_of(surface_settings(configuration, case, range(4))))
+        walls = list(walls_of(block_settings(configuration, case, range(4))))
         z2 = z2_of_jrc(case.jrc, configuration.grid.spacing, configuration.surface.hurst)
         for j, (upper, lower) in enumerate(walls):
             expected = covariates_of_pair(upper, lower, z2)

@@ -264,9 +264,9 @@ def nested(
     spacing ``base`` [m]. A coarser grid has every second (or fourth) cell.
     """
     cells, finest = whole
-    surfaces, grid = settings.surfaces, settings.surfaces.grid
-    large = surfaces._replace(grid=grid._replace(cells_x=cells, cells_y=cells, spacing=finest))
-    z2 = z2_of_jrc(surfaces.jrc, base, surfaces.surface.hurst, surfaces.surface.jrc_relation)
+    grid, surface = settings.grid, settings.surface
+    large = settings._replace(grid=grid._replace(cells_x=cells, cells_y=cells, spacing=finest))
+    z2 = z2_of_jrc(settings.case.jrc, base, surface.hurst, surface.jrc_relation)
     coarse, step = round(base / finest), round(grid.spacing / finest)
     side = grid.cells_x * step
     part = slice(position * side, (position + 1) * side, step)

@@ -62,7 +62,7 @@ def smoke_study(project):
              "seating_stress_MPa": 0.1}  # fmt: skip
     study = study_of(small)
     case = cases_of(study)[0]
-    settings = block_settings(study, {case.label: case}, case.label, range(2))
+    settings = block_settings(study, case, range(2))
     closed = close_block(settings)
     folder = project / "results/smoke"
     folder.mkdir(parents=True)

@@ -40,7 +40,7 @@ def configuration():
 
 def settings_of(configuration: Configuration, label: str, block: range) -> ClosureSettings:
     cases = {case.label: case for case in cases_of(configuration)}
-    return block_settings(configuration, cases, label, block)
+    return block_settings(configuration, cases[label], block)
 
 
 @given(st.integers(2, 500), st.integers(1, 600) | st.none())
@@ -110,7 +110,7 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
     configuration = study_of(SMALL, {"effects": {"substrate": False, "interaction": False}})
     cases = {case.label: case for case in cases_of(configuration)}
     settings = settings_of(configuration, "slate-base", range(4))
-    pairs = list(walls_of(settings.surfaces))
+    pairs = list(walls_of(settings))
     for wall in pairs[2]:
         wall[:] = 0.0
     lines = []
