@@ -169,7 +169,7 @@ class Study(Section):
     )
     realizations: int = entry("Random surface pairs per case.", ge=2, le=1_000_000)
     realizations_per_job: int | None = entry(
-        "Realisations of a case that one job does; null for all. It changes no result.", None, ge=1
+        "Realisations of a case that one job closes; null: all. It changes no result.", None, ge=1
     )
     cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
     root_seed: int = entry("Seed from which every random number follows.", ge=0)
@@ -179,9 +179,9 @@ class Study(Section):
         "is paired."
     )
     pool: int | None = entry(
-        "Random surface pairs of every rock on which all of its cases are closed besides, for what "
-        "is true of the model and what repetitions of the study would publish (pool.nc); null: "
-        "none, the study's own serve.",
+        "Further random surface pairs of every rock, on which all of its cases are closed, for "
+        "what is true of the model and what repetitions of the study would publish (pool.nc); "
+        "null: the study's own.",
         ge=2,
         le=1_000_000,
     )
@@ -195,7 +195,7 @@ class Study(Section):
         None,
     )
     unusual_values: Literal["refuse", "allow"] = entry(
-        "Whether numbers are refused that are not usual of rock, which often are a slip of units.",
+        "Whether numbers that are not usual of rock, often a slip of units, are refused.",
         "refuse",
     )
 
@@ -237,7 +237,7 @@ class Surface(Section):
     )
     rule: Literal[RULES] = entry(  # type: ignore[valid-type]
         "self_affine: profiles have the Hurst exponent; walk: independent slopes along x and y, "
-        "projected on the nearest heights, where hurst only carries Z2 to the spacing."
+        "and the heights that are nearest to them (hurst then only converts Z2 to the spacing)."
     )
     roll_off: float | None = entry(
         "Wavelength beyond which the power spectrum is flat [mm], at least two spacings; null for "
@@ -299,8 +299,8 @@ class Statistics(Section):
         "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
     )
     control_variates: int | None = entry(
-        "Surfaces that are made, and not closed, to tell the means of depths of the summed "
-        "heights, by which means and intervals are adjusted (docs/accuracy.md); null: none are.",
+        "Surfaces that are made and not closed, whose mean depths of the summed heights adjust "
+        "means and intervals (docs/accuracy.md#control-variates); null: nothing is adjusted.",
         None,
         ge=100,
         le=1_000_000,

@@ -1,6 +1,7 @@
 """Write config/README.md and config/schema.json: the keys of a configuration, and the defaults."""
 
 import json
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -15,21 +16,24 @@ ROOT = Path(__file__).parents[2]
 
 HEADER = """# Configuration
 
-A study is a small file with what differs from `default.yaml`, the paper's study, which states the source of each number. Lists replace lists; everything else is merged.
-`make study CONFIG=config/mine.yaml` runs it and writes to `results/<study.name>/`. The merged configuration is checked first: an error names the key, its value and what is allowed. Editors can check YAML by `schema.json`.
+A study is a small file with what differs from `default.yaml`, the paper's study, which states the source of each number. Lists replace lists; everything else is merged. `make study CONFIG=config/mine.yaml` checks the merged configuration (an error names the key, its value and what is allowed), runs it and writes to `results/<study.name>/`. Editors can check YAML by `schema.json`.
 
-`smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of inquiries are in the folders of `studies/`, and `schema.json` describes the keys of their sections.
+`smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of further studies, and the keys of their sections (see `schema.json`), are in the folders of `studies/`.
 
-`python workflow/scripts/key_table.py` writes this list of the other keys; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this list of the other keys, each with its default and the values that it may have; `<rock>` stands for any name.
 
 """
 
 
 def main() -> str:
     """Return the text of the page."""
-    return HEADER + "".join(
-        f"{row}\n" for row in rows(json_schema(model()), read_plain(DEFAULT), "")
-    )
+    lines, before = [HEADER], ""
+    found = rows(json_schema(model()), read_plain(DEFAULT), "")
+    for (given, text), same in groupby(found, key=lambda row: row[1:]):
+        keys = ", ".join(f"`{key}`" for key, *_ in same)
+        lines.append(f"- {keys} ({given}) {text if text != before else 'The same.'}\n")
+        before = text
+    return "".join(lines)
 
 
 def schema() -> str:
@@ -38,12 +42,11 @@ def schema() -> str:
 
 
 def rows(schema: dict, default: Any, path: str):
-    """Generate a row for each key below a path, of the sections that have defaults."""
+    """Generate key, values and text of each key below a path, of the sections with defaults."""
     entries = dict(schema.get("properties", {}))
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
         entries["<rock>" if path == "rocks." else "<name>"] = extra
-    before = ""
     for name, entry in entries.items():
         if not path and name not in default:
             continue  # the section of an inquiry
@@ -52,10 +55,8 @@ def rows(schema: dict, default: Any, path: str):
         if not section or "number" in entry.get("type", ""):  # a key may be either
             stated = isinstance(default, dict) and name in default and "<rock>" not in path
             shown = f"`{_shown(value)}`" if stated else ""
-            given = ": ".join(part for part in (shown, _allowed(name, entry)) if part)
-            text = entry["description"]
-            yield f"- `{path}{name}` ({given}) {text if text != before else 'The same.'}"
-            before = text
+            given = ": ".join(part for part in (shown, _allowed(name, entry, stated)) if part)
+            yield f"{path}{name}", given, entry["description"]
         if section:
             yield from rows(entry, value, f"{path}{name}.")
 
@@ -64,23 +65,30 @@ def _shown(value: object) -> str:
     return yaml.safe_dump(value, default_flow_style=True, width=1000).replace("\n...", "").strip()
 
 
-def _allowed(name: str, entry: dict) -> str:
+def _allowed(name: str, entry: dict, stated: bool) -> str:
+    """Return the values that a key may have; the type only where a default does not show it."""
     if "enum" in entry:
         return ", ".join("null" if value is None else str(value) for value in entry["enum"])
     kinds = entry.get("type", "")
     kinds = " or ".join(kinds) if isinstance(kinds, list) else kinds
-    bounds = [
-        f"{sign} {entry[key]:g}"
-        for key, sign in (
-            ("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<"),
+    kinds = "" if stated and kinds in ("string", "array", "boolean", "number") else kinds
+    ends = [
+        (sign, bracket, f"{entry[key]:g}")
+        for key, sign, bracket in (
+            ("minimum", "≥", "["), ("exclusiveMinimum", ">", "("), ("maximum", "≤", "]"), ("exclusiveMaximum", "<", ")"),
         )
         if key in entry
     ]  # fmt: skip
+    bounds = " ".join(f"{sign} {end}" for sign, _, end in ends)
+    if len(ends) == 2:
+        (_, opening, low), (_, closing, high) = ends
+        bounds = f"{opening}{low}, {high}{closing}"
     bare, unit = name_and_unit(name)
+    usual = ""
     if bare in USUAL:
-        low, high = (in_unit(bound, unit) for bound in USUAL[bare][:2])
-        bounds.append(f"usually {low:g} to {high:g}")
-    return ", ".join([kinds, *bounds])
+        least, most = (in_unit(bound, unit) for bound in USUAL[bare][:2])
+        usual = f"usually {least:g} to {most:g}"
+    return ", ".join(part for part in (kinds, bounds, usual) if part)
 
 
 if __name__ == "__main__":
