@@ -1,12 +1,10 @@
 """Text files, as instruments and people write them: points, columns, matrices of heights."""
 
-import io
 import re
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from jointclosure.inputs import SPELT, InputError, size_of
 from jointclosure.inputs.remarks import caution
@@ -20,7 +18,7 @@ from jointclosure.walls.scans.contents import (
 from jointclosure.walls.scans.points import LARGEST_OFFSET, contents_of
 
 COMMENTS = ("#", "%", "//", "!")
-_MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
+_MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf"}
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")
 """Bytes that no text has; \\x1a ends old files."""
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
@@ -163,46 +161,54 @@ def read_table(path: Path) -> Table:
     head = lines[:start]
     names, units, remarks = _names(head)
     if start is None:
-        raise _without_numbers(head, bool(names))
+        written = [line.strip()[:60] for line in head if line.strip() and not _is_comment(line)]
+        where = " below the names" if names else ""
+        raise InputError(
+            f"has no line of numbers{where}; there is {written[-1]!r}"
+            if written
+            else "has no points"
+        )
     form = _form_of(lines[start])
     lines = [line for line in lines[start:] if line.strip() and not _is_comment(line)]
     lines = _with_corner(lines, form)
-    frame, width, short = _frame(lines, form, len(names or "xyz"))
-    remarks += short
-    frame, repeated = _numbers(frame, names, form.decimal)
-    if repeated:
-        remarks.append(f"{repeated} repeated lines of names were skipped")
+    values, remarks_on_lines = _values(lines, form, names)
+    width = values.shape[1]
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
         raise InputError(f"has {len(units)} words in the line of units, must be {width}")
     units += [None] * (width - len(units)) if units else []
-    values = frame.iloc[:, :width].to_numpy(dtype=float)
-    return Table(values, names, units, tuple(remarks))
+    return Table(values, names, units, (*remarks, *remarks_on_lines))
 
 
-def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int, list[str]]:
-    """Return words of lines, their usual number, and a warning of shorter lines, left as NaN."""
-    counts = np.array([len(line.strip(" ").split(form.separator)) for line in lines])
+def _values(lines: list[str], form: _Form, names: list[str]) -> tuple[np.ndarray, list[str]]:
+    """Return numbers (rows, columns) of lines, NaN in shorter ones, and remarks on other lines."""
+    counts = np.array([len(_words(line, form)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
         longest = lines[int(counts.argmax())].strip()[:60]
         raise InputError(f"{longest!r} has {counts.max()} numbers, other lines have {width}")
-    frame = pd.read_csv(
-        io.StringIO("\n".join(lines)), sep=form.separator or r"\s+", decimal=form.decimal,
-        header=None, names=range(width), index_col=False, skipinitialspace=True,
-        na_values=[word for word in _MISSING if word],
-    )  # fmt: skip
+    values, repeated = np.full((len(lines), width), np.nan), []
+    remarks: list[str] = []
+    for row in np.flatnonzero(counts == width).tolist():
+        words = _words(lines[row], form)
+        try:
+            values[row] = [_number(word, form.decimal) for word in words]
+        except ValueError as error:
+            if not names or words[: len(names)] != names:
+                raise InputError(f"line {row + 1} of the numbers: {error}") from None
+            repeated.append(row)
+    if (short := counts < width).any():
+        first = lines[int(short.argmax())].strip()[:60]
+        few = f"{int(short.sum())} lines of fewer than {width} numbers were left out"
+        remarks.append(caution(f"{few}, such as {first!r}"))
+    if repeated:
+        remarks.append(f"{len(repeated)} repeated lines of names were skipped")
+    values = np.delete(values, repeated, axis=0)
     # a separator at the end of every line makes an empty column
-    while width > least and frame[width - 1].isna().all():
+    while width > len(names or "xyz") and np.isnan(values[:, width - 1]).all():
         width -= 1
-    short = counts < width
-    if not short.any():
-        return frame, width, []
-    frame[short] = np.nan
-    first = lines[int(short.argmax())].strip()[:60]
-    few = f"{int(short.sum())} lines of fewer than {width} numbers were left out"
-    return frame, width, [caution(f"{few}, such as {first!r}")]
+    return values[:, :width], remarks
 
 
 def are_places(values: np.ndarray) -> bool:
@@ -245,10 +251,9 @@ def _with_corner(lines: list[str], form: _Form) -> list[str]:
     row, following = (_words(line, form) for line in lines[:2])
     if len(following) != len(row) + 1 or not following[-1]:
         return lines
-    numbers = [word.replace(form.decimal, ".") for word in row]
-    if not all(map(_is_number, numbers)) or "" in numbers:
+    if "" in row or not all(_is_number(word, form.decimal) for word in row):
         return lines
-    if not are_places(pd.to_numeric(pd.Series(numbers), errors="coerce").to_numpy(dtype=float)):
+    if not are_places(np.array([_number(word, form.decimal) for word in row])):
         return lines
     return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
 
@@ -263,16 +268,20 @@ def _is_data(line: str) -> bool:
         return False
     form = _form_of(line)
     words = _words(line, form)
-    numbers = [_is_number(word.replace(form.decimal, ".")) for word in words]
-    nothing = [word.lower() in _MISSING for word in words]
-    return sum(numbers) - sum(nothing) >= 2 and all(map(any, zip(numbers, nothing, strict=True)))
+    numbers = [_is_number(word, form.decimal) for word in words]
+    return all(numbers) and sum(word.lower() not in _MISSING for word in words) >= 2
 
 
-def _is_number(word: str) -> bool:
+def _number(word: str, decimal: str) -> float:
+    """Return a number, NaN for a word for a missing one; `ValueError` for another."""
+    return np.nan if word.lower() in _MISSING else float(word.replace(decimal, "."))
+
+
+def _is_number(word: str, decimal: str) -> bool:
     try:
-        float(word)
+        _number(word, decimal)
     except ValueError:
-        return word.lower() in _MISSING
+        return False
     return True
 
 
@@ -308,34 +317,3 @@ def _split_names(line: str) -> list[str]:
     while words and not words[-1]:
         words.pop()
     return words
-
-
-def _without_numbers(head: list[str], named: bool) -> InputError:
-    written = [line.strip()[:60] for line in head if line.strip() and not _is_comment(line)]
-    if not written:
-        return InputError("has no points")
-    if not named:
-        return InputError(f"has no line of numbers; the first is {written[0]!r}")
-    return InputError(f"has no line of numbers below the names; there is {written[-1]!r}")
-
-
-def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.DataFrame, int]:
-    """Return the numbers without repeated lines of names, and the number of these lines."""
-    repeated = np.zeros(len(frame), bool)
-    numbers = {}
-    for column in frame.columns:
-        if frame[column].dtype.kind in "fiu":
-            numbers[column] = frame[column].astype(float)
-            continue
-        words = frame[column].astype(str).str.strip()
-        values = pd.to_numeric(words.str.replace(decimal, ".", regex=False), errors="coerce")
-        known = frame[column].notna() & ~words.str.lower().isin(_MISSING)
-        name = words == names[column] if column < len(names) else known & False
-        wrong = np.flatnonzero(values.isna() & known & ~name)
-        if wrong.size:
-            raise InputError(
-                f"{words.iloc[wrong[0]]!r} in line {wrong[0] + 1} of the numbers is not a number"
-            )
-        repeated |= (values.isna() & name).to_numpy()
-        numbers[column] = values.astype(float)
-    return pd.DataFrame(numbers)[~repeated], int(repeated.sum())
