@@ -62,8 +62,8 @@ def intact_keys(base: type[BaseModel]) -> Any:
 
 _WALL = (
     "A file, relative to where the study is run (or absolute), or three with commas (x.txt,y.txt,"
-    "z.txt); or, where the other wall is a file: rotated (that wall, turned by 180 degrees), "
-    "mirrored, synthetic (a wall of its slope and Hurst exponent, independent of it), or flat."
+    "z.txt); or, where the other wall is a file: rotated (that wall by 180 degrees), mirrored, "
+    "synthetic (an independent wall of its slope and Hurst exponent), or flat."
 )
 
 
@@ -84,8 +84,8 @@ class ScannedWalls(Section):
         None,
     )
     missing: Literal["refuse", "avoid", "nearest", "linear"] = entry(
-        "What is done about cells without a height: refuse (an error, the default); avoid (joints "
-        "are cut where none is missing); nearest, linear (filled).",
+        "Cells without a height: refuse (an error, the default), avoid (joints are cut where none "
+        "is missing), nearest, linear (they are filled).",
         "refuse",
     )
     largest_filled_share: float = entry(
@@ -96,8 +96,8 @@ class ScannedWalls(Section):
         le=1,
     )
     inverted: Distinct[Literal["upper", "lower"]] = entry(
-        "Walls (upper, lower) whose heights in the file point into the rock, as those of an upper "
-        "wall in the lower one's frame; none unless given.",
+        "Walls (upper, lower) whose heights point into the rock, as those of an upper wall in the "
+        "lower one's frame; none unless given.",
         (),
     )
     bring_together: bool = entry(
@@ -112,7 +112,7 @@ class ScannedWalls(Section):
     )
     shift: Literal[SHIFTS] | None = entry(  # type: ignore[valid-type]
         "Where walls are brought together: scanned (left where they were) or mated (the upper one "
-        "rotated and moved to where they fit best); null: mated.",
+        "moved to the best fit); null: mated.",
         None,
     )
     spikes: Literal["keep", "cut"] = entry(

@@ -71,7 +71,9 @@ def _allowed(name: str, entry: dict, stated: bool) -> str:
         return ", ".join("null" if value is None else str(value) for value in entry["enum"])
     kinds = entry.get("type", "")
     kinds = " or ".join(kinds) if isinstance(kinds, list) else kinds
-    kinds = "" if stated and kinds in ("string", "array", "boolean", "number") else kinds
+    if stated:  # the default shows them
+        kinds = kinds.removesuffix(" or null")
+        kinds = "" if kinds in ("string", "array", "boolean", "number") else kinds
     ends = [
         (sign, bracket, f"{entry[key]:g}")
         for key, sign, bracket in (

@@ -111,9 +111,8 @@ class Choices(NamedTuple):
         Upper bound of each wall's Gaussian radius [m]. None: unbounded, as in the paper.
     strength_bound : {"base", "none"}
         Upper bound of a contact's strength. "base": the force at which the mean pressure over the
-        base of the asperity is that of a Hertz contact at its strength (docs/model.md). "none": as
-        in the paper, where a crushed cell between level ones has no largest strength, and the first
-        cycle no limit (docs/decisions.md#0010-resolved-breakage).
+        base of the asperity is that of a Hertz contact at its strength. "none": as in the paper,
+        where the first cycle has no limit (docs/decisions.md#0010-resolved-breakage).
     crushed_strength_ratio : float
         Strength of crushed rock over that of the rock, in (0, 1]: of a pair of cells of which one
         lies below its pristine height when a loading begins. 1: as in the paper.
@@ -172,15 +171,15 @@ class Numerics(NamedTuple):
         is smaller.
     breakage : {"fixed_step", "resolved"}
         What a broken contact loses: the breakage step, as in the paper, or only the height that
-        brings it back to its strength. With "resolved" the displacement steps start from those
-        given and follow an estimate of their error; the breakage steps are not used.
+        brings it back to its strength. Then displacement steps start from those given and follow an
+        estimate of their error; breakage steps are not used.
     tolerance : float
         Accepted relative error of mean closures where breakage is resolved, in (0, 0.1]
         (docs/decisions.md#0010-resolved-breakage).
     most_steps : float
-        Largest number of displacement steps. A simulation that exceeds it ends with a status that
-        says so, one that is foreseen to exceed it is refused; infinity is no bound. The default is
-        about a thousand times what the joints of the paper need.
+        Largest number of displacement steps; infinity is no bound. A simulation that exceeds it
+        ends with a status, one that is foreseen to is refused. Joints of the paper need about a
+        thousandth of the default.
     most_breakage_steps : float
         Largest number of breakage steps over that of the cells, likewise.
     replay : bool
