@@ -71,7 +71,7 @@ class Pipeline:
         }
         for name, experiment in experiments.items():
             key, closed = functools.partial(self._key, name), self._closed(name)
-            steps = steps_of(name, configured, self.designs[name], closed, key)
+            steps = steps_of(configured, self.designs[name], closed, key)
             self.steps |= steps
             done = f"The experiment {name} is complete: {experiment.title}"
             self.targets[name] = ([file for step in steps.values() for file in step.files], done)

@@ -29,27 +29,54 @@ from studies.frame.points import (
     Point,
     as_dataset,
     as_table,
-    entries_of,
-    estimated_time,
-    tried_points,
+    close_points,
+    closed_table,
+    joints_of,
 )
 from studies.frame.products import Step
 from studies.frame.settings import Case, ClosureSettings
 
+TRIED = 3
+"""Alike points of which one joint is closed to estimate the time of all."""
+
 
 class Design(NamedTuple):
-    """Points of each job of an experiment, for one configuration; made when they are needed."""
+    """Joints of an experiment for one configuration; points are made when they are needed."""
 
+    name: str
+    quantities: tuple[str, ...]
     jobs: Callable[[], Jobs]
 
     def points(self) -> list[Point]:
         """Return the points of all jobs."""
         return [point for job in self.jobs().values() for point in job]
 
+    def tried(self) -> list[tuple[list[Point], int]]:
+        """Return a few of the points of each rock, grid and model, and the joints of all these."""
+        alike: dict[tuple, list[Point]] = {}
+        for point in self.points():
+            settings, model = point.settings, point.settings.conditions
+            kind = settings.case.rock, model.effects, model.numerics, settings.grid, *point.options
+            alike.setdefault(kind, []).append(point)
+        return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
+
     def kernels(self) -> list[list[str]]:
         """Return the kernels that are compiled before the jobs start."""
         conditions = [point.settings.conditions for point in self.points()]
         return kernels_of((one.effects, one.choices, one.numerics) for one in conditions)
+
+    def entries(self) -> list[Entry]:
+        """Return the files of the jobs."""
+        return [
+            Entry(
+                f"{self.name}/{job}",
+                closed_table,
+                (list(points), self.quantities),
+                joints=joints_of(points),
+                uses=tuple(sorted({point.maker for point in points if point.maker})),
+            )
+            for job, points in self.jobs().items()
+        ]
 
 
 class Experiment(NamedTuple):
@@ -66,8 +93,9 @@ class Experiment(NamedTuple):
     check: Callable[[Configured], None] = lambda configured: None
 
     def design(self, configured: Configured) -> Design:
-        """Return the points for a checked configuration."""
-        return Design(cache(partial(self.jobs, configured)))
+        """Return the joints for a checked configuration."""
+        name = self.jobs.__module__.split(".")[1]
+        return Design(name, self.quantities, cache(partial(self.jobs, configured)))
 
 
 def experiment_named(name: str) -> Experiment:
@@ -105,8 +133,7 @@ def at_wavelengths(
 def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:
     """Return the files of an ensemble, of pilots (effects_of) or of an experiment by name."""
     if kind in sections():
-        experiment = experiment_named(kind)
-        entries = entries_of(kind, experiment.design(configured).jobs(), experiment.quantities)
+        entries = experiment_named(kind).design(configured).entries()
     elif kind == "effects_of":
         entries = list(Ensemble(configured.typed, folder=folder).pilots().values())
     else:
@@ -126,14 +153,26 @@ def design_in(config: dict, name: str) -> Design:
 
 
 def estimate_time(config: dict, name: str, log: Logbook) -> pd.DataFrame:
-    """Estimate the time of an experiment from a few of its joints."""
-    design = design_in(config, name)
+    """Estimate the time of an experiment from a few of its joints, by rock and grid.
+
+    A row has the number of ``joints``, their ``seconds``, and the standard ``error`` of these, NaN
+    where a single point was tried.
+    """
+    design, rows = design_in(config, name), []
     compile_all(design.kernels(), log)
-    table = estimated_time(design.points(), log)
+    for points, joints in design.tried():
+        first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]
+        times = close_points(first, ()).query("cycle == 1").seconds
+        rock, grid = points[0].settings.case.rock, points[0].settings.grid
+        row = {"rock": rock, "cells": grid.cells_x * grid.cells_y, "joints": joints}
+        row |= {"seconds": joints * times.mean(), "error": joints * times.sem()}
+        log(f"{rock}, {row['cells']} cells: about {row['seconds']:.0f} s")
+        rows.append(row)
+    table = pd.DataFrame(rows)
     minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
     known = f" ± {error:.0f}" if math.isfinite(error) else ""
-    joints = f"{table.joints.sum()} joints will take"
-    log.show(f"{joints} about {minutes:.2g}{known} minutes on one core")
+    minutes_on = f"about {minutes:.2g}{known} minutes on one core"
+    log.show(f"{table.joints.sum()} joints will take {minutes_on}")
     return table
 
 
@@ -142,24 +181,23 @@ def close_experiment(
 ) -> xr.Dataset:
     """Close the joints of an experiment that are missing, and join them in a table."""
     design = design_in(config, name)
-    entries = entries_of(name, design.jobs(), experiment_named(name).quantities)
-    prepare = partial(compile_all, design.kernels(), log)
+    entries, prepare = design.entries(), partial(compile_all, design.kernels(), log)
     make_missing(entries, folder, workers, log.show, "joints closed", prepare)
     joints = as_table(*(read_netcdf(entry.file(folder)) for entry in entries))
     return as_dataset(joints).assign_attrs(provenance(config))
 
 
 def steps_of(
-    name: str, configured: Configured, design: Design, closed: Any, key: Callable[[], str]
+    configured: Configured, design: Design, closed: Any, key: Callable[[], str]
 ) -> dict[str, Step]:
     """Return the steps of an experiment, whose joints have a ``key`` and files ``closed`` apart."""
-    study, settings = configured.typed, {"name": name}
+    study, name, settings = configured.typed, design.name, {"name": design.name}
     return {
         f"estimate_{name}": Step(
             estimate_time,
             [study.file(f"tables/{name}_estimate.csv")],
             settings=settings,
-            depends=lambda: digest(tried_points(design.points())),
+            depends=lambda: digest(design.tried()),
             priority=100,
         ),
         f"close_{name}": Step(

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.cache import Entry
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.storage.netcdf import read_netcdf
@@ -43,10 +42,6 @@ class Point(NamedTuple):
 
 Jobs = Mapping[str, Sequence[Point]]
 """Points by the name of the job that closes them; names are never parsed."""
-
-
-TRIED = 3
-"""Alike points of which one joint is closed to estimate the time of all."""
 
 
 def close_points(
@@ -86,50 +81,6 @@ def closed_table(
 ) -> xr.Dataset:
     """Return `close_points` as a dataset (`as_dataset`)."""
     return as_dataset(close_points(points, quantities, report))
-
-
-def tried_points(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
-    """Return a few of the points of each rock, grid and model, and the joints of all of these."""
-    alike: dict[tuple, list[Point]] = {}
-    for point in points:
-        settings, model = point.settings, point.settings.conditions
-        kind = settings.case.rock, model.effects, model.numerics, settings.grid, *point.options
-        alike.setdefault(kind, []).append(point)
-    return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
-
-
-def estimated_time(points: Iterable[Point], report: Callable[[str], None]) -> pd.DataFrame:
-    """Estimate processor time by closing the first joint of some points, by rock and grid.
-
-    A row has the number of ``joints``, their ``seconds``, and the standard ``error`` of these, NaN
-    where a single point was tried.
-    """
-    rows = []
-    for tried, joints in tried_points(points):
-        first = [
-            point._replace(settings=point.settings._replace(realizations=1)) for point in tried
-        ]
-        times = close_points(first, ()).query("cycle == 1").seconds
-        grid = tried[0].settings.grid
-        row = {"rock": tried[0].settings.case.rock, "cells": grid.cells_x * grid.cells_y}
-        row |= {"joints": joints, "seconds": joints * times.mean()}
-        rows.append(row | {"error": joints * times.sem()})
-        report(f"{row['rock']}, {row['cells']} cells: about {row['seconds']:.0f} s")
-    return pd.DataFrame(rows)
-
-
-def entries_of(name: str, jobs: Jobs, quantities: Sequence[str]) -> list[Entry]:
-    """Return the files of a cache with the joints of each job of an experiment."""
-    return [
-        Entry(
-            f"{name}/{job}",
-            closed_table,
-            (list(points), tuple(quantities)),
-            joints=joints_of(points),
-            uses=tuple(sorted({point.maker for point in points if point.maker})),
-        )
-        for job, points in jobs.items()
-    ]
 
 
 def joints_of(points: Iterable[Point]) -> int:
