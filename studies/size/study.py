@@ -62,7 +62,6 @@ BETWEEN = ("sizes", "sizes and spectra")
 
 NUMBERS: tuple[str, ...] = ("removed_percent", "removed_error", "left_percent")
 NUMBERS += ("largest_off_percent", "largest_off_error")
-_OVER = ("spectrum", "patch", "spacing")
 
 
 def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
@@ -72,39 +71,29 @@ def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
     return positive.copy(data=np.log(positive.values)).mean("position")
 
 
-class Stacked(NamedTuple):
-    """Logarithms (condition, realisation) of a response and of predictors."""
-
-    response: np.ndarray
-    predictors: dict[str, np.ndarray]
-    spectrum: np.ndarray
-    patch: np.ndarray
-    spacing: np.ndarray
-
-    def of(self, scaling: tuple[str, ...]) -> np.ndarray:
-        """Return the predictors (k, condition, realisation) of a scaling."""
-        shape = (len(scaling), *self.response.shape)
-        return np.array([self.predictors[name] for name in scaling]).reshape(shape)
-
-
 def stacked(
     run: xr.Dataset, roll_offs: Mapping[str, float | None], name: str, cycle: int
-) -> Stacked:
-    """Stack the logarithms of a quantity, of the realisations that have it at all conditions."""
-    response = _flat(logs_of(run, name, cycle))
-    closed = np.isfinite(response).any(axis=1)
-    complete = np.isfinite(response[closed]).all(axis=0)
-    labels = np.meshgrid(*(run[name].values for name in _OVER), indexing="ij")
-    spectrum, patch, spacing = (values.ravel()[closed] for values in labels)
-    roll_off = np.array([roll_offs[name] or np.inf for name in spectrum])
-    kept = np.ix_(closed, complete)
-    shape = response[kept].shape
-    flat = {"patch": patch, "spacing": spacing, "wave": np.minimum(patch, roll_off)}
-    predictors = {
-        name: np.broadcast_to(np.log(values)[:, None], shape) for name, values in flat.items()
-    }
-    predictors |= {name: _flat(logs_of(run, name, cycle))[kept] for name in GEOMETRY}
-    return Stacked(response[kept], predictors, spectrum, patch, spacing)
+) -> xr.Dataset:
+    """Stack logarithms over (condition, realization), of the realisations that have all of them.
+
+    They are those of a quantity (``response``) and of `GEOMETRY`; patch, spacing and the longest
+    ``wave`` [m] are of the conditions.
+    """
+    logs = {"response": name} | {of: of for of in GEOMETRY}
+    over = xr.Dataset({of: logs_of(run, one, cycle) for of, one in logs.items()})
+    flat = over.stack(condition=("spectrum", "patch", "spacing"))  # noqa: PD013
+    joints = flat.reset_index("condition").transpose("condition", "realization")
+    joints = joints.dropna("condition", how="all", subset=["response"])
+    joints = joints.dropna("realization", subset=["response"])
+    roll_off = [roll_offs[spectrum] or np.inf for spectrum in joints.spectrum.values]
+    return joints.assign(wave=np.minimum(joints.patch, np.array(roll_off)))
+
+
+def predictors_of(joints: xr.Dataset, scaling: tuple[str, ...]) -> np.ndarray:
+    """Return the logarithms (k, condition, realisation) of the variables of a scaling."""
+    logs = (joints[name] if name in GEOMETRY else np.log(joints[name]) for name in scaling)
+    values = [one.broadcast_like(joints.response).values for one in logs]
+    return np.array(values).reshape(-1, *joints.response.shape)
 
 
 class Collapse(NamedTuple):
@@ -168,11 +157,6 @@ def collapse_of(predictors: np.ndarray, response: np.ndarray) -> Collapse:
     return Collapse(exponents_of(predictors, response), errors, *removed, float(np.sqrt(left)))
 
 
-def _flat(logs: xr.DataArray) -> np.ndarray:
-    """Reshape logarithms to (condition, realisation)."""
-    return logs.transpose(*_OVER, "realization").values.reshape(-1, logs.sizes["realization"])
-
-
 def collapse_table(
     runs: Mapping[str, xr.Dataset], roll_offs: Mapping[str, float | None]
 ) -> pd.DataFrame:
@@ -188,22 +172,27 @@ def collapse_table(
         for reading, cycle in itertools.product(JUDGED, run.cycle.values.tolist()):
             joints = stacked(run, roll_offs, reading, cycle)
             for between, scaling in itertools.product(BETWEEN, SCALINGS):
-                groups = joints.spectrum if between == "sizes" else np.zeros(joints.spectrum.size)
+                groups = (
+                    joints.spectrum.values
+                    if between == "sizes"
+                    else np.zeros(joints.sizes["condition"])
+                )
                 row = {"rock": rock, "reading": reading, "cycle": cycle}
                 row |= {"between": between, "scaling": scaling}
                 rows.append(row | _row(joints, groups, SCALINGS[scaling]))
     return pd.DataFrame(rows)
 
 
-def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
+def _row(joints: xr.Dataset, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     """Fit and test a scaling between the conditions of each group."""
-    surfaces = joints.response.shape[1]
+    surfaces = joints.sizes["realization"]
     if surfaces < FEWEST:
         return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(NUMBERS, np.nan)
-    fit = collapse_of(centred(joints.of(names), groups), centred(joints.response, groups))
-    every = np.arange(surfaces)
+    predictors, response = predictors_of(joints, names), joints.response.values
+    fit = collapse_of(centred(predictors, groups), centred(response, groups))
+    every, given = np.arange(surfaces), (joints, predictors, groups, _largest(joints))
     off, *left_out = (
-        _off(joints, groups, names, chosen)
+        _off(*given, chosen)
         for chosen in (every, *(np.delete(every, surface) for surface in every))
     )
     numbers = (fit.removed, fit.removed_error, fit.left, off, jackknife_error(left_out))
@@ -214,30 +203,29 @@ def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     } | {name: 100.0 * number for name, number in zip(NUMBERS, numbers, strict=True)}
 
 
+def _largest(joints: xr.Dataset) -> np.ndarray:
+    """Return the places (2, n) of conditions with the largest patch, and the next smaller one."""
+    conditions = joints[["spectrum", "spacing", "patch"]].to_dataframe().reset_index(drop=True)
+    lengths = np.unique(joints.patch)[:-3:-1]
+    last, other = (conditions[conditions.patch == length].reset_index() for length in lengths)
+    return last.merge(other, on=["spectrum", "spacing"])[["index_x", "index_y"]].to_numpy().T
+
+
 def _off(
-    joints: Stacked, groups: np.ndarray, names: tuple[str, ...], surfaces: np.ndarray
-) -> float:
+    joints: xr.Dataset, predictors: np.ndarray, groups: np.ndarray, pairs: np.ndarray,
+    surfaces: np.ndarray,
+) -> float:  # fmt: skip
     """Compute the rms error [logarithm] of the largest patch, predicted by fits without it."""
-    lengths = np.unique(joints.patch)
-    smaller = joints.patch < lengths[-1]
-    pairs = [
-        (large, small)
-        for large in np.flatnonzero(~smaller)
-        for small in np.flatnonzero(joints.patch == lengths[-2])
-        if joints.spectrum[large] == joints.spectrum[small]
-        and joints.spacing[large] == joints.spacing[small]
-    ]
-    large, small = np.array(pairs).T
-    predictors, squares = joints.of(names), []
+    (large, small), response, squares = pairs, joints.response.values, []
+    smaller = np.flatnonzero(joints.patch < joints.patch.max())
     for half in (0, 1):
         fitted, tested = surfaces[half::2], surfaces[1 - half :: 2]
-        few = np.ix_(np.flatnonzero(smaller), fitted)
+        few = np.ix_(smaller, fitted)
         powers = exponents_of(
             centred(predictors[:, few[0], few[1]], groups[smaller]),
-            centred(joints.response[few], groups[smaller]),
+            centred(response[few], groups[smaller]),
         )
-        scaled = joints.response[:, tested]
-        scaled = scaled - np.tensordot(powers, predictors[..., tested], axes=1)
+        scaled = response[:, tested] - np.tensordot(powers, predictors[..., tested], axes=1)
         squares.append(np.mean((scaled[large] - scaled[small]).mean(axis=1) ** 2))
     return float(np.sqrt(np.mean(squares)))
 
