@@ -139,16 +139,7 @@ rule close_block:
 
 
 # a file that is not the one that its seal, or this configuration, says is made again
-LOOKS = {
-    "-n",
-    "--dry-run",
-    "--dryrun",
-    "-l",
-    "--list-rules",
-    "--lint",
-    "--unlock",
-    "--summary",
-}
+LOOKS = {*"-n --dry-run --dryrun -l --list-rules --lint --unlock --summary".split()}
 if workflow.is_main_process:
     works = not LOOKS & set(sys.argv)
     if works:

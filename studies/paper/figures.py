@@ -20,7 +20,7 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots
-from jointclosure.plotting.walls import map_extent
+from jointclosure.plotting.walls import draw_field
 from jointclosure.statistics.standard_errors import percent
 from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
 from studies.frame.rocks import StudyRock
@@ -28,7 +28,6 @@ from studies.frame.tables import since_seating, since_start, succeeded
 from studies.paper.closures import FIT_COLUMNS, best_fits
 from studies.paper.layout import UNPAIRED_TEST, roughness_title, test_name
 
-_COLOURS = sns.color_palette("colorblind", 8)
 MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
 _FEW_LINES = 20
@@ -134,17 +133,15 @@ def equivalent_stress() -> Figure:
 @styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
     """Draw both walls (y, x) [m], and the opening at first touch."""
-    extent = map_extent(upper.shape, spacing)
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
-    drawn: dict[str, Any] = {"origin": "lower", "extent": extent}
     for axes, field in zip(panels[:2], (upper, lower), strict=True):
-        image = axes.imshow(1e3 * field, cmap="cividis", vmin=-reach, vmax=reach, **drawn)
+        image = draw_field(axes, 1e3 * field, spacing, cmap="cividis", vmin=-reach, vmax=reach)
     bar: dict[str, Any] = {"location": "bottom", "aspect": 30}
     label = "height towards the other wall (mm)"
     figure.colorbar(image, ax=panels[:2], label=label, shrink=0.4, **bar)
-    image = panels[2].imshow(summed.max() - summed, cmap="mako", **drawn)
+    image = draw_field(panels[2], summed.max() - summed, spacing, cmap="mako")
     y, x = (1e3 * (i + 0.5) * spacing for i in np.unravel_index(np.argmax(summed), summed.shape))
     panels[2].plot(x, y, "o", mfc="none", mec="red", ms=9)
     figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
@@ -205,7 +202,7 @@ def closure_figure(
             if part:
                 axes.set(xlabel="the same (mm)", ylabel="")
             axes.tick_params(labelleft=part == 0)
-    handles: list[Artist] = [key(f"cycle {c}", color=_colour(c), lw=2) for c in cycles]
+    handles: list[Artist] = [key(f"cycle {c}", color=f"C{c - 1}", lw=2) for c in cycles]
     handles += [
         key(color="0.5", lw=2, label="surface closest to the mean, loading"),
         key(color="0.5", lw=2, ls="--", label="the same, unloading"),
@@ -262,10 +259,6 @@ def _draw_rock(
     return f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{assumed}{fitted}"
 
 
-def _colour(cycle: int):
-    return _COLOURS[(cycle - 1) % len(_COLOURS)]
-
-
 def _cycles_in_words(cycles: list[int]) -> str:
     return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
 
@@ -277,7 +270,7 @@ def _draw_cycle(
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     stress = 1e-6 * base.stress.values
     curves, first = _curves(base, seating_stress).sel(cycle=cycle), seating_stress or 0.0
-    colour = _colour(cycle)
+    colour = f"C{cycle - 1}"
     left = base["residual_closure" if seating_stress is None else "residual_closure_seated_net"]
     ends = {"loading": 0.0 * left, "unloading": left}  # loading starts without closure
     for branch, end in ends.items():
@@ -290,9 +283,8 @@ def _draw_cycle(
             mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
             axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
         axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
-        style = "-" if branch == "loading" else "--"
         line = x[int(np.flatnonzero(base.realization.values == chosen)[0])]
-        axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
+        axes.plot(line, y, color=colour, lw=2.0, ls=BRANCH_LINES[branch], path_effects=_OUTLINE)
 
 
 _QUANTITIES = {

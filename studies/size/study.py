@@ -91,9 +91,9 @@ def stacked(
 
 def predictors_of(joints: xr.Dataset, scaling: tuple[str, ...]) -> np.ndarray:
     """Return the logarithms (k, condition, realisation) of the variables of a scaling."""
-    logs = (joints[name] if name in GEOMETRY else np.log(joints[name]) for name in scaling)
-    values = [one.broadcast_like(joints.response).values for one in logs]
-    return np.array(values).reshape(-1, *joints.response.shape)
+    values = [joints[name].broadcast_like(joints.response).values for name in scaling]
+    logs = [v if name in GEOMETRY else np.log(v) for name, v in zip(scaling, values, strict=True)]
+    return np.array(logs).reshape(-1, *joints.response.shape)
 
 
 class Collapse(NamedTuple):
