@@ -9,7 +9,6 @@ from studies.frame.keys import Jrc, Positive, Several, Share, entry
 class Assessment(StudySection):
     """Assessment of a study's rocks by variants of their base case (`make assess`)."""
 
-    name = "assessment"
     of_scans = True
     joints: int = entry("Surfaces of each condition, which all variants close.", ge=2, le=1_000)
     within: Share = entry(
@@ -29,6 +28,3 @@ class Assessment(StudySection):
                     f"assessment.stress_MPa = {1e-6 * stress:g}: must be more than "
                     f"seating_stress_MPa ({1e-6 * configuration.seating_stress:g})"
                 )
-
-
-SECTION = Assessment

@@ -25,7 +25,7 @@ from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
-from studies.frame.files import DEFAULT, merged, read_plain, refuse
+from studies.frame.files import DEFAULT, folder_of, merged, read_plain, refuse
 from studies.frame.keys import (
     OR_NULL,
     ChoiceKeys,
@@ -49,10 +49,8 @@ _Section = TypeVar("_Section", bound="StudySection")
 
 
 class StudySection(Section):
-    """Section of one experiment, in the module ``section`` of its folder as ``SECTION``."""
+    """Section of one experiment, in the module ``section`` of its folder, whose name it has."""
 
-    name: ClassVar[str]
-    """Key of the section."""
     separate: ClassVar[bool] = False
     """Whether it holds keys of other configurations, which are checked with these."""
     mates: ClassVar[bool] = False
@@ -144,22 +142,24 @@ class Configuration(Section):
     @property
     def study_sections(self) -> dict[str, StudySection]:
         """Sections of experiments that are given, by name."""
-        given = {section.name: getattr(self, section.name, None) for section in sections().values()}
+        given = {name: getattr(self, name, None) for name in sections()}
         return {name: section for name, section in given.items() if section is not None}
 
     def section(self, kind: type[_Section]) -> _Section:
         """Return the section of an experiment; raise `InputError` if it is left out."""
-        section = getattr(self, kind.name)
+        section = getattr(self, folder_of(kind))
         if section is None:
-            raise InputError(f"{kind.name} = null: must be given for this study")
+            raise InputError(f"{folder_of(kind)} = null: must be given for this study")
         return section
 
 
 @functools.cache
 def sections() -> dict[str, type[StudySection]]:
     """Return the sections of experiments by the folder of the experiment."""
-    folders = sorted(path.parent.name for path in Path(__file__).parents[1].glob("*/section.py"))
-    return {name: import_module(f"studies.{name}.section").SECTION for name in folders}
+    for path in Path(__file__).parents[1].glob("*/section.py"):
+        import_module(f"studies.{path.parent.name}.section")
+    found = sorted(StudySection.__subclasses__(), key=folder_of)
+    return {folder_of(section): section for section in found}
 
 
 @functools.cache
@@ -169,7 +169,7 @@ def model() -> type[Configuration]:
         "Configuration",
         __base__=Configuration,
         __doc__=Configuration.__doc__,
-        **{section.name: (section | None, None) for section in sections().values()},  # type: ignore
+        **{name: (section | None, None) for name, section in sections().items()},  # type: ignore
     )
 
 
@@ -268,9 +268,7 @@ def _study_problems(configuration: Configuration) -> Iterator[str]:
             f"numerics.tolerance = {numerics.tolerance:g}: must be at least {finest:g} with "
             "study.accuracy, that of the finest numerics"
         )
-    of_target = sections().get(study.name)
-    belongs = of_target is not None and of_target.name in configuration.study_sections
-    if study.name in (*OTHER_TARGETS, *sections()) and not belongs:
+    if study.name in {*OTHER_TARGETS, *sections()} - configuration.study_sections.keys():
         yield (
             f"study.name = {study.name!r}: results/{study.name} belongs to another target; "
             "must be another name"

@@ -21,7 +21,7 @@ from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.cases import base_case, block_settings
 from studies.frame.closing import Ensemble
 from studies.frame.configuration import Configuration, Configured, resolved, sections
-from studies.frame.files import provenance
+from studies.frame.files import folder_of, provenance
 from studies.frame.jobs import compile_all
 from studies.frame.plan import steps_of_products
 from studies.frame.points import (
@@ -94,8 +94,7 @@ class Experiment(NamedTuple):
 
     def design(self, configured: Configured) -> Design:
         """Return the joints for a checked configuration."""
-        name = self.jobs.__module__.split(".")[1]
-        return Design(name, self.quantities, cache(partial(self.jobs, configured)))
+        return Design(folder_of(self.jobs), self.quantities, cache(partial(self.jobs, configured)))
 
 
 def experiment_named(name: str) -> Experiment:
@@ -105,8 +104,7 @@ def experiment_named(name: str) -> Experiment:
 
 def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
     """Return the experiments whose section a configuration has, by name."""
-    given = (name for name, section in sections().items() if keys.get(section.name))
-    return {name: experiment_named(name) for name in given}
+    return {name: experiment_named(name) for name in sections() if keys.get(name)}
 
 
 def settings_of(configuration: Configuration, case: Case, **surface: Any) -> ClosureSettings:

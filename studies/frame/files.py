@@ -26,6 +26,11 @@ _MOST_VALUES, _DEEPEST = 100_000, 40
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
 
 
+def folder_of(part: Any) -> str:
+    """Return the folder of `studies` in which a function or a type is defined."""
+    return part.__module__.split(".")[1]
+
+
 class ConfigurationError(InputError):
     """Error of a configuration; the message lists all problems."""
 

@@ -56,7 +56,6 @@ class GlobalSensitivity(StudySection):
     """Design of a study in which properties and open choices vary together
     (global_sensitivity.yaml)."""
 
-    name = "global_sensitivity"
     separate = True
     rows: Annotated[int, must("be a power of 2", lambda rows: not rows & (rows - 1))] = entry(
         "Rows of the design, a power of 2; each closes two joints at every point, of which there "
@@ -92,6 +91,3 @@ def _input_problems(where: str, one: Input) -> Iterator[str]:
             yield f"{where}.between = {[low, high]}: must ascend"
     elif one.between == "levels" and one.path not in PROPERTY_OF:
         yield f"{where}.between = levels: {one.path} has none"
-
-
-SECTION = GlobalSensitivity

@@ -12,7 +12,6 @@ from studies.frame.keys import Ascending, Positive, Several, entry
 class MeasuredJoints(StudySection):
     """Design of the comparison with measured joints (measured_joints.yaml)."""
 
-    name = "measured_joints"
     mates = True
     mismatch_wavelength: Ascending[Positive] = entry(
         "Mismatch wavelengths [mm] among which that of a measured joint is fitted.",
@@ -55,6 +54,3 @@ class MeasuredJoints(StudySection):
                 f"measured_joints.reseating_shift_in_cells = {largest}: must leave at least 8 of "
                 f"grid.cells_x = {cells}"
             )
-
-
-SECTION = MeasuredJoints

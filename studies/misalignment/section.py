@@ -12,7 +12,6 @@ from studies.frame.keys import Ascending, Positive, WithZero, entry
 class Misalignment(StudySection):
     """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
 
-    name = "misalignment"
     mates = True
     tilt_degrees: WithZero[Annotated[float, Field(ge=0, le=5)]] = entry(
         "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",
@@ -36,6 +35,3 @@ class Misalignment(StudySection):
             )
         if surface.normalise != "wall":
             yield f"surface.normalise = {surface.normalise!r}: must be 'wall' (misalignment)"
-
-
-SECTION = Misalignment

@@ -11,7 +11,6 @@ from studies.frame.keys import Ascending, WithZero, entry
 class Mismatch(StudySection):
     """Design of a study of mated, natural and non-mated walls (mismatch.yaml)."""
 
-    name = "mismatch"
     mates = True
     wavelength: Ascending[Annotated[float, Field(ge=0)]] = entry(
         "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",
@@ -27,6 +26,3 @@ class Mismatch(StudySection):
         gt=0,
         lt=1,
     )
-
-
-SECTION = Mismatch

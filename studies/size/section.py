@@ -20,7 +20,6 @@ class Size(StudySection):
     """Design of a study of the scale effect (size.yaml): patches cut out of larger walls,
     and sampled at several spacings."""
 
-    name = "size"
     mates = True
     patch: Ascending[Positive] = entry(
         "Side lengths of the square patches [mm], each a whole number of times in the largest; "
@@ -76,6 +75,3 @@ def _whole(ratio: float) -> bool:
 
 def _among(value: float, values: tuple[float, ...]) -> bool:
     return any(abs(value - other) < 1e-9 * value for other in values)
-
-
-SECTION = Size

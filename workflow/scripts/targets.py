@@ -124,7 +124,7 @@ def checked(name: str, override: str) -> tuple[Configuration, list[str]]:
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target, keys = TARGETS[name], merged_study(*([Path(override)] if override else []))
-    section = sections()[target.experiment].name if target.experiment else ""
+    section = target.experiment
     usual = [target.usual] if target.usual and not keys.get(section) else []
     study = configured(merged(keys, *map(read_plain, usual)))
     if section and not study.keys.get(section):
@@ -133,7 +133,7 @@ def checked(name: str, override: str) -> tuple[Configuration, list[str]]:
             f"({target.configuration} has one)"
         )
     if section:
-        experiment_named(target.experiment).check(study)
+        experiment_named(section).check(study)
     measured_curves(study.typed.curves)
     return study.typed, usual
 
