@@ -89,7 +89,7 @@ def assert_volume(before, after, effects) -> None:
 
 def judged(upper, lower, *, rock, spacing, effects, choices, numerics=jc.Numerics(), **load):
     """`jointclosure.simulate`, judged at each of its steps."""
-    # the solver sees walls without their offset, see docs/reference.md
+    # the solver sees walls without their offset
     walls = [wall - height_datum(wall) for wall in (upper, lower)]
     joint = oracle.Joint(*walls, spacing, rock, effects, choices)
     stated = {"rock": rock, "spacing": spacing, "effects": effects, "choices": choices} | load
