@@ -1,11 +1,9 @@
 # Entry of the pipeline: a rule for each step of `studies.pipeline`, and targets. See README.md for the commands.
 import os
 import sys
-from pathlib import Path
 
 from snakemake.utils import min_version
 
-from studies.commands.report import CAPTIONS
 from studies.frame.configuration import configured
 from studies.frame.files import DEFAULT, read_plain
 from studies.frame.jobs import ENGINE, enter_folder, study_of, withdraw_unmet
@@ -42,14 +40,6 @@ onstart:
         shell.prefix("set -euo pipefail; exec ")
 
 
-def captioned(file):
-    """A file of a step; Snakemake's report shows a figure with its caption."""
-    caption = CAPTIONS / f"{Path(file).stem}.rst"
-    if Path(file).suffix == ".png" and caption.is_file():
-        return report(file, caption=caption.resolve(), category="Figures")
-    return file
-
-
 for NAME, (FILES, MESSAGE) in PIPELINE.targets.items():
 
     rule:
@@ -74,7 +64,7 @@ for NAME, STEP in PIPELINE.steps.items():
                 for name, path in STEP.inputs.items()
             },
         output:
-            [captioned(file) for file in STEP.files],
+            STEP.files,
         log:
             f"{FOLDER}/logs/{NAME}.log",
             benchmark=f"{FOLDER}/benchmarks/{NAME}.tsv",

@@ -8,7 +8,7 @@ from typing import Any
 
 from jointclosure.engine.cache import digest
 from jointclosure.walls.scans import files_of
-from studies.commands.report import CAPTIONS, report_page
+from studies.commands.report import report_page
 from studies.frame.cases import closed_keys, dataset_of, ensembles_of, wall_digests
 from studies.frame.closing import Ensemble, close_ensemble, price_accuracy
 from studies.frame.configuration import Configured
@@ -143,7 +143,6 @@ class Pipeline:
             "study": f"{self.folder}/study.nc",
             "tables": [file for file in files if Path(file).parent.name == "tables"],
             "figures": figures,
-            "captions": [str(CAPTIONS / f"{Path(figure).stem}.rst") for figure in figures],
             "stated": [os.path.relpath(file) for file in (PAPER_TABLE_3, DEFAULT)],
             "beside": [table for table in beside if Path(table).exists()],
         }

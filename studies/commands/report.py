@@ -3,14 +3,11 @@ computed again. Every file must be as it was written.
 """
 
 import argparse
-import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from jointclosure.compilation.sources import ROOTS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.files import read_csv, read_text, write_text
@@ -22,10 +19,6 @@ from studies.frame.keys import json_schema
 
 if TYPE_CHECKING:  # not loaded by other commands
     from studies.paper.report.content import Material
-    from studies.paper.report.page import Picture
-
-# relative, so that results are still valid where the whole folder was moved
-CAPTIONS = Path(os.path.relpath(ROOTS["studies"] / "paper/report/texts"))
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -58,6 +51,7 @@ def report_page(folder: Path) -> str:
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
     """Collect the material of the page."""
     from studies.paper.report.content import Material
+    from studies.paper.report.page import Picture
 
     for name in ("configuration.json", "max_closure.csv", "checks.csv"):
         if (path := folder / "tables" / name) not in sealed:
@@ -70,21 +64,9 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         paper=read_csv(PAPER_TABLE_3),
         default=read_plain(DEFAULT),
         schema=json_schema(model()),
-        pictures=_pictures(folder, sealed, json.loads(stated)),
+        pictures={
+            path.stem: Picture(path.read_bytes())
+            for path in sealed
+            if path.parent == folder / "figures" and path.suffix == ".png"
+        },
     )
-
-
-def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
-    """Return sealed figures that have a caption, in the order in which they were drawn."""
-    from studies.paper.report.page import Picture, read_caption
-
-    captions = {
-        path: CAPTIONS / f"{path.stem}.rst"
-        for path in sealed
-        if path.parent == folder / "figures" and path.suffix == ".png"
-    }
-    return [
-        Picture(path.stem, path.read_bytes(), read_caption(read_text(caption), configuration))
-        for path, caption in captions.items()
-        if caption.is_file()
-    ]

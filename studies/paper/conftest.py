@@ -87,5 +87,5 @@ def material(study, configuration, default):
         paper=paper,
         default=default,
         schema=json_schema(model()),
-        pictures=[],
+        pictures={},
     )

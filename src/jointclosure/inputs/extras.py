@@ -12,7 +12,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "exchange": ("meshio",),
     "figures": ("matplotlib", "seaborn"),
     "peers": ("ContactMechanics", "tamaas"),
-    "report": ("docutils", "jinja2"),
+    "report": ("jinja2",),
     "walls": ("SurfaceTopography", "rasterio", "trimesh"),
     "workflow": ("snakemake",),
 }

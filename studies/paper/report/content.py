@@ -33,7 +33,7 @@ class Material(NamedTuple):
     paper: pd.DataFrame
     default: dict
     schema: dict
-    pictures: list[Picture]
+    pictures: Mapping[str, Picture]
 
 
 def content(material: Material) -> dict:

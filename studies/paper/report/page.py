@@ -1,8 +1,4 @@
-"""Rendering of the page of a study: cells and tables, figures and their captions.
-
-The caption of a figure is a page of reStructuredText that Snakemake's report reads too, with Jinja
-expressions for values of the configuration; its title and alternative text are comments.
-"""
+"""Rendering of the page of a study: cells and tables, and figures."""
 
 import hashlib
 from collections.abc import Mapping
@@ -10,7 +6,6 @@ from importlib import resources
 from numbers import Integral, Real
 from typing import NamedTuple
 
-import jinja2
 import pandas as pd
 
 from jointclosure.cli import report
@@ -19,20 +14,10 @@ from jointclosure.engine.quantities import HEADINGS
 from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
 
 
-class Caption(NamedTuple):
-    """Title and alternative text, as plain text, and the plain paragraphs of the caption."""
-
-    title: str
-    alternative: str
-    paragraphs: list[str]
-
-
 class Picture(NamedTuple):
-    """Figure: its name, the bytes of its PNG, and its caption."""
+    """Figure: the bytes of its PNG."""
 
-    name: str
     png: bytes
-    caption: Caption
 
     @property
     def source(self) -> str:
@@ -129,33 +114,3 @@ def template_digest() -> str:
         for file in sorted(templates.iterdir(), key=lambda file: file.name):
             digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
-
-
-_SETTINGS = {
-    "file_insertion_enabled": False,
-    "raw_enabled": False,
-    "strip_comments": False,
-    "halt_level": 2,  # of docutils: a warning is an error
-    "report_level": 5,
-}
-
-
-def read_caption(text: str, configuration: dict) -> Caption:
-    """Return a caption for a study with this configuration."""
-    import docutils.core
-    import docutils.nodes
-
-    environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
-    filled = environment.from_string(text).render(snakemake={"config": configuration})
-    document = docutils.core.publish_doctree(filled, settings_overrides=_SETTINGS)
-    comments = {}
-    for comment in document.findall(docutils.nodes.comment):
-        key, _, value = comment.astext().partition(":")
-        comments[key.strip()] = " ".join(value.split())
-    paragraphs = [
-        " ".join(node.astext().split()) for node in document.findall(docutils.nodes.paragraph)
-    ]
-    missing = [key for key in ("title", "alt") if not comments.get(key)]
-    if missing or not paragraphs:
-        raise ValueError(f"a caption lacks {', '.join(missing) or 'its text'}: {text[:60]!r}")
-    return Caption(comments["title"], comments["alt"], paragraphs)
