@@ -1,11 +1,12 @@
 """Selected effects at random conditions, judged on surfaces that the selection did not see.
 
 Rock (E 5 to 80 GPa, strength 20 to 250 MPa), JRC 2 to 20, stress (0.001 to 0.5 of the strength),
-size and roll-off are random. Effects are selected for 20 and 180 joints, by up to 20 pairs of
-walls, and judged on other surfaces, closed in every scene that may be selected. A change is true
-where it exceeds two standard errors, and beyond a tolerance where it exceeds this by as much. True
-changes have an effectivity, the limit that the selection states over the change. The best scene is
-the fastest that is not beyond the tolerance.
+size and roll-off are random; a third of the walls are mated beyond 1 to 10 mm. Effects are selected
+for 20, 180 and 540 joints, by up to 20 pairs of walls, and judged on other surfaces, closed in
+every scene that may be selected, and on more where these do not show whether interaction matters. A
+change is true where it exceeds two standard errors, and beyond a tolerance where it exceeds this by
+as much. True changes have an effectivity, the limit that the selection states over the change. The
+best scene is the fastest that is not beyond the tolerance.
 
 `python benchmarks/effects_auto.py` goes on with the scenes that its folder has. `--seed 1` has the
 conditions of which the scatter about frozen walls (`PRIORS`) was estimated, which it prints.
@@ -17,8 +18,10 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
+import copy
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -26,17 +29,24 @@ from scipy.optimize import minimize
 
 import jointclosure as jc
 from jointclosure.engine.assess import ASSESSED, JUDGED
+from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.walls.pairs import Walls
 
-SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180)
+SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180, 540)
 ALL, FEWER = jc.Effects(), jc.Effects(interaction=False)
+MATED = 1.0 / 3.0
+"""Share of conditions whose walls have their longer waves in common."""
 BEYOND = 2.0
 """Standard errors from which a change is true."""
+MOST = 100
+"""Surfaces that are closed at most to decide whether interaction matters."""
+CLOSURES = [list(ASSESSED).index(name) for name in JUDGED]
 
 
 def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, dict]:
@@ -50,38 +60,69 @@ def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, d
     size = round(random.uniform(*cells))
     roll_off = None if random.uniform() < 0.5 else 3e-3
     walls = {"jrc": float(jrc), "shape": (size, size), "roll_off": roll_off}
+    if random.uniform() < MATED:
+        walls["mismatch_wavelength"] = float(np.exp(random.uniform(*np.log((1e-3, 1e-2)))))
     return Conditions(SPACING, rock, float(share * strength)).checked(), walls
 
 
-def pilot_of(seed: int, number: int, kind: str, count: int, asked, joints: int = 20) -> Pilot:
-    """Make a pilot of new surfaces of a scene; each ``kind`` has its own."""
-    conditions, walls = scene(seed, number, asked.cells)
-    seeds = (seed_of(seed, kind, number, surface) for surface in range(count))
-    pairs = [jc.wall_pair(spacing=SPACING, seed=each, **walls) for each in seeds]
-    return Pilot(pairs, conditions, joints)
+class Surfaces(Pilot):
+    """Pilot of new surfaces of a scene; those of a ``kind`` are closed once for all pilots."""
+
+    def __init__(self, asked, number: int, kind: str, count: int):
+        conditions, walls = scene(asked.seed, number, asked.cells)
+        seeds = (seed_of(asked.seed, kind, number, surface) for surface in range(count))
+        pairs = [jc.wall_pair(spacing=SPACING, seed=each, **walls) for each in seeds]
+        super().__init__(pairs, conditions, 20)
+        self.known: dict[tuple, ClosedWalls] = {}
+
+    def for_joints(self, joints: int) -> "Surfaces":
+        """Return a pilot for a number of joints that has closed nothing yet."""
+        pilot = copy.copy(self)
+        pilot.joints, pilot.closed, pilot.frozen_seconds = joints, {}, 0.0
+        return pilot
+
+    def close(self, walls: Walls, effects: jc.Effects, **changes: Any) -> ClosedWalls:
+        """Close a pair of walls, or return what it gave to a former pilot."""
+        key = walls[0].tobytes(), effects, *changes.items()
+        if key not in self.known:
+            self.known[key] = super().close(walls, effects, **changes)
+        return self.known[key]
+
+
+def true_change(
+    truth: Surfaces, effects: jc.Effects, surfaces: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean change (quantity, cycle) with some effects, and its standard error.
+
+    Without interaction alone, surfaces are added until all tolerances are decided.
+    """
+    for count in range(surfaces, MOST + 1, surfaces):
+        changes = truth.changes(effects, count)
+        mean, known = np.nanmean(changes, axis=0), np.isfinite(changes).sum(axis=0)
+        error = np.nanstd(changes, axis=0, ddof=1) / known**0.5
+        low, high = (np.abs(mean) + sign * BEYOND * error for sign in (-1.0, 1.0))
+        low, high = (np.nan_to_num(end, nan=0.0)[CLOSURES].max() for end in (low, high))
+        if effects != FEWER or all(not low <= tolerance < high for tolerance in TOLERANCES):
+            break
+    return mean, error
 
 
 def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dict]]:
     """Judge the selections at a scene, and compare frozen walls with the true change."""
-    truth = pilot_of(asked.seed, number, "walls", asked.surfaces, asked)
-    changes, times = {}, {}
-    for effects in possible_scenes(ALL):
-        changes[effects] = truth.changes(effects, asked.surfaces)
-        times[effects] = truth.seconds(effects) / truth.seconds(ALL)
-    mean = {effects: np.nanmean(of, axis=0) for effects, of in changes.items()}
-    error = {
-        effects: np.nanstd(of, axis=0, ddof=1) / np.isfinite(of).sum(axis=0) ** 0.5
-        for effects, of in changes.items()
-    }
+    truth = Surfaces(asked, number, "walls", MOST)
+    pilots = Surfaces(asked, number, "pilot", MOST_PAIRS)
+    scenes = possible_scenes(ALL)
+    mean, error = zip(*(true_change(truth, of, asked.surfaces) for of in scenes), strict=True)
+    mean, error = (dict(zip(scenes, values, strict=True)) for values in (mean, error))
+    times = {effects: truth.seconds(effects) / truth.seconds(ALL) for effects in scenes}
     rows = []
     stress, strength = truth.conditions.max_normal_stress, truth.conditions.rock[0][2]
     about = {"scene": number, "stress_over_strength": stress / strength}
-    closures = [list(ASSESSED).index(name) for name in JUDGED]
     least = {effects: np.abs(of) - BEYOND * error[effects] for effects, of in mean.items()}
-    beyond = {effects: np.nan_to_num(of, nan=0.0)[closures].max() for effects, of in least.items()}
+    beyond = {effects: np.nan_to_num(of, nan=0.0)[CLOSURES].max() for effects, of in least.items()}
     for joints in JOINTS:
         for tolerance in TOLERANCES:
-            pilot = pilot_of(asked.seed, number, "pilot", MOST_PAIRS, asked, joints)
+            pilot = pilots.for_joints(joints)
             choice = choose_among(pilot, tolerance)
             chosen, true = choice.effects, np.abs(mean[choice.effects])
             significant = true > BEYOND * error[chosen]
@@ -89,7 +130,7 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
             # what is lost is measured beside the joints of the same pilot
             lost = choice.lost_seconds / pilot.seconds(ALL) / joints
             row = {"joints": joints, "tolerance": tolerance, "chosen": scene_name(chosen)}
-            row |= {"true": true[closures].max(), "least": beyond[chosen], "stated": choice.error}
+            row |= {"true": true[CLOSURES].max(), "least": beyond[chosen], "stated": choice.error}
             row |= {"lost": lost, "saved": 1.0 - times[chosen] - lost, "best_saved": 1.0 - best}
             for place, name in enumerate(ASSESSED):
                 limits = choice.changes.at_most.to_numpy().reshape(true.shape)[place]
@@ -97,11 +138,11 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
                 ratio = limits[worst] / true[place, worst] if significant[place].any() else np.nan
                 row[f"effectivity_{name}"] = ratio if chosen != ALL else np.nan
             rows.append(about | row)
-    pilot = pilot_of(asked.seed, number, "pilot", 1, asked)
+    pilot = pilots.for_joints(1)
     pilot.values(ALL, 1)
     frozen = pilot.predicted(FEWER).mean
     columns = {"frozen": frozen, "change": mean[FEWER], "error": error[FEWER]}
-    about |= {"broken": pilot.broken(), "largest": np.nanmax(np.abs(frozen[closures]))}
+    about |= {"broken": pilot.broken(), "largest": np.nanmax(np.abs(frozen[CLOSURES]))}
     places = np.ndindex(frozen.shape)
     return rows, [
         about

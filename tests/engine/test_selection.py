@@ -8,7 +8,6 @@ import jointclosure as jc
 from jointclosure.engine.assess import ASSESSED
 from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.engine.selection import (
-    CRUSHED,
     ENOUGH,
     FEWEST_PAIRS,
     LOSS,
@@ -95,14 +94,13 @@ class MadeUp(Pilot):
 
     cycles = np.array([1.0, 0.5])
 
-    def __init__(self, changes, joints=180, prior=None, bulk=0.0, seconds=0.5):
+    def __init__(self, changes, joints=180, prior=None, seconds=0.5):
         super().__init__(changes, Conditions(SPACING, DOLERITE, 3e6, 2).checked(), joints)
-        self.prior, self.bulk, self.time = prior, bulk, seconds
+        self.prior, self.time = prior, seconds
 
     def close(self, change, effects):
         values = np.full(SHAPE, 1.0 + (0.0 if effects == ALL else change)) * self.cycles
-        bulk = {"max_bulk_indentation": ("cycle", self.bulk * self.cycles)}
-        dataset = xr.Dataset(bulk | {"read": (("quantity", "cycle"), values)})
+        dataset = xr.Dataset({"read": (("quantity", "cycle"), values)})
         seconds = 1.0 if effects == ALL else self.time
         return ClosedWalls(([], []), dataset, self.conditions, seconds, np.empty(0))
 
@@ -133,7 +131,7 @@ def test_pairs_decide_where_the_prior_does_not_and_many_joints_pay_for_them():
 
 @pytest.mark.parametrize("count", [1, 20, 180, 540])
 def test_the_time_that_tests_lose_is_bounded_by_the_number_of_joints(count):
-    pilot = MadeUp([0.0, 0.11] * 10, count, (0.05, 0.05), bulk=1.0, seconds=0.45)
+    pilot = MadeUp([0.0, 0.11] * 10, count, (0.05, 0.05), seconds=0.45)
     choice = choose_among(pilot, 0.05)
     assert choice.effects == ALL
     assert choice.error == 0.0
@@ -153,11 +151,16 @@ def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
     assert held >= (ENOUGH + 0.05) * out  # on average over decisions with more than ENOUGH
 
 
-@pytest.mark.parametrize("names", [("breakage", "gouge"), ("soft_peaks",)])
-def test_what_frozen_walls_do_not_show_is_left_out_after_many_pairs_only(names):
-    for pairs, left_out in ((FEWEST_PAIRS[names[0]] - 1, False), (FEWEST_PAIRS[names[0]], True)):
+def test_breakage_is_left_out_after_many_pairs_only():
+    for pairs, left_out in (
+        (FEWEST_PAIRS["breakage"] - 1, False),
+        (FEWEST_PAIRS["breakage"], True),
+    ):
         pilot = MadeUp([0.0] * pairs, 10_000, seconds=0.1)
-        assert pilot.test(names, ALL, 0.3)[0] is left_out
+        assert pilot.test(("breakage", "gouge"), ALL, 0.3)[0] is left_out
+    lone = MadeUp([0.0] * 20, 20)
+    assert "is not tested" in lone.test(("breakage", "gouge"), ALL, 0.3)[2]
+    assert set(lone.closed) == {ALL}  # too few joints to pay for so many pairs
 
 
 def test_all_effects_act_where_a_joint_fails():
@@ -165,17 +168,10 @@ def test_all_effects_act_where_a_joint_fails():
         assert choose_among(MadeUp(given, 10_000, (0.03, 0.05)), 0.05).effects == ALL
 
 
-def test_gouge_and_substrate_are_kept_and_effects_that_are_off_are_not_brought_in():
+def test_gouge_substrate_and_soft_peaks_are_kept_and_effects_that_are_off_are_not_brought_in():
     scenes = possible_scenes(ALL)
     assert scenes[0] == ALL
-    assert all(scene.substrate and scene.gouge == scene.breakage for scene in scenes)
+    assert all(scene.substrate and scene.soft_peaks for scene in scenes)
+    assert all(scene.gouge == scene.breakage for scene in scenes)
     assert possible_scenes(ELASTIC) == [ELASTIC, ELASTIC._replace(interaction=False)]
     assert possible_scenes(ALL, chosen=False) == [ALL]
-
-
-def test_soft_peaks_are_tested_only_where_walls_are_crushed():
-    for bulk, tested in ((0.9 * CRUSHED, False), (1.1 * CRUSHED, True)):
-        choice = choose_among(MadeUp([0.0] * 20, 10_000, (0.5, 0.01), bulk), 0.2)
-        (reason,) = (reason for reason in choice.reasons if "soft_peaks" in reason)
-        assert ("is not tested" not in reason) is tested
-        assert choice.effects.soft_peaks is not tested
