@@ -191,7 +191,10 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, pair,
     ("wrong", "message"),
     [
         ({"shifts": (30,)}, "shifts = 30: must be whole numbers of cells from 1 to"),
-        ({"crushed_strength_ratios": (1.0,)}, "crushed_strength_ratios = 1.0: must be above 0"),
+        (
+            {"crushed_strength_ratios": (1.0,)},
+            "crushed_strength_ratios = 1.0: must lie between 0 and 1",
+        ),
         ({"strengths": (9e7, 6e7)}, "the lower one must come first"),
         ({"surfaces": 4}, "surfaces = 4: must be at least 9 for this curve"),
     ],

@@ -1,8 +1,9 @@
 """Joints that are closed beside a measured curve, and kept in a folder."""
 
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,11 +116,12 @@ def closed_joints(
         )
         for (i, surface), first in joints.items()
     ]  # fmt: skip
-
-    def compile_first() -> None:
-        compile_kernels(given.effects, given.choices, numerics.solver, numerics.breakage)
-
-    with _folder(keeping.cache) as folder:
+    compile_first = partial(
+        compile_kernels, given.effects, given.choices, numerics.solver, numerics.breakage
+    )
+    kept = tempfile.TemporaryDirectory() if keeping.cache is None else nullcontext(keeping.cache)
+    with kept as name:
+        folder = Path(name)
         make_missing(entries, folder, workers, keeping.report, prepare=compile_first, apart=False)
         return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
 
@@ -173,16 +175,6 @@ def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
     )
     checked = f"{CHECKED} nearest joints against {1.0 / FINER:g} of their tolerance"
     return [f"numerical error, {checked}: {'; '.join(texts)}"]
-
-
-@contextmanager
-def _folder(cache: str | Path | None) -> Iterator[Path]:
-    """Yield the folder of a cache, by default one that is removed afterwards."""
-    if cache is not None:
-        yield Path(cache)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        yield Path(folder)
 
 
 def close_surface(

@@ -47,8 +47,6 @@ STRENGTH_RANGE = (0.5, 2.0)
 DOUBTFUL = 0.01
 """Smallest p-value for which a mismatch wavelength explains the curve."""
 _CHECK = "check rock, roughness, roll-off, size and units"
-_FAR = 3.0
-"""Distance of a reading from all joints, in standard deviations, from which it counts as missed."""
 
 
 class Fit(NamedTuple):
@@ -94,7 +92,7 @@ class Fit(NamedTuple):
             between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
             nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
             compared = [*self._compared(), *numerical_sentence(self.numerical)]
-            return [*self._unexplained(), *nearest, *compared, f"assumed: {self.assumed}"]
+            return [self._unexplained(), *nearest, *compared, f"assumed: {self.assumed}"]
         lines: list[str] = []
         if missed := self._missed_first_loading():
             text = (
@@ -141,8 +139,8 @@ class Fit(NamedTuple):
             lines.append(f"{one.name}, measured {value} {one.unit}: {where}")
         return lines
 
-    def _unexplained(self) -> list[str]:
-        """Warn that the model does not explain the curve, and name a reading that no joint has."""
+    def _unexplained(self) -> str:
+        """Warn that the model does not explain the curve."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         text = (
@@ -155,17 +153,7 @@ class Fit(NamedTuple):
                 "; joints have each reading of the first loading, which first_loading=True "
                 "(--first-loading) fits alone"
             )
-        warning = caution(text)
-        means, values = self.likelihood.means, self.measured.values
-        least = np.abs(np.log(values) - means) / self.likelihood.scatter[:, None, :]
-        least = least.min(axis=(0, 1))
-        worst = int(least.argmax())
-        if least[worst] < _FAR:
-            return [warning, "some joints have each single reading, but no joint has all of them"]
-        low, high = (1e3 * np.exp(end(means[..., worst])) for end in (np.min, np.max))
-        name, value = self.measured.names()[worst], 1e3 * values[worst]
-        missed = f"no mismatch wavelength explains the {name}: measured {value:.3g} mm, joints of "
-        return [warning, f"{missed}the model {low:.3g} to {high:.3g} mm in the mean"]
+        return caution(text)
 
     def __repr__(self) -> str:
         return f"<Fit: {'; '.join(self.sentences())}>"
@@ -251,12 +239,9 @@ def fit(
     def number(i: int, k: int) -> int:
         return 1 + k + surfaces * strengths.size * i
 
-    closures = None
+    closures, stresses = None, np.array(closing.stresses)
     if simulated is None:
-        closures, stresses = (
-            closed_grid(closing, given, number, keeping),
-            np.array(closing.stresses),
-        )
+        closures = closed_grid(closing, given, number, keeping)
         logs = logs_of(closures[0], stresses, measured)
         simulated = Simulated(logs, (closures - closures[..., :1, :1])[0], stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size

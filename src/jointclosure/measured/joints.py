@@ -197,8 +197,7 @@ def asked_joints(
     pair, shape, spacing = given.pair, given.shape, given.spacing
     intact = named_rock(given.rock)
     check_rock(intact)
-    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-    curve = read_curve(curve, given.stress_unit, given.closure_unit, given.columns)
+    name, curve = _curve(curve, given)
     curve = curve.first_loading() if first_loading else curve
     if given.scans is not None:
         for keyword in ("jrc", "size", "shape", "pair"):
@@ -210,7 +209,14 @@ def asked_joints(
         shape, spacing = pair.upper.shape, pair.spacing
     jrcs = (0.0, 0.0) if pair is not None else _jrc_range(given.jrc)
     spacing = SPACING if spacing is None else spacing
-    ny, nx = _checked(_shape(given.size, shape, spacing), given)
+    ny, nx = _shape(given, shape, spacing)
+    check_count("surfaces", given.surfaces, 4)
+    check_count("seed", given.seed, 0)
+    error = given.closure_error
+    check_number("closure_error", error)
+    if not 0.0 < error <= 1.0:
+        wrong = f"closure_error = {error!r} ({100.0 * error:g} %)"
+        raise InputError(f"{wrong}: must be above 0 and at most 1 (100 %)")
     measured = _readings(curve, name, given.seating_stress)
     check_usual((), roll_off=given.roll_off)
     check_roll_off(given.roll_off, max(ny, nx) * spacing)
@@ -247,19 +253,16 @@ def _jrc_range(jrc: Any) -> tuple[float, float]:
     return lowest, highest
 
 
-def read_curve(
-    curve: str | Path | MeasuredCurve,
-    stress_unit: str | None = None,
-    closure_unit: str | None = None,
-    columns: Sequence[str] | None = None,
-) -> MeasuredCurve:
-    """Read a curve from its file; arguments and errors as for `fit`."""
+def _curve(curve: str | Path | MeasuredCurve, given: MeasuredJoint) -> tuple[str, MeasuredCurve]:
+    """Return a curve, which may have to be read from its file, and its name in messages."""
     if isinstance(curve, MeasuredCurve):
-        return curve
+        return "curve", curve
     if not Path(curve).is_file():
         raise InputError(f"{curve}: file not found")
-    text = read_text(curve)
-    return parsed_curve(text, str(curve), stress_unit, closure_unit, cycle=1, names=columns)
+    units = given.stress_unit, given.closure_unit
+    return str(curve), parsed_curve(
+        read_text(curve), str(curve), *units, cycle=1, names=given.columns
+    )
 
 
 def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
@@ -273,39 +276,21 @@ def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> 
         return readings_of_curve(curve, seating_stress)
 
 
-def _shape(
-    size: float | None, shape: tuple[int, int] | None, spacing: float
-) -> tuple[int, int] | None:
+def _shape(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
     """Return the cells of the simulated joints, which may be stated by the length of their side."""
     check_positive("spacing", spacing, "m")
-    if size is None and shape is None:
+    if given.size is not None:
+        check_positive("size", given.size, "m")
+        shape = 2 * (round(given.size / spacing),)
+    elif shape is None:
         raise InputError(
             "size: must be given, the side of the measured joint (or, for a smaller one, shape in "
             "Python, --cells on the command line), because closure depends on it"
         )
-    if size is None:
-        return shape
-    check_positive("size", size, "m")
-    cells = round(size / spacing)
-    return cells, cells
-
-
-def _checked(shape: tuple[int, int] | None, given: MeasuredJoint) -> tuple[int, int]:
-    """Return the shape, or raise `InputError` for it or a number."""
-    surfaces, closure_error = given.surfaces, given.closure_error
     if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
         raise InputError(
             f"shape = {shape!r}: must be (cells along y, along x), at least 8 each, so that the "
             "simulated joints are as large as the measured one: closure depends on the size"
         )
-    check_number("surfaces", surfaces, whole=True)
-    if surfaces < 4:
-        raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
-    check_number("closure_error", closure_error)
-    if not 0.0 < closure_error <= 1.0:
-        raise InputError(
-            f"closure_error = {closure_error!r} ({100.0 * closure_error:g} %): must be above 0 and "
-            "at most 1 (100 %)"
-        )
-    check_count("seed", given.seed, 0)
-    return shape
+    ny, nx = shape
+    return ny, nx

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.inputs import InputError, check_number, check_positive
+from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.remarks import caution
 from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (
@@ -179,10 +179,10 @@ class Region(NamedTuple):
     def place(self, mechanism: str) -> tuple[int, int, int]:
         """Return the tried constants next to `nearest`: place in `closures` of the first axes."""
         number, *places = self.nearest(mechanism)
-        kinds = [kind for kind, one in enumerate(self.compared) if one.mechanism in
-                 (NEITHER, mechanism)]  # fmt: skip
+        wanted = self.of(mechanism)[number].later
+        kind = [one.later for one in self.compared].index(wanted)
         i, j = tried_places(places, self.compared[0].likelihood, self.closures.shape[1:3])
-        return kinds[number], i, j
+        return kind, i, j
 
     def sentences(self) -> list[str]:
         """Describe what is compatible, by mechanism, what is not, and what was assumed."""
@@ -361,12 +361,7 @@ def _laters(
                 "so that 8 cells stay"
             )
     for ratio in ratios:
-        check_number("crushed_strength_ratios", ratio)
-        if not 0.0 < ratio < 1.0:
-            raise InputError(
-                f"crushed_strength_ratios = {ratio!r}: must be above 0 and below 1 (rock that is "
-                "as strong as before is always tried)"
-            )
+        check_below("crushed_strength_ratios", ratio, 1.0)
     laters = [(NEITHER, Later())]
     if cycles == 1:
         return laters
