@@ -6,7 +6,7 @@ from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDEC
 from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
 from studies.paper.layout import markdown_rows, table_3
-from studies.paper.report.page import cell
+from studies.paper.report.page import text
 from studies.paper.report.tables import concluded, probability
 
 COLUMNS = ["number", "claim", "verdict", "found", "choices", "conclusion"]
@@ -22,8 +22,8 @@ def intervals(table: list[dict], rocks: list[dict], of: str = "") -> str:
 
 def conclusions(table: list[dict]) -> list[list[str]]:
     """Cells of the table of conclusions, by row."""
-    shown = concluded(pd.DataFrame(table))[COLUMNS].map(lambda value: cell(value).text)
-    return shown.map(lambda text: text.partition(" (")[0]).to_numpy().tolist()
+    shown = concluded(pd.DataFrame(table))[COLUMNS].map(text)
+    return shown.map(lambda words: words.partition(" (")[0]).to_numpy().tolist()
 
 
 def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
@@ -42,4 +42,4 @@ def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
 
 def p(row: dict, name: str = "p") -> str:
     """Probability with its standard error."""
-    return probability(row[name], row[f"{name}_error"]).text
+    return probability(row[name], row[f"{name}_error"])

@@ -94,7 +94,7 @@ def page(material):
 
 
 def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
-    row = page["frames"]["in_short"].iloc[0, 1:].map(lambda cell: cell.key)
+    row = page["frames"]["in_short"].iloc[0, 1:]
     closures = material.tables["max_closure"]
     base = closures[closures.parameter == "base"]
     own = base[base.rock == base.rock.iloc[0]].set_index("cycle")

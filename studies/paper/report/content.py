@@ -11,13 +11,19 @@ import xarray as xr
 from jointclosure.cli.report import provenance_rows
 from jointclosure.engine.progress import duration
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.standard_errors import harmonic_mean, number_text, ratio_of_means
+from jointclosure.statistics.standard_errors import (
+    Estimate,
+    harmonic_mean,
+    number_text,
+    ratio_of_means,
+)
 from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.tables import flag_names, succeeded
 from studies.paper.claims import OURS, TOLERANCE
+from studies.paper.closures import estimate_columns
 from studies.paper.layout import test_name
-from studies.paper.report.page import Picture, known_cell
+from studies.paper.report.page import Picture
 from studies.paper.report.tables import About, frames_of
 
 STAYS = "Share that remains at seating (%)"
@@ -100,15 +106,15 @@ def summary_frame(
         row: dict[str, object] = {"Rock": titles[str(rock)]}
         name = "max_closure_seated_net_mean_mm"
         for cycle, means in of_rock.set_index("cycle").iterrows():
-            closure = means[name], means[f"{name}_standard_error"]
-            row[f"Net closure since seating, cycle {cycle} (mm)"] = known_cell(*closure)
+            closure = Estimate(means[name], means[f"{name}_standard_error"])
+            row |= estimate_columns(f"Net closure since seating, cycle {cycle} (mm)", closure)
         over, under = (
             used[f"{end}_closure_seated_net"].sel(cycle=1).values for end in ("residual", "max")
         )
-        row[STAYS] = known_cell(*(100.0 * part for part in ratio_of_means(over, under)))
+        row |= estimate_columns(STAYS, ratio_of_means(over, under), 100.0)
         for cycle in of_rock.cycle:
             stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
-            row[f"Net kn, cycle {cycle} (MPa/mm)"] = known_cell(*(1e-9 * x for x in stiffness))
+            row |= estimate_columns(f"Net kn, cycle {cycle} (MPa/mm)", stiffness, 1e-9)
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -116,9 +122,8 @@ def summary_frame(
 def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
     """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses."""
     stresses = [1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()]
-    named = numbers.drop(columns="Rock")
     return {"stress": _range(stresses)} | {
-        name: _range([cell.key for cell in named[name]]) for name in named
+        name: _range(numbers[name].dropna().tolist()) for name in numbers.columns.drop("Rock")
     }
 
 
@@ -157,11 +162,10 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
 
 
-def _range(values: list) -> str:
-    known = [float(value) for value in values if value != ""]
-    if not known:
+def _range(values: list[float]) -> str:
+    if not values:
         return "an unknown number of"
-    low, high = number_text(min(known), 2), number_text(max(known), 2)
+    low, high = number_text(min(values), 2), number_text(max(values), 2)
     return low if low == high else f"{low} to {high}"
 
 

@@ -1,6 +1,7 @@
 """Rendering of the page of a study: cells and tables, and figures."""
 
 import hashlib
+import re
 from collections.abc import Mapping
 from importlib import resources
 from numbers import Integral, Real
@@ -30,37 +31,33 @@ class Picture(NamedTuple):
         return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
 
 
-class Cell(NamedTuple):
-    """Text of a cell, and its sort key: a number, a text, or "" for an empty cell."""
-
-    text: str
-    key: float | str
-
-
 class Sheet(NamedTuple):
-    """Headings and rows of a table; the first cell of a row is its heading."""
+    """Headings, kinds ("number", "word", kept on one line, or "text") and rows of a table.
+
+    The first cell of a row is its heading.
+    """
 
     titles: list[str]
-    rows: list[list[Cell]]
-
-    @property
-    def kinds(self) -> list[str]:
-        """Kind of each column: "number", "word" (kept on one line) or "text"."""
-        return [_kind([row[i] for row in self.rows]) for i in range(len(self.titles))]
+    kinds: list[str]
+    rows: list[tuple[str, ...]]
 
 
 def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
     """Make a table of named columns, or of all, which then have the names of their headings.
 
-    Numbers are rounded to columns with _standard_error.
+    Numbers are rounded to columns with _standard_error, which are not shown.
     """
-    names = columns.split() or list(frame.columns)
-    shown = (frame[names] if columns else frame).astype(object)
-    for column in names:
-        if (error := f"{column}_standard_error") in frame:
-            shown[column] = list(map(known_cell, frame[column], frame[error]))
-    rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
-    return Sheet([heads.get(column) or heading_of(column) for column in names], rows)
+    named = [(name, frame[name]) for name in columns.split()]
+    named = named or [one for one in frame.items() if not str(one[0]).endswith("_standard_error")]
+    titles, texts = [], []
+    for name, values in named:
+        error = f"{name}_standard_error"
+        known = error in frame
+        texts.append(
+            list(map(rounded, values, frame[error]) if known else map(text, values.astype(object)))
+        )
+        titles.append(heads.get(name) or heading_of(name))
+    return Sheet(titles, list(map(_kind, texts)), list(zip(*texts, strict=True)))
 
 
 def heading_of(column: str) -> str:
@@ -69,35 +66,22 @@ def heading_of(column: str) -> str:
     return title[0].upper() + title[1:]
 
 
-def known_cell(value: float, error: float) -> Cell:
-    """Format a number rounded to its error."""
-    return cell(value)._replace(text=rounded(value, error))
-
-
-def cell(value: object) -> Cell:
+def text(value: object) -> str:
     """Format a value for reading: numbers to four digits, missing values as a dash."""
-    if isinstance(value, Cell):
-        return value
-    if isinstance(value, bool) or value is None or not isinstance(value, Real):
-        words: dict[object, str] = {True: "yes", False: "no", None: ABSENT, "": ABSENT}
-        text = words.get(value, str(value))
-        return Cell(text, "" if text == ABSENT else text)
-    if isinstance(value, Integral):
-        return Cell(str(int(value)), int(value))
-    text = number_text(float(value))
-    return Cell(text, "" if text == ABSENT else float(value))
+    if isinstance(value, Real) and not isinstance(value, bool):
+        return str(int(value)) if isinstance(value, Integral) else number_text(float(value))
+    words: dict[object, str] = {True: "yes", False: "no", None: ABSENT, "": ABSENT}
+    return words.get(value, str(value))
 
 
 _LONGEST_WORD = 28
 """Number of characters up to which texts of a column are kept on one line."""
 
 
-def _kind(cells: list[Cell]) -> str:
-    if any(isinstance(cell.key, Real) for cell in cells) and all(
-        isinstance(cell.key, Real) or cell.key == "" for cell in cells
-    ):
+def _kind(texts: list[str]) -> str:
+    if all(one == ABSENT or re.match(r"[-<]? ?\d", one) for one in texts):
         return "number"
-    longest = max((len(line) for cell in cells for line in cell.text.split("\n")), default=0)
+    longest = max(len(line) for one in texts for line in one.split("\n"))
     return "word" if longest <= _LONGEST_WORD else "text"
 
 

@@ -13,12 +13,11 @@ import xarray as xr
 from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.standard_errors import percent, rounded
+from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
 from studies.frame.tables import flag_names, succeeded
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
-from studies.paper.report.page import Cell, cell
 
 NOT_TRIED = "not tried"
 """Entry for a claim without readings or choices."""
@@ -57,16 +56,15 @@ def layout(intervals: pd.DataFrame, about: About) -> pd.DataFrame:
     """Table 3 in the paper's layout, with the paper's lengths below those of the study."""
     ours = table_3(intervals, about.titles)
     theirs = table_3(intervals, about.titles, "paper_") if about.of_paper else None
-    percents = intervals.set_index(["parameter", "cycle", "rock"]).percent.dropna().to_dict()
     rows = []
     for parameter in ours.index:
         for cycle in dict.fromkeys(cycle for cycle, _ in ours.columns):
-            cells = [Cell(_PROPERTY[parameter], parameter), Cell(str(cycle), cycle)]
+            cells = [_PROPERTY[parameter], str(cycle)]
             for rock, title in about.titles.items():
                 text = ours.loc[parameter, [(cycle, title)]].iloc[0]
                 if theirs is not None and rock in about.of_paper:
                     text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
-                cells.append(Cell(text, percents.get((parameter, cycle, rock), "")))
+                cells.append(text)
             rows.append(cells)
     return pd.DataFrame(rows, columns=["Parameter", "Cycle", *about.titles.values()])
 
@@ -85,7 +83,7 @@ def evidence(claims: pd.DataFrame, margins: pd.DataFrame, about: About) -> pd.Da
     for claim in claims.itertuples():
         here = {"number": claim.number, "verdict": claim.verdict}
         for row in margins[(margins.number == claim.number) & margins.decides].itertuples():
-            value = Cell(rounded(row.value, row.standard_error), row.value)
+            value = rounded(row.value, row.standard_error)
             of = {"by": "the model", "where": about.titles[row.rock], "cycle": row.cycle}
             rows.append(here | of | {"quantity": row.quantity, "value": value})
         if about.of_paper and isinstance(getattr(claim, "paper", None), str):
@@ -115,12 +113,12 @@ def _tried(counts: list[float]) -> str:
     return ", ".join(f"{count:.0f}" for count in counts) if sum(counts) else "none"
 
 
-def probability(value: float, error: float) -> Cell:
+def probability(value: float, error: float) -> str:
     """Format a probability with its standard error; "< 0.001" if it is smaller with its error."""
     if pd.isna(value):
-        return cell(None)
+        return ABSENT
     small = value < LEAST_SHOWN and not error >= LEAST_SHOWN
-    return Cell(f"< {LEAST_SHOWN:g}" if small else rounded(value, error), value)
+    return f"< {LEAST_SHOWN:g}" if small else rounded(value, error)
 
 
 def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
@@ -136,7 +134,7 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
 def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
     """Each entry of Table 3 over repetitions of the study, with the paper's value."""
     shares = zip(predictive.share_without_root, predictive.share_error, strict=True)
-    none = [Cell(percent_text(share, error), share) for share, error in shares]
+    none = [percent_text(share, error) for share, error in shares]
     return _with_errors(predictive.assign(none=none), probability, "p", "null_p")
 
 
@@ -154,7 +152,7 @@ def tested(joint: pd.DataFrame) -> pd.DataFrame:
     """Joint tests of whether the paper's entries are a draw of this model, or of noise."""
     table = _with_errors(joint, probability, "p", "null_p")
     likelihoods = ("log_likelihood", "null_log_likelihood")
-    return _with_errors(table, lambda x, error: Cell(rounded(x, error), x), *likelihoods)
+    return _with_errors(table, rounded, *likelihoods)
 
 
 def checked(checks: pd.DataFrame) -> pd.DataFrame:
