@@ -9,7 +9,7 @@ import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.curves import KINDS
-from jointclosure.joint.protocol import FAILURE, LOADING
+from jointclosure.joint.protocol import FAILURE, FLAGS, LOADING
 from jointclosure.parameters import PROPERTIES, Numerics, Rock, scene_of
 from studies.frame.settings import Case
 
@@ -57,12 +57,6 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
 def succeeded(study: xr.Dataset) -> xr.DataArray:
     """Return which simulations succeeded: those with a status below `FAILURE`."""
     return study.status < FAILURE
-
-
-def flag_names(study: xr.Dataset) -> dict[int, str]:
-    """Return the names of the bits of a status."""
-    about = study.status.attrs
-    return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
 
 
 def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
@@ -220,7 +214,7 @@ def check_results(
         apart = min(walls["windows_side_by_side"], realizations)
         sharing = f"at most {apart} of {realizations}"
         add(f"realisations of {rock} that share no part of a scan", "reported only", sharing)
-    for mask, name in flag_names(study).items():
+    for mask, name in FLAGS.items():
         count = int(((study.status.values & mask) > 0).sum())
         add(f"simulations flagged {name}", "reported only", f"{count} of {total}")
     return pd.DataFrame(rows)

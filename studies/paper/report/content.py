@@ -10,6 +10,7 @@ import xarray as xr
 
 from jointclosure.cli.report import provenance_rows
 from jointclosure.engine.progress import duration
+from jointclosure.joint.protocol import FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
     Estimate,
@@ -18,8 +19,8 @@ from jointclosure.statistics.standard_errors import (
     ratio_of_means,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
-from studies.frame.configuration import Configuration, resolved
-from studies.frame.tables import flag_names, succeeded
+from studies.frame.configuration import Configuration, resolved, sections
+from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.layout import test_name
@@ -27,8 +28,6 @@ from studies.paper.report.page import Picture
 from studies.paper.report.tables import About, frames_of
 
 STAYS = "Share that remains at seating (%)"
-_LEFT_OUT = ("assessment",)
-"""Sections of the configuration for other targets."""
 
 
 class Material(NamedTuple):
@@ -76,8 +75,8 @@ def content(material: Material) -> dict:
 def outcome(study: xr.Dataset) -> dict:
     """Count simulations: all, used, failed, and those with each remark or failure."""
     good = succeeded(study)
-    used, names = good.sum("realization"), flag_names(study)
-    counts = {name: int(((study.status & mask) > 0).sum()) for mask, name in names.items()}
+    used = good.sum("realization")
+    counts = {name: int(((study.status & mask) > 0).sum()) for mask, name in FLAGS.items()}
     return {
         "simulations": good.size,
         "used": int(good.sum()),
@@ -171,7 +170,7 @@ def _range(values: list[float]) -> str:
 
 def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
     """Every key of a study with its value, the paper's, whether they differ, and its meaning."""
-    chosen = {key: value for key, value in configuration.items() if key not in _LEFT_OUT}
+    chosen = {key: value for key, value in configuration.items() if key not in sections()}
     chosen["rocks"] = {name: chosen["rocks"][name] for name in chosen["study"]["rocks"]}
     theirs = dict(_leaves(paper, schema, ""))
     rows = []

@@ -11,10 +11,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, JUDGED
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
-from studies.frame.tables import flag_names, succeeded
+from studies.frame.tables import succeeded
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
@@ -194,7 +194,7 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
             "Failed": (~good).sum("realization").values,
         }
     )
-    for mask, name in flag_names(study).items():
+    for mask, name in FLAGS.items():
         counts = ((study.status & mask) > 0).sum("realization").values
         if mask < FAILURE or counts.any():
             frame[in_words(name)] = counts
@@ -203,12 +203,11 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
 
 def failures(study: xr.Dataset) -> pd.DataFrame:
     """Failed simulations, with the seeds of their walls."""
-    flags = flag_names(study)
     rows = []
     statuses = study.status.transpose("case", "realization").values
     seeds = study.seed.transpose("case", "realization").values
     for i, j in np.argwhere(statuses >= FAILURE)[:MOST_FAILURES]:
-        words = [in_words(name) for mask, name in flags.items() if int(statuses[i, j]) & mask]
+        words = [in_words(name) for mask, name in FLAGS.items() if int(statuses[i, j]) & mask]
         place = study.case.values[i], int(study.realization.values[j])
         rows.append((*place, ", ".join(words), str(seeds[i, j])))
     return pd.DataFrame(rows, columns=["case", "realization", "status", "seed"])
