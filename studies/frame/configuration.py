@@ -51,8 +51,6 @@ _Section = TypeVar("_Section", bound="StudySection")
 class StudySection(Section):
     """Section of one experiment, in the module ``section`` of its folder, whose name it has."""
 
-    separate: ClassVar[bool] = False
-    """Whether it holds keys of other configurations, which are checked with these."""
     mates: ClassVar[bool] = False
     """Whether it sets how far walls mate, so that the study must not."""
     of_scans: ClassVar[bool] = False
@@ -216,9 +214,7 @@ def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
     yield from _study_problems(configuration)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
-        separate = {n for n, section in configuration.study_sections.items() if section.separate}
-        checked = {name: value for name, value in keys.items() if name not in separate}
-        yield from _unusual(checked | {"rocks": rocks}, "")
+        yield from _unusual(keys | {"rocks": rocks}, "")
     surface, spacing = configuration.surface, configuration.grid.spacing
     effects = (rock.effects for rock in configuration.rocks.values())
     scenes = dict.fromkeys([configuration.effects.acting, *effects])

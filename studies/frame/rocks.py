@@ -137,13 +137,10 @@ class MeasuredFile(Section):
     )
 
 
-class _Titled(Section):
-    title: Text = entry("Name in tables and figures.")
-
-
-class StudyRock(intact_keys(_Titled)):  # type: ignore[misc]
+class StudyRock(intact_keys(Section)):  # type: ignore[misc]
     """A rock; a study's own file may add some."""
 
+    title: Text = entry("Name in tables and figures.")
     jrc: Annotated[Jrc, OR_NULL, AfterValidator(lambda jrc: math.nan if jrc is None else jrc)] = (
         entry("Joint roughness coefficient; left out (or null) where `walls` are given.", math.nan)
     )

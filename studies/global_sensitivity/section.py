@@ -56,7 +56,6 @@ class GlobalSensitivity(StudySection):
     """Design of a study in which properties and open choices vary together
     (global_sensitivity.yaml)."""
 
-    separate = True
     rows: Annotated[int, must("be a power of 2", lambda rows: not rows & (rows - 1))] = entry(
         "Rows of the design, a power of 2; each closes two joints at every point, of which there "
         "are two more than inputs.",
