@@ -19,8 +19,7 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.closing import (
     Closing,
-    Keeping,
-    closed_grid,
+    Joints,
     numerical_sentence,
     stresses_of,
 )
@@ -51,12 +50,12 @@ walls = Walls().pair
 def closures_of(asked, wavelengths, surfaces, workers=1):
     """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
     stresses = stresses_of(asked)
-    closing = Closing(CONDITIONS, asked.cycles, (GRANITE.compressive_strength,), stresses)
+    strength, strides = (GRANITE.compressive_strength,), (surfaces, 0, 1)
+    closing = Closing(CONDITIONS, asked.cycles, strength, stresses, strides)
     given = SimpleNamespace(
         joint=SimpleNamespace(surfaces=surfaces), wavelengths=wavelengths, walls=Walls(), scans=None
     )
-    keeping = Keeping(None, workers, lambda line: None)
-    closed = closed_grid(closing, given, lambda i, k: 1 + k + surfaces * i, keeping)
+    closed = Joints(closing, given, None, workers, lambda line: None).closures()
     return closed[0, :, 0], np.array(stresses)
 
 

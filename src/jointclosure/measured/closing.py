@@ -1,7 +1,7 @@
 """Joints that are closed beside a measured curve, and kept in a folder."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -41,16 +41,21 @@ class Later(NamedTuple):
 class Closing(NamedTuple):
     """How joints are closed: at strengths [Pa], read at stresses [Pa], and after the first loading.
 
-    ``conditions`` are those of the first cycle. Joints of neighbouring strengths are ``stride``
-    numbers apart.
+    ``conditions`` are those of the first cycle. Joints of neighbouring wavelengths, strengths and
+    surfaces are ``strides`` numbers apart.
     """
 
     conditions: Conditions
     cycles: int
     strengths: tuple[float, ...]
     stresses: tuple[float, ...]
+    strides: tuple[int, int, int]
     laters: tuple[Later, ...] = (Later(),)
-    stride: int = 1
+
+    def number(self, wavelength: int, strength: int, surface: int) -> int:
+        """Return the number of a joint, on which its walls depend."""
+        places = wavelength, strength, surface
+        return 1 + sum(n * stride for n, stride in zip(places, self.strides, strict=True))
 
 
 def stresses_of(measured: Readings) -> tuple[float, ...]:
@@ -76,93 +81,81 @@ def first_conditions(asked: AskedJoints, numerics: Numerics) -> Conditions:
     )  # fmt: skip
 
 
-class Keeping(NamedTuple):
-    """Folder where joints are kept, number of processes, and what receives lines of progress."""
+class Joints(NamedTuple):
+    """Joints beside a measured curve, kept in a folder (``cache``) and closed by ``workers``."""
 
+    closing: Closing
+    asked: AskedJoints
     cache: str | Path | None
     workers: int | None
     report: Callable[[str], None]
 
+    def closures(self) -> np.ndarray:
+        """Close all; (laters, wavelengths, strengths, surfaces, cycles, 2, stresses) [m]."""
+        surfaces, wavelengths = self.asked.joint.surfaces, self.asked.wavelengths.size
+        places = [(i, k) for k in range(surfaces) for i in range(wavelengths)]
+        closures = self._closed(self.closing, places)
+        closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
+        return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
-def closed_grid(
-    closing: Closing, asked: AskedJoints, number: Callable[[int, int], int], keeping: Keeping
-) -> np.ndarray:
-    """Close all surfaces; closures (laters, wavelengths, strengths, surfaces, cycles, 2, stresses).
+    def _closed(
+        self, closing: Closing, places: Sequence[tuple[int, int]], strength: int = 0
+    ) -> np.ndarray:
+        """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
 
-    ``number`` gives that of the first strength, by the place of the wavelength and surface.
-    """
-    surfaces, wavelengths = asked.joint.surfaces, asked.wavelengths
-    joints = {(i, k): number(i, k) for k in range(surfaces) for i in range(wavelengths.size)}
-    closures = closed_joints(closing, asked, joints, keeping)
-    closures = closures.reshape(surfaces, wavelengths.size, *closures.shape[1:])
-    return closures.transpose(2, 1, 3, 0, 4, 5, 6)
-
-
-def closed_joints(
-    closing: Closing, asked: AskedJoints, joints: Mapping[tuple[int, int], int], keeping: Keeping
-) -> np.ndarray:
-    """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
-
-    ``joints`` are the numbers of those of the first strength, by place of the wavelength and
-    surface. A joint that failed has NaN.
-    """
-    given, numerics = closing.conditions, closing.conditions.numerics
-    workers = number_of_workers(keeping.workers)
-    entries = [
-        Entry(
-            f"wavelength_{i}_surface_{surface}_{numerics.breakage}_{numerics.tolerance:.4g}",
-            close_surface, (closing, asked.walls, first, float(asked.wavelengths[i])),
-            {"scans": asked.scans}, joints=len(closing.strengths),
+        ``places`` are those of wavelength and surface, ``strength`` is that of the first strength.
+        A joint that failed has NaN.
+        """
+        given, numerics, asked = closing.conditions, closing.conditions.numerics, self.asked
+        workers = number_of_workers(self.workers)
+        entries = [
+            Entry(
+                f"wavelength_{i}_surface_{k}_{numerics.breakage}_{numerics.tolerance:.4g}",
+                close_surface,
+                (closing, asked.walls, closing.number(i, strength, k), float(asked.wavelengths[i])),
+                {"scans": asked.scans}, joints=len(closing.strengths),
+            )
+            for i, k in places
+        ]  # fmt: skip
+        compile_first = partial(
+            compile_kernels, given.effects, given.choices, numerics.solver, numerics.breakage
         )
-        for (i, surface), first in joints.items()
-    ]  # fmt: skip
-    compile_first = partial(
-        compile_kernels, given.effects, given.choices, numerics.solver, numerics.breakage
-    )
-    kept = tempfile.TemporaryDirectory() if keeping.cache is None else nullcontext(keeping.cache)
-    with kept as name:
-        folder = Path(name)
-        make_missing(entries, folder, workers, keeping.report, prepare=compile_first, apart=False)
-        return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
+        kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
+        with kept as name:
+            folder = Path(name)
+            make_missing(entries, folder, workers, self.report, prepare=compile_first, apart=False)
+            return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
 
+    def numerical_changes(
+        self, place: tuple[int, int, int], closures: np.ndarray
+    ) -> dict[str, tuple[float, float]]:
+        """Return relative changes of quantities from a finer tolerance, with standard errors.
 
-def numerical_changes(
-    closing: Closing,
-    asked: AskedJoints,
-    number: Callable[[int, int], int],
-    place: tuple[int, int, int],
-    closures: np.ndarray,
-    keeping: Keeping,
-) -> dict[str, tuple[float, float]]:
-    """Return relative changes of quantities from a finer tolerance, with standard errors.
-
-    They are of `CHECKED` joints at a place (later, wavelength, strength) of `closed_grid`, which
-    returned ``closures``. Without breakage there is no tolerance, and none are returned.
-    """
-    conditions, (kind, i, j) = closing.conditions, place
-    if not conditions.effects.breakage:
-        return {}
-    resolved = conditions.numerics.breakage == "resolved"
-    numerics = coarser(conditions.numerics, 1.0 / FINER) if resolved else RESOLVED
-    nearest = closing._replace(
-        conditions=conditions._replace(numerics=numerics),
-        strengths=(closing.strengths[j],), laters=(closing.laters[kind],),
-    )  # fmt: skip
-    joints = {(i, k): number(i, k) + closing.stride * j for k in range(CHECKED)}
-    fine = closed_joints(nearest, asked, joints, keeping)[:, 0, 0]
-    given, finer = (
-        quantities(
-            readings_of_closures(each, np.array(closing.stresses), asked.measured), asked.measured
+        They are of `CHECKED` joints at a place (later, wavelength, strength) of ``closures``.
+        Without breakage there is no tolerance, and none are returned.
+        """
+        closing, measured = self.closing, self.asked.measured
+        conditions, (kind, i, j) = closing.conditions, place
+        if not conditions.effects.breakage:
+            return {}
+        resolved = conditions.numerics.breakage == "resolved"
+        numerics = coarser(conditions.numerics, 1.0 / FINER) if resolved else RESOLVED
+        nearest = closing._replace(
+            conditions=conditions._replace(numerics=numerics),
+            strengths=(closing.strengths[j],), laters=(closing.laters[kind],),
+        )  # fmt: skip
+        fine = self._closed(nearest, [(i, k) for k in range(CHECKED)], j)[:, 0, 0]
+        given, finer = (
+            quantities(readings_of_closures(each, np.array(closing.stresses), measured), measured)
+            for each in (closures[kind, i, j, :CHECKED], fine)
         )
-        for each in (closures[kind, i, j, :CHECKED], fine)
-    )
-    changes: dict[str, tuple[float, float]] = {}
-    for name, (unit, values) in given.items():
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = values / finer[name][1] - 1.0
-        if unit != "%" and np.isfinite(ratios).all():
-            changes[name] = mean_of(ratios)
-    return changes
+        changes: dict[str, tuple[float, float]] = {}
+        for name, (unit, values) in given.items():
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratios = values / finer[name][1] - 1.0
+            if unit != "%" and np.isfinite(ratios).all():
+                changes[name] = mean_of(ratios)
+        return changes
 
 
 def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
@@ -195,7 +188,7 @@ def close_surface(
     closures = np.full(shape, np.nan)
     several = closing.laters != (Later(),)
     for place, strength in enumerate(closing.strengths):
-        number = first + closing.stride * place
+        number = first + closing.strides[1] * place
         conditions = changed(closing.conditions, strength, Later())
         pair = walls.pair(number, wavelength, scans)
         cycles = 1 if several else closing.cycles

@@ -23,10 +23,8 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.closing import (
     Closing,
-    Keeping,
-    closed_grid,
+    Joints,
     first_conditions,
-    numerical_changes,
     numerical_sentence,
     stresses_of,
 )
@@ -232,16 +230,13 @@ def fit(
     check_joints(given, strengths.size)
     closing = Closing(
         conditions, measured.cycles, tuple(strengths.tolist()), stresses_of(measured),
-        stride=surfaces,
+        (surfaces * strengths.size, surfaces, 1),
     )  # fmt: skip
-    keeping = Keeping(cache, workers, partial(print, flush=True) if progress else lambda line: None)
-
-    def number(i: int, k: int) -> int:
-        return 1 + k + surfaces * strengths.size * i
-
+    report = partial(print, flush=True) if progress else lambda line: None
+    joints = Joints(closing, given, cache, workers, report)
     closures, stresses = None, np.array(closing.stresses)
     if simulated is None:
-        closures = closed_grid(closing, given, number, keeping)
+        closures = joints.closures()
         logs = logs_of(closures[0], stresses, measured)
         simulated = Simulated(logs, (closures - closures[..., :1, :1])[0], stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
@@ -254,7 +249,7 @@ def fit(
     if closures is not None:
         nearest = divmod(int(likelihood.log.argmax()), likelihood.strengths.size)
         place = 0, *tried_places(nearest, likelihood, expected[:2])
-        changes = numerical_changes(closing, given, number, place, closures, keeping)
+        changes = joints.numerical_changes(place, closures)
     of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve
     return Fit(wavelength, strength, likelihood.p_value, *of_joints, bool(pair), changes)
 

@@ -31,12 +31,10 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.closing import (
     Closing,
-    Keeping,
+    Joints,
     Later,
     changed,
-    closed_grid,
     first_conditions,
-    numerical_changes,
     numerical_sentence,
     stresses_of,
 )
@@ -48,7 +46,7 @@ from jointclosure.measured.joints import (
     check_joints,
     takes_joint,
 )
-from jointclosure.parameters import Choices, Numerics, Rock
+from jointclosure.parameters import Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 
@@ -285,10 +283,8 @@ def validate(
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
     measured, pair = given.measured, given.pair
-    laters = _laters(
-        shifts or (), crushed_strength_ratios or (), given.walls.shape, given.joint.choices,
-        measured.cycles,
-    )  # fmt: skip
+    tried_later = shifts or (), crushed_strength_ratios or ()
+    laters = _laters(*tried_later, given.walls.shape[1], measured.cycles)
     ends = _strengths(strengths, given.rock)
     tried = np.geomspace(*ends, STRENGTHS)
     conditions = first_conditions(given, numerics)
@@ -304,14 +300,10 @@ def validate(
     report(f"{count} joints are closed{again}, as far as they are not kept")
     closing = Closing(
         conditions, measured.cycles, tuple(tried.tolist()), stresses_of(measured),
-        tuple(later for _, later in laters),
+        (tried.size, 1, given.wavelengths.size * tried.size), tuple(later for _, later in laters),
     )  # fmt: skip
-    keeping = Keeping(cache, workers, report)
-
-    def number(i: int, k: int) -> int:
-        return 1 + tried.size * (k * given.wavelengths.size + i)
-
-    closures = closed_grid(closing, given, number, keeping)
+    joints = Joints(closing, given, cache, workers, report)
+    closures = joints.closures()
     compared, left_out = _compared(given, closures, closing, laters)
     if not compared or compared[0].mechanism != NEITHER:
         name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
@@ -324,7 +316,7 @@ def validate(
     )
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
     place = kept[kind], i, j
-    changes = numerical_changes(closing, given, number, place, closures, keeping)
+    changes = joints.numerical_changes(place, closures)
     return region._replace(numerical=changes)
 
 
@@ -350,14 +342,14 @@ def _compared(
 
 
 def _laters(
-    shifts: Sequence[float], ratios: Sequence[float], shape: tuple, choices: Choices, cycles: int
+    shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
 ) -> list[tuple[str, Later]]:
     """Return all that is tried after the first loading with its mechanism, first none."""
     for shift in shifts:
         check_number("shifts", shift)
-        if not (float(shift).is_integer() and 1 <= shift <= shape[1] - 8):
+        if not (float(shift).is_integer() and 1 <= shift <= columns - 8):
             raise InputError(
-                f"shifts = {shift!r}: must be whole numbers of cells from 1 to {shape[1] - 8}, "
+                f"shifts = {shift!r}: must be whole numbers of cells from 1 to {columns - 8}, "
                 "so that 8 cells stay"
             )
     for ratio in ratios:
