@@ -10,6 +10,7 @@ from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.engine.selection import (
     ENOUGH,
     FEWEST_PAIRS,
+    LONGER,
     LOSS,
     SCATTER,
     Change,
@@ -166,6 +167,18 @@ def test_breakage_is_left_out_after_many_pairs_only():
 def test_all_effects_act_where_a_joint_fails():
     for given in ([np.nan] * 20, [np.nan, 0.0] * 10):
         assert choose_among(MadeUp(given, 10_000, (0.03, 0.05)), 0.05).effects == ALL
+
+
+def test_a_joint_that_takes_many_more_breakage_steps_without_an_effect_is_given_up():
+    pilot = Pilot(joints(24, 1), Conditions(SPACING, DOLERITE, 10e6, 2, 0.0).checked(), 180)
+    pilot.values(ALL, 1)
+    assert np.isfinite(pilot.values(FEWER, 1)).any()
+    steps = pilot.closed.pop(FEWER)[0].closed.breakage_steps
+    assert steps > 10 * 24**2
+    pilot.closed[ALL][0].closed["breakage_steps"] = 0.9 * steps / LONGER
+    choice = choose_among(pilot, 0.9)  # frozen walls show that interaction does not matter
+    assert choice.effects == ALL
+    assert "too many breakage steps" in choice.reasons[-1]
 
 
 def test_gouge_substrate_and_soft_peaks_are_kept_and_effects_that_are_off_are_not_brought_in():

@@ -58,11 +58,14 @@ LOSS = 0.02
 SAVED = {"breakage": 0.9, "interaction": 0.5}
 """Share of time that is expected to be saved, before a joint was closed without the effect. Soft
 peaks are always kept: without them joints take as long, or longer, as more of their cells break."""
+LONGER = 2.0
+"""Breakage steps after which a joint without an effect is given up, over those of the first joint
+with all effects: without interaction a mated joint took 16 times as long."""
 WORTH = 0.1
 """Least share of time that leaving out effects must save."""
-FEWEST_PAIRS = {"breakage": 10, "interaction": 0}
+FEWEST_PAIRS = {"breakage": 10, "interaction": 1}
 """Fewest pairs without an effect. Frozen walls do not show breakage, and where few asperities carry
-load, few joints break, but much."""
+load, few joints break, but much. They show what interaction does, but not what it costs."""
 MOST_PAIRS = 20
 """Number of pairs of walls that are closed at most."""
 _CORNER, _POINTS = 16, 4
@@ -139,6 +142,10 @@ class Pilot:
     def close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
         """Close a pair of walls with some effects."""
         stated = self.conditions._replace(effects=effects, **changes)
+        if effects != self.effects and (first := self.closed.get(self.effects)):
+            steps = LONGER * float(first[0].closed.breakage_steps) / walls[0].size
+            most = max(1.0, min(steps, stated.numerics.most_breakage_steps))
+            stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
         if effects not in self._loaded:  # the time to load kernels is not that of the first joint
             upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
             close_walls(upper, lower, stated)
@@ -210,14 +217,15 @@ class Pilot:
             cost = 1.0 - saved + (len(self.closed[full]) <= pairs)
             lacking = pairs < required and inside >= ENOUGH
             further = max(required - pairs, 1) * (1.0 - saved) * self.seconds(full)
-            if self.lost(full) + further > bound or not (lacking or cost <= PART * gain):
+            lost = self.lost(full) + further > bound and not (frozen and lacking)
+            if lost or not (lacking or cost <= PART * gain):
                 break
             changes = self.changes(fewer, pairs + 1)
             if len(changes) == pairs:
                 break
             pairs += 1
             if np.isnan(changes[-1][_ROWS])[np.isfinite(first[_ROWS])].any():
-                return False, change, "cannot be computed"
+                return False, change, "fails, or takes too many breakage steps"
             saved = 1.0 - self.seconds(fewer) / self.seconds(before)
             change = prior.updated(changes)
         if not (frozen or pairs):
