@@ -20,7 +20,7 @@ A study is a small file with what differs from `default.yaml`, the paper's study
 
 `smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of further studies, and the keys of their sections (see `schema.json`), are in the folders of `studies/`.
 
-`python workflow/scripts/key_table.py` writes this list of the other keys, each with its default and the values that it may have; `<rock>` stands for any name.
+`.venv/bin/python workflow/scripts/key_table.py` writes this list of the other keys, each with its default and the values that it may have; `<rock>` stands for any name.
 
 """
 
