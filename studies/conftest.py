@@ -1,4 +1,4 @@
-"""Joints of an experiment, closed once for its tests: its ``EXPERIMENT`` with the keys ``TINY``."""
+"""Joints of the experiment of a folder, made tiny, closed once for its tests."""
 
 from pathlib import Path
 
@@ -6,28 +6,33 @@ import pandas as pd
 import pytest
 
 from studies.frame.configuration import Configured
+from studies.frame.experiments import experiment_named
 from studies.frame.plan import inputs_of, settings_of
 from studies.frame.points import close_points
 from studies.frame.products import products_of
-from tests.studied import checked_study
+from tests.studied import checked_study, tiny
 
 
 @pytest.fixture(scope="module")
-def design(request):
-    return request.module.EXPERIMENT.design(checked_study(request.module.TINY))
+def section(request):
+    """Name of the experiment, of its folder and of its section of a configuration."""
+    return request.module.__name__.split(".")[1]
 
 
 @pytest.fixture(scope="module")
-def joints(request, design):
-    points = design.points()
-    return close_points(points, request.module.EXPERIMENT.quantities)
+def design(section):
+    return experiment_named(section).design(checked_study(tiny(section)))
 
 
 @pytest.fixture(scope="module")
-def tables(request, joints):
+def joints(section, design):
+    return close_points(design.points(), experiment_named(section).quantities)
+
+
+@pytest.fixture(scope="module")
+def tables(section, joints):
     """Tables by name, of which all figures were drawn."""
-    folder = request.module.__name__.split(".")[1]
-    return tables_of(folder, checked_study(request.module.TINY), joints)
+    return tables_of(section, checked_study(tiny(section)), joints)
 
 
 def tables_of(folder: str, configured: Configured, joints: pd.DataFrame) -> dict:

@@ -1,24 +1,16 @@
 """Benchmarks run, small, and print the numbers that the documents take from them."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pandas as pd
 import pytest
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+from tests.processes import python
 
 
 @pytest.mark.slow
 def test_selected_effects_are_judged_at_conditions_of_any_seed(tmp_path):
     options = ["--scenes", "2", "--surfaces", "4", "--seed", "7", "--cells", "16", "20"]
     for _ in range(2):  # the second run has nothing left to close
-        subprocess.run(
-            [sys.executable, BENCHMARKS / "effects_auto.py", *options, "--output", tmp_path],
-            check=True,
-            capture_output=True,
-        )
+        python("benchmarks/effects_auto.py", *options, "--output", tmp_path)
     summary = pd.read_csv(tmp_path / "summary.csv")
     assert summary.joints.tolist() == [20, 180] * 2
     assert (summary.scenes == 2).all()
@@ -30,11 +22,7 @@ def test_selected_effects_are_judged_at_conditions_of_any_seed(tmp_path):
 @pytest.mark.slow
 def test_requests_of_accuracy_are_judged_by_surfaces_that_they_did_not_see(tmp_path):
     options = ["--scenes", "1", "--surfaces", "4", "--seed", "7", "--cells", "16", "16"]
-    subprocess.run(
-        [sys.executable, BENCHMARKS / "accuracy_requests.py", *options, "--output", tmp_path],
-        check=True,
-        capture_output=True,
-    )
+    python("benchmarks/accuracy_requests.py", *options, "--output", tmp_path)
     summary = pd.read_csv(tmp_path / "summary.csv")
     assert summary.within_percent.tolist() == [2.0, 5.0, 10.0, 20.0]
     assert (summary.answered + summary.none_exists + summary.refused_wrongly >= 1).all()

@@ -5,11 +5,10 @@ Breakage makes another history of another last digit.
 
 import contextlib
 import io
-import os
-import subprocess
-import sys
 
 import pytest
+
+from tests.processes import python
 
 PROCESSORS = {
     "without AVX-512": {
@@ -61,13 +60,7 @@ def here():
 
 
 def elsewhere(**environment: str) -> str:
-    return subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", PROGRAM],
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    return python("-W", "ignore", "-c", PROGRAM, **environment).stdout
 
 
 @pytest.mark.parametrize(

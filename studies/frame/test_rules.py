@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -12,8 +11,7 @@ import pandas as pd
 import pytest
 
 from studies.frame.jobs import write_seal
-
-ROOT = Path(__file__).parents[2]
+from tests.workflow.runs import ROOT, answer
 
 
 def write_number(start: int, log: Callable[[str], None]) -> pd.DataFrame:
@@ -67,16 +65,10 @@ def small(tmp_path_factory):
 
 
 def run(folder: Path, start: int = 0, fails: bool = False) -> str:
-    answer = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--cores", "1"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"START": str(start)},
-    )
-    assert (answer.returncode != 0) == fails, answer.stdout + answer.stderr
-    return answer.stdout + answer.stderr
+    command = [sys.executable, "-m", "snakemake", "--cores", 1]
+    done = answer(command, folder, env=os.environ | {"START": str(start)})
+    assert (done.returncode != 0) == fails, done.stdout + done.stderr
+    return done.stdout + done.stderr
 
 
 def total(folder: Path) -> str:
@@ -93,29 +85,22 @@ def test_rules_have_logs_benchmarks_and_seals_by_their_names(small):
     assert sorted(seal["made_from"]) == ["../other/table.csv", "numbers/1.csv", "numbers/2.csv"]
 
 
-def test_a_changed_file_is_made_again_with_all_that_follows_and_nothing_else(small):
-    before, file = total(small), small / "results/small/numbers/1.csv"
-    file.write_text("7")
-    assert "jointclosure: results/small/numbers/1.csv: the file is not as" in run(small)
+def test_files_that_changed_or_are_of_other_settings_are_made_again_and_nothing_else(small):
+    before, results = total(small), small / "results/small"
+    (results / "numbers/1.csv").write_text("7")
+    (results / "seals/double_2.json").unlink()
+    printed = run(small)
+    assert "jointclosure: results/small/numbers/1.csv: the file is not as" in printed
+    assert "jointclosure: results/small/numbers/2.csv: no seal lists" in printed
     assert total(small) != before
-    (small / "results/small/seals/double_1.json").unlink()
-    assert "jointclosure: results/small/numbers/1.csv: no seal lists" in run(small)
     before = total(small)
     run(small)
     assert total(small) == before
-
-
-def test_a_table_of_another_study_is_refused_if_it_was_changed(small):
-    (small / "results/other/table.csv").write_text("2\n")
-    (small / "results/small/total.csv").unlink()
-    assert "the file is not as jointclosure wrote it" in run(small, fails=True)
-    (small / "results/other/table.csv").write_text("1\n")
-    run(small)
-
-
-def test_a_file_of_other_settings_than_the_rule_has_now_is_made_again_also_elsewhere(small):
     shutil.rmtree(small / ".snakemake")  # as in a folder of another machine
-    before = total(small)
     assert "the same of 1 more jobs" in run(small, start=5)
-    assert (small / "results/small/numbers/2.csv").read_text().splitlines()[1].startswith("7,")
+    assert (results / "numbers/2.csv").read_text().splitlines()[1].startswith("7,")
     assert total(small) != before
+    # a table of another study is not made again
+    (small / "results/other/table.csv").write_text("2\n")
+    (results / "total.csv").unlink()
+    assert "the file is not as jointclosure wrote it" in run(small, start=5, fails=True)

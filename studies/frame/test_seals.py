@@ -17,7 +17,6 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame import jobs
-from studies.frame import jobs as seals
 from studies.frame.jobs import LOCK, ForeignFileError, enter_folder, job, settings_digest
 
 
@@ -50,7 +49,7 @@ def make_study(folder, value, **settings):
 def reasons_against(folder, **settings):
     """Reasons why seals of a study are not met, where its dataset has these settings."""
     expected = {str(folder / "study.nc"): settings_digest(settings)}
-    unmet = seals.unmet_seals(folder, lambda seal: expected.get(next(iter(seal.files)), ""))
+    unmet = jobs.unmet_seals(folder, lambda seal: expected.get(next(iter(seal.files)), ""))
     return [reason for _, _, reason in unmet]
 
 
@@ -118,10 +117,10 @@ def test_no_job_reads_a_file_of_another_study_or_a_changed_one(mine, other, atta
 def test_a_folder_is_whole_wherever_it_was_moved_or_an_error(mine, tmp_path):
     there = tmp_path / "elsewhere"
     shutil.move(mine, there)
-    assert {path.name for path in seals.check_folder(there)} == {"study.nc", "a.csv"}
+    assert {path.name for path in jobs.check_folder(there)} == {"study.nc", "a.csv"}
     (there / "tables/a.csv").unlink()
     with pytest.raises(ForeignFileError, match=r"a.csv: is missing"):
-        seals.check_folder(there)
+        jobs.check_folder(there)
 
 
 # One run at a time in a folder that allows one; the lock of a killed run is nobody's
@@ -159,12 +158,8 @@ def entered(tmp_path, monkeypatch):
 @contextlib.contextmanager
 def holder(*words: str) -> Iterator[subprocess.Popen]:
     """A process and its fork that hold the lock, in a group of their own."""
-    with subprocess.Popen(
-        [sys.executable, "-c", HOLDS, *words],
-        stdout=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as run:
+    about = {"stdout": subprocess.PIPE, "text": True, "start_new_session": True}
+    with subprocess.Popen([sys.executable, "-c", HOLDS, *words], **about) as run:
         assert run.stdout.readline() == "entered\n"
         yield run
 

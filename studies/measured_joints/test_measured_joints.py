@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-from studies.frame.files import ConfigurationError
 from studies.measured_joints.observables import BASE, OBSERVABLES, observables_of
-from studies.measured_joints.study import EXPERIMENT
-from tests.studied import checked_study, tiny
 
-TINY = tiny("measured_joints")
 RESEATED = "reseated, 0.5 mm off"
 CRUSHED = "crushed rock 0.8 as strong"
 
@@ -66,23 +62,6 @@ def test_predictions_of_joints_that_were_not_fitted(tables):
     assert ((table.low < table["median"]) & (table["median"] < table.high)).all()
     inside = (table.measured_low <= table.high) & (table.measured_high >= table.low)
     assert table.hit.astype(bool).equals(inside)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"study": {"cycles": 1}}, "study.cycles = 1: must be at least 2 (measured_joints)"),
-        ({"study": {"rocks": ["slate", "dolerite"]}}, "must be one rock (measured_joints)"),
-        (
-            {"measured_joints": {"reseating_shift_in_cells": [20]}},
-            "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 24",
-        ),
-    ],
-)
-def test_a_design_that_cannot_be_closed_is_refused(change, message):
-    with pytest.raises(ConfigurationError) as error:
-        EXPERIMENT.design(checked_study(TINY, change))
-    assert message in str(error.value)
 
 
 def test_scores_count_the_agreements_and_the_constants_of_each_choice(tables):

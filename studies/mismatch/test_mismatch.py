@@ -6,9 +6,6 @@ import pytest
 
 from studies.frame.points import gridded
 from studies.mismatch.study import EXPERIMENT, find_independence
-from tests.studied import tiny
-
-TINY = tiny("mismatch")
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Claims are judged in a world where they are known to be true, or made false one by one."""
 
-import copy
-
 import numpy as np
 import pytest
 
@@ -33,10 +31,9 @@ def judged(configuration, repetitions=200, **stated):
     return both_tables(study, pool, repetitions)[0]
 
 
-def changed(cycle, **powers):
-    elasticities = copy.deepcopy(ELASTICITIES)
-    elasticities[cycle] |= powers
-    return {"elasticities": elasticities}
+def changed(first=None, **second):
+    """Other powers of the world, on its first cycle and on its second one."""
+    return {"elasticities": {1: ELASTICITIES[1] | (first or {}), 2: ELASTICITIES[2] | second}}
 
 
 @pytest.fixture(scope="module")
@@ -67,41 +64,47 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
 
 
 @pytest.mark.parametrize(
-    ("numbers", "verdict", "stated"),
+    ("falls", "stated"),
     [
-        (["1a, cycle 1"], "falls", changed(1, poisson_ratio=0.6)),
-        (["1a, cycle 2", "1b"], "falls", changed(2, poisson_ratio=0.5)),
-        (["2a", "2a, net", "3, cycle 2"], "falls", changed(2, compressive_strength=1.5)),
-        (["3, cycle 2"], "falls", changed(2, jrc=0.8)),
-        (["2c"], "falls", changed(2, youngs_modulus=-0.1)),
-        (["3b"], "falls", changed(2, compressive_strength=0.2)),
-        (["4"], "falls", changed(2, jrc=1.2)),
-        (["5a", "5a, net"], "falls", changed(2, youngs_modulus=1.0)),
-        (["5b"], "falls", changed(2, compressive_strength=-0.6)),
-        (["5c"], "falls", changed(1, jrc=-0.8)),
-        (["5d"], "falls", changed(2, jrc=0.5)),
-        (["6a"], "falls", {"loop": -0.02}),
-        (["6a"], "falls", {"loop": 0.5 * NEGLIGIBLE}),
-        (["6a"], "falls", {"loop": 1e-15}),  # rounding, of branches that are one curve
-        (["6b"], "falls", {"power": 1.0}),  # equal stresses close equally
-        (["6b"], "falls", {"power": 2.0}),
+        (
+            ["1a, cycle 1", "1a, cycle 2", "1b"],
+            changed(first={"poisson_ratio": 0.6}, poisson_ratio=0.5),
+        ),
+        (
+            ["2a", "2a, net", "3, cycle 2", "5c"],
+            changed(first={"jrc": -0.8}, compressive_strength=1.5),
+        ),
+        (["3, cycle 2", "6a"], changed(jrc=0.8) | {"loop": -0.02}),
+        (
+            ["2c", "6b"],
+            changed(youngs_modulus=-0.1) | {"power": 1.0},
+        ),  # equal stresses close equally
+        (["3b", "6a"], changed(compressive_strength=0.2) | {"loop": 0.5 * NEGLIGIBLE}),
+        (["4", "6b"], changed(jrc=1.2) | {"power": 2.0}),
+        # a loop of rounding, of branches that are one curve
+        (["5a", "5a, net", "6a"], changed(youngs_modulus=1.0) | {"loop": 1e-15}),
+        (["5b", "5d"], changed(compressive_strength=-0.6, jrc=0.5)),
         # Poisson's ratio matters more than JRC by such a part of the tolerance
-        (["1a, cycle 2"], "no difference", changed(2, poisson_ratio=0.05 + 0.3 * TOLERANCE)),
-        (["1a, cycle 2"], "falls", changed(2, poisson_ratio=0.05 + 3.0 * TOLERANCE)),
-        (["1a, cycle 2"], "undecided", {"irregular": 0.4}),  # so few surfaces do not show it
-        (["6a"], "stands", {"irregular": 0.4}),
+        (["1a, cycle 2"], changed(poisson_ratio=0.05 + 3.0 * TOLERANCE)),
     ],
 )
-def test_what_is_false_of_the_model_falls(numbers, verdict, stated):
-    assert set(judged(study_of(ONE), repetitions=10, **stated).verdict[numbers]) == {verdict}
+def test_what_is_false_of_the_model_falls(falls, stated):
+    assert set(judged(study_of(ONE), repetitions=10, **stated).verdict[falls]) == {"falls"}
+
+
+def test_a_small_difference_is_none_and_few_surfaces_do_not_show_it():
+    alike = judged(study_of(ONE), repetitions=10, **changed(poisson_ratio=0.05 + 0.3 * TOLERANCE))
+    assert alike.verdict["1a, cycle 2"] == "no difference"
+    few = judged(study_of(ONE), repetitions=10, irregular=0.4)
+    assert few.verdict[["1a, cycle 2", "6a"]].tolist() == ["undecided", "stands"]
 
 
 @pytest.mark.parametrize(
     ("number", "stated"),
     [
-        ("3c", changed(2, compressive_strength=2.5)),  # 5 % of it are significant
-        ("2b", changed(1, youngs_modulus=-2.0)),
-        ("5d", changed(2, jrc=-0.5)),  # a trend that is not there
+        ("3c", changed(compressive_strength=2.5)),  # 5 % of it are significant
+        ("2b", changed(first={"youngs_modulus": -2.0})),
+        ("5d", changed(jrc=-0.5)),  # a trend that is not there
     ],
 )
 def test_a_study_finds_what_is_plainly_true(table, number, stated):
@@ -111,7 +114,7 @@ def test_a_study_finds_what_is_plainly_true(table, number, stated):
 
 
 def test_the_papers_own_table_is_judged_by_the_same_rules():
-    table = judged(study_of({"study": {"pool": 10}}), repetitions=100)
+    table = judged(study_of({"study": {"pool": 10}}), repetitions=10)
     found = table.paper_finds.dropna()
     # slate's JRC has the widest interval of cycle 2, and three entries of nu are below 0.1;
     # on cycle 1 limestone has none of E, and the shortest ones of dolerite are of JRC
@@ -129,7 +132,7 @@ def test_failed_realisations_never_enter(true_world):
         for name in ("max_closure", "max_closure_net", "closure"):
             dataset[name][:, 3] = 1e3
     left = [dataset.isel(realization=dataset.realization.values != 3) for dataset in clean]
-    one, other, without = (both_tables(*pair, repetitions=100) for pair in (clean, spoilt, left))
+    one, other, without = (both_tables(*pair, repetitions=20) for pair in (clean, spoilt, left))
     assert one[0].equals(other[0])
     assert one[1].equals(other[1])
     assert one[1].equals(without[1])

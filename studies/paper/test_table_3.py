@@ -102,7 +102,7 @@ def test_elasticities_are_the_worlds_within_their_errors(pool):
 
 
 def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(pool):
-    found = predictive(pool, Design(), 400, 1)
+    found = predictive(pool, Design(), 400, 1, pools=20)
     table = predictive_table(found, PAPER).set_index(["parameter", "cycle"])
     assert len(table) == 8
     strong, weak = table.loc["youngs_modulus", 2], table.loc["poisson_ratio", 1]
@@ -168,6 +168,7 @@ def study(status=(0, 0, 0)):
             "max_closure_net": (dimensions, maximum[None]),
             "max_closure_seated_net": (dimensions, (maximum - seat)[None]),
             "residual_closure": (dimensions, (end + start)[None]),
+            "residual_closure_seated_net": (dimensions, np.full((1, 3, 2), 7e-6)),
         },
         coords={
             "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
@@ -315,7 +316,7 @@ def test_indifference_intervals_cover_those_of_the_finest_numerics(draws):
         r.cycle: 100.0 * r.interval(0.05, 100).length / r.base for r in responses(whole, TARGET)
     }
     wish, covered = Accuracy(within=0.5, of="interval"), []
-    for seed in range(8):
+    for seed in range(4 if draws == "common" else 8):
         finest = refined(slate(100, 50 + seed, draws, -1.1), 20, seed=seed)
         table = reached_table(slate(100, 50 + seed, draws), finest, wish, 0.05)
         covered += [row.low <= truth[row.cycle] <= row.high for row in table.itertuples()]
@@ -369,20 +370,6 @@ def test_a_budget_sets_the_start_and_must_suffice_for_two_surfaces():
     words = "must be at least 6.6, for 2 surfaces of all 9 cases; a joint takes up to 2 s"
     with pytest.raises(InputError, match=re.escape(words)):
         start(6.5)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"numerics": {"breakage": "resolved", "tolerance": 0.001}}, "tolerance = 0.001: must"),
-        ({"statistics": {"control_variates": 150}}, "control_variates = 150: must be more"),
-        ({"study": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be less than 1"),
-        ({"study": {"accuracy": {"within": 0.1, "of": "median"}}}, "mean, interval, stiffness"),
-    ],
-)
-def test_a_request_that_cannot_be_is_refused(changes, words):
-    with pytest.raises(InputError, match=re.escape(words)):
-        checked_study({"study": {"accuracy": {"within": 0.1}}}, changes)
 
 
 def test_a_mean_stiffness_is_harmonic_and_its_interval_in_order():

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
@@ -36,6 +35,7 @@ from studies.paper.responses import (
     known_covariates,
     measure_covariates,
 )
+from studies.paper.test_table_3 import study as three_surfaces
 from tests.studied import ROOT, checked_study, study_of
 from tests.world import world
 
@@ -68,12 +68,9 @@ def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():
     assert own.value.tolist() == [25, 28.5, 32]
     assert own.level.tolist() == ["low", "base", "high"]
     assert set(own.unit) == {"GPa"}
-
-
-@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "\t=1"])
-def test_a_title_is_no_formula_of_a_spreadsheet(title):
-    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
-    assert rock_table({"slate": rocks["slate"]}).title.tolist() == ["'" + title]
+    for title in ('=HYPERLINK("a")', "\t=1"):  # is no formula of a spreadsheet
+        slate = rocks.rocks["slate"]._replace(title=title)
+        assert rock_table({"slate": slate}).title.tolist() == ["'" + title]
 
 
 def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
@@ -291,58 +288,24 @@ def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monke
         assert sum(map(bool, beside)) == expected
 
 
-# Figures are drawn from made-up studies; what they show is looked at by people
+# Figures are drawn from a made-up study; what they show is looked at by people
 
 
-ROCKS = study_of().rocks
-ROCK = ROCKS["slate"]._replace(max_normal_stress=2e6)
-
-
-@pytest.fixture
-def four():
-    """Four surfaces; the third is the mean of the others on the first cycle, the last failed."""
-    stress = np.array([0.0, 1e6, 2e6])
-    curve = np.array([0.0, 1.0, 1.5])
-    scale = np.array([0.8, 1.2, 1.0, 9.0])
-    loading = 1e-4 * scale[:, None] * curve
-    unloading = loading + 1e-5
-    net = np.stack([loading, unloading], axis=1)[None, :, None].repeat(2, axis=2)
-    bulk = np.broadcast_to(2e-5 * stress / 2e6, net.shape)
-    over = ("case", "realization", "cycle")
-    per_cycle = np.full((1, 4, 2), 1.5e-4)
-    return xr.Dataset(
-        {
-            "closure": ((*over, "branch", "stress"), net + bulk),
-            "bulk_indentation": ((*over, "branch", "stress"), bulk),
-            "status": (over[:2], np.array([[0, 0, 2, 16]], dtype=np.int16)),
-            "max_closure_net": (over, per_cycle),
-            "max_closure_seated_net": (over, per_cycle - 5e-5),
-            "residual_closure": (over, 0 * per_cycle),
-            "residual_closure_seated_net": (over, np.full((1, 4, 2), 7e-6)),
-        },
-        coords={
-            "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
-            "realization": range(4), "cycle": [1, 2], "branch": ["loading", "unloading"],
-            "stress": stress,
-        },
-    )  # fmt: skip
-
-
-def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(four):
-    assert plotting.closest_to_mean(four, "one-base", 5e5) == 2
-
-
-@pytest.mark.parametrize(
-    ("seating", "first", "last", "left"),
-    # the paper's figure is gross: 0.02 mm of bulk indentation at the maximum
-    [(5e5, (0.0, 0.5), 0.15 - 0.05, 7e-3), (None, (0.0, 0.0), 0.15 + 0.02, 0.0)],
-)
-def test_closures_are_drawn_since_seating_or_since_first_touch(four, seating, first, last, left):
-    figure = plotting.closure_figure(four, {"one": ROCK}, seating, 1.5)
-    for axes in figure.axes:  # the second cycle has a panel of its own
-        loading, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
-        assert (loading.get_xdata()[0], loading.get_ydata()[0]) == first
-        np.testing.assert_allclose(loading.get_xdata()[-1], last)
-        # unloading ends at seating, with the residual closure
-        np.testing.assert_allclose(unloading.get_xdata()[0], left)
-        assert unloading.get_ydata()[0] == first[1]
+def test_closures_are_drawn_of_the_surface_closest_to_the_mean_since_seating_or_first_touch():
+    study = three_surfaces()
+    assert plotting.closest_to_mean(study, "one-base", 5e5) == 11
+    assert plotting.closest_to_mean(three_surfaces((0, 16, 0)), "one-base", 5e5) != 11
+    rock = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+    for seating, lowest, last, left in (
+        (5e5, (0.0, 0.5), [0.1, 0.01], 7e-3),
+        # the paper's figure is gross: 0.03 mm of bulk indentation at the maximum
+        (None, (0.0, 0.0), [0.2 + 0.03], 0.16),
+    ):
+        figure = plotting.closure_figure(study, {"one": rock}, seating, 1.5)
+        for axes, end in zip(figure.axes, last, strict=False):  # each cycle has a panel
+            loading, unloading = [line for line in axes.lines if line.get_linewidth() == 2.0]
+            assert (loading.get_xdata()[0], loading.get_ydata()[0]) == lowest
+            np.testing.assert_allclose(loading.get_xdata()[-1], end)
+            # unloading ends at seating, with the residual closure
+            np.testing.assert_allclose(unloading.get_xdata()[0], left)
+            assert unloading.get_ydata()[0] == lowest[1]

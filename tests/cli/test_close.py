@@ -23,7 +23,7 @@ from tests.joints import TWO_WALLS
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
 RESOLVED = {"numerics": scanned_joint.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
-COARSE = ["--spacing", 0.5, "--tolerance", 0.1]
+COARSE = ["--spacing", 1.0, "--tolerance", 0.1]
 """Of a joint whose numbers are compared with those of no other."""
 
 
@@ -35,7 +35,7 @@ def scans(inputs):
 @pytest.fixture(scope="module")
 def joint(scans):
     """The joint of both scans, closed by the library."""
-    return jc.close(*scans, units="mm", rock="granite", single=True, **LOAD)
+    return jc.close(*scans, units="mm", rock="granite", spacing=0.5e-3, single=True, **LOAD)
 
 
 def contents(folder):
@@ -46,9 +46,10 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     scans, joint, tmp_path, command, undrawn
 ):
     folder = tmp_path / "j"
-    code, _, err = command("close", *scans, *WORDS, "--single", "--output", folder)
+    words = [*WORDS, "--spacing", 0.5, "--single"]
+    code, _, err = command("close", *scans, *words, "--output", folder)
     assert (code, err) == (0, "")
-    pair = registered(*(jc.read_scan(file, units="mm") for file in scans))
+    pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 0.5e-3)
     rock = jc.Rock(73e9, 0.25, 173e6)
     alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD, **RESOLVED)
     written = read_netcdf(folder / "joint.nc")
@@ -182,7 +183,7 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     if not TWO_WALLS.is_dir():
         pytest.skip("the two walls are not here")
     files = TWO_WALLS / "side_b_top.txt", TWO_WALLS / "side_a_bottom.txt"
-    words = [*files, "--units", "mm", "--rock", "granite", "--output", tmp_path / "j"]
+    words = [*files, "--units", "mm", "--rock", "granite", "--single", "--output", tmp_path / "j"]
     assert cli.main(["close", *map(str, words)]) == 0
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["status"] == "success"

@@ -1,8 +1,6 @@
 """Commands find, print and store what the library does (`close`: see test_close)."""
 
-import functools
 import json
-from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -68,6 +66,7 @@ def test_fit_finds_what_the_library_does(inputs, tmp_path, command):
     code, out, err = command("fit", *words)
     assert (code, err) == (0, "")
     about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    about["cache"] = tmp_path / "fitted/joints"
     found = jc.fit(inputs / "lab.csv", **about, numerics=COARSE)
     assert all(f"- {line}" in out for line in found.sentences())
     record = json.loads((tmp_path / "fitted/fit.json").read_text())
@@ -77,24 +76,6 @@ def test_fit_finds_what_the_library_does(inputs, tmp_path, command):
     assert record["compressive_strength_MPa"] is None
     assert json.loads(record["provenance"]["settings"])["shape"] == [12, 12]
     assert (tmp_path / "fitted/fit.png").stat().st_size > 20000
-
-
-@pytest.mark.parametrize(
-    ("words", "roll_off", "breakage"),
-    [
-        (["--roll-off", "2"], 2e-3, "resolved"),
-        (["--breakage", "fixed_step", "--hurst", "0.7", "--surfaces", "8"], None, "fixed_step"),
-    ],
-)
-def test_stated_assumptions_replace_the_usual_ones(
-    inputs, monkeypatch, command, words, roll_off, breakage
-):
-    stopped = functools.wraps(jc.fit)(Mock(side_effect=jc.InputError("enough")))
-    monkeypatch.setattr("jointclosure.cli.fit.fit", stopped)
-    command("fit", inputs / "lab.csv", *OF_CURVE, *words)
-    settings = stopped.call_args.kwargs
-    assert settings.get("roll_off") == roll_off
-    assert settings["numerics"].breakage == breakage
 
 
 def test_validate_finds_what_the_library_does_and_keeps_its_joints(inputs, tmp_path, command):

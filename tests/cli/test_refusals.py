@@ -58,10 +58,9 @@ def test_what_is_wrong_is_one_line_that_names_it(words, message, command):
 def test_what_close_is_not_given_is_refused_by_the_library_too(small_joint):
     with pytest.raises(jc.InputError, match=r"of type ndarray: must be a file.*simulate"):
         jc.close(*small_joint, rock="granite", max_normal_stress=1e6)
-    for ranges in ({"strength": (1e8, 2e8)}, {"spacing": (1e-4, 1e-3)}):
-        about = {"units": "mm", "rock": "granite", "max_normal_stress": 2e6, "ranges": ranges}
-        with pytest.raises(jc.InputError, match=rf"ranges: '?{next(iter(ranges))}'?"):
-            jc.close("top.xyz", "bottom.xyz", **about)
+    about = {"units": "mm", "rock": "granite", "max_normal_stress": 2e6}
+    with pytest.raises(jc.InputError, match=r"ranges: '?strength'?"):
+        jc.close("top.xyz", "bottom.xyz", ranges={"strength": (1e8, 2e8)}, **about)
 
 
 LOAD = [*GRANITE, "--stress", 1]

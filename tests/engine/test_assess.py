@@ -6,14 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.engine import assess as module
-from jointclosure.engine.assess import (
-    ASSESSED,
-    FEATURES,
-    HARD_CASES,
-    JUDGED,
-    Assessment,
-    nearest_hard_case,
-)
+from jointclosure.engine.assess import ASSESSED, FEATURES, HARD_CASES, JUDGED, Assessment
 from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
 from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING
@@ -26,14 +19,9 @@ def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **cha
     """Closures of three settings and of a scene without an effect, with known differences."""
     random = np.random.default_rng(3)
     rows = []
+    settings = {"coarse": coarse, "middle": middle, "fine": 0.0, "without gouge": middle + effect}
     for joint in range(joints):
         own = random.normal(1e-4, 2e-5)
-        settings = {
-            "coarse": coarse,
-            "middle": middle,
-            "fine": 0.0,
-            "without gouge": middle + effect,
-        }
         for copy in ("as it is", "mirrored"):
             for variant, bias in settings.items():
                 if copy == "mirrored" and joints > 1 and variant != "middle":
@@ -41,12 +29,8 @@ def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **cha
                 value = own * (1.0 + bias + scatter * random.normal())
                 row = {"variant": variant, "joint": joint, "copy_of_walls": copy, "cycle": 1}
                 row |= {"status": 0, "seconds": 1.0 + 9.0 * (variant == "fine"), "error": ""}
-                rows.append(
-                    row
-                    | dict.fromkeys(FEATURES[:-1], 0.0)
-                    | {"oracle_ratio": 0.5}
-                    | dict.fromkeys(ASSESSED, value)
-                )
+                row |= {"oracle_ratio": 0.5} | dict.fromkeys(FEATURES[:-1], 0.0)
+                rows.append(row | dict.fromkeys(ASSESSED, value))
     return pd.DataFrame(rows).assign(**changes)
 
 
@@ -69,9 +53,8 @@ def test_a_plan_reaches_its_half_width_and_a_budget_is_kept():
     samples = (random.normal(0.0, d, (4000, n)) for d, n in zip(deviations, plan[:2], strict=True))
     means = sum(sample.mean(axis=1) for sample in samples)
     assert np.quantile(np.abs(means), 0.95) == pytest.approx(plan.half_width, rel=0.12)
-    assert (
-        plan.half_width <= 0.05 < best_plan(deviations, seconds, 1.0, 0.7 * plan.seconds).half_width
-    )
+    cheaper = best_plan(deviations, seconds, 1.0, 0.7 * plan.seconds)
+    assert plan.half_width <= 0.05 < cheaper.half_width
     assert best_plan(deviations, seconds, 1.0, 50.0) is None
     for more in (0.9, 0.7):  # no cheaper mix of both levels
         fewer = best_plan(deviations, seconds, 0.05, more * plan.seconds)
@@ -85,10 +68,8 @@ def test_differences_verdicts_and_limits_are_those_that_were_put_in():
         row = table.loc[(variant, JUDGED[0])]
         assert row.low < bias < row.high < bias + 0.03
     assert assessment.verdict("without gouge") == "can be left out"
-    assert (
-        Assessment(closures(effect=0.3), LADDER, "middle", 0.05).verdict("without gouge")
-        == "needed"
-    )
+    other = Assessment(closures(effect=0.3), LADDER, "middle", 0.05)
+    assert other.verdict("without gouge") == "needed"
     sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
 
@@ -122,11 +103,11 @@ def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
     cases = read_csv(HARD_CASES).set_index("name")
     known = cases[[*FEATURES]]
     for name, features in known.iterrows():
-        nearest, hard, distance = nearest_hard_case(features)
+        nearest, hard, distance = module.nearest_hard_case(features)
         assert distance == 0.0
         assert hard == cases.hard[nearest]
         assert nearest == name or known.loc[nearest].equals(features)
-    assert nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
+    assert module.nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
 
 
 def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
@@ -166,17 +147,14 @@ def test_elastic_joints_have_one_setting_and_the_effects_that_act():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"walls": np.zeros((8, 8))}, "walls: must be"),
+        ({"walls": [(np.zeros((8, 8)),)]}, "walls: must be"),
         ({"within": 2.0}, "within = 2.0"),
         ({"folder": "nowhere"}, "folder = 'nowhere'"),
         ({"max_normal_stress": 1e12, "unusual_values": True}, "max_normal_stress"),
     ],
 )
 def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
+    walls = changes.pop("walls", [(np.zeros((8, 8)),) * 2])
     with pytest.raises(jc.InputError, match=message):
-        jc.assess([(np.zeros((8, 8)),) * 2], **SCENE | changes)
-
-
-def test_walls_that_are_no_pairs_are_refused():
-    for walls in (np.zeros((8, 8)), [(np.zeros((8, 8)),)]):
-        with pytest.raises(jc.InputError, match="walls: must be"):
-            jc.assess(walls, **SCENE)
+        jc.assess(walls, **SCENE | changes)

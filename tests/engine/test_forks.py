@@ -9,7 +9,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.processes import ROOT, python
 
 FORK = """
 import ctypes, os, time
@@ -79,5 +79,5 @@ def test_children_end_with_a_parent_that_is_killed(tmp_path, program, processes)
 @pytest.mark.parametrize("before", ["", NO_PRCTL])
 def test_a_child_ends_whose_parent_has_ended_before(tmp_path, before):
     program = FORK.format(before=before, parent=0.1, child=0.5)
-    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
+    python("-c", program, cwd=tmp_path)
     wait_for_processes(tmp_path, 0, most=5.0)

@@ -131,15 +131,6 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         assert (ends.low >= 0.0).all()
 
 
-def test_a_stated_source_and_a_wider_one_widen_the_range():
-    for seed in range(5):
-        few, two, wider = (
-            lower_end(widths, 0.1, seed)
-            for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
-        )
-        assert few > two > wider
-
-
 def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
     budget, alone = (uncertainty_budget(*small_joint, CONDITIONS, workers=n) for n in (2, 1))
     pd.testing.assert_frame_equal(budget.results, alone.results, check_exact=True)
@@ -159,7 +150,8 @@ def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
 @pytest.mark.filterwarnings("ignore:All-NaN:RuntimeWarning")
 def test_a_joint_that_fails_has_unknown_results_and_no_error(small_joint):
     load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
-    budget = uncertainty_budget(*small_joint, CONDITIONS._replace(**load))
+    walls = [wall[:12, :12] for wall in small_joint]
+    budget = uncertainty_budget(*walls, CONDITIONS._replace(**load))
     best = budget.results[budget.results.source == ""]
     assert (best.status >= FAILURE).all()
     assert best[CLOSURE].isna().all()

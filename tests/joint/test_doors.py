@@ -45,12 +45,9 @@ def first_closure(door, **given):
 
 
 @pytest.mark.parametrize("door", CLOSE)
-def test_a_joint_is_closed_below_the_usual_seating_stress(door):
-    assert first_closure(door, rock="granite", max_normal_stress=27e3) > 0.0
-
-
-@pytest.mark.parametrize("door", CLOSE)
 def test_a_rock_is_given_by_its_name_or_its_properties(door):
+    # also below the usual seating stress
+    assert first_closure(door, rock="granite", max_normal_stress=27e3) > 0.0
     granite = ROCKS["granite"].intact
     given = ("granite", granite, ("Granite", granite))
     assert len({first_closure(door, rock=rock, max_normal_stress=2e6) for rock in given}) == 1

@@ -12,7 +12,7 @@ from jointclosure.parameters import well_posed_scenes
 from jointclosure.walls.synthesis import Spectrum, gaussian_field
 from tests import invariants, joints
 
-REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=100)
+REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=60)
 SCENES = list(well_posed_scenes())
 
 # numbers of a list, because those of intervals are also taken from constants of the sources, so

@@ -125,21 +125,10 @@ def test_a_flow_that_does_not_balance_or_is_singular_is_not_solved(monkeypatch):
         assert np.isnan(flow.hydraulic_aperture)
 
 
-@pytest.mark.parametrize(
-    "cells", [256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
-)
+@pytest.mark.parametrize("cells", [256, pytest.param(512, marks=pytest.mark.slow)])
 def test_a_published_flow_with_periodic_sides_is_reproduced(cells):
     flow = flow_along(published_gap(cells), "y", "periodic")
     assert flow.hydraulic_aperture**3 == pytest.approx(PUBLISHED_FLUXES[cells], rel=1e-9)
-
-
-@pytest.mark.parametrize("shape", [(14, 11), (15, 10), (2, 5), (1, 6)])
-def test_a_flow_with_periodic_sides_does_not_depend_on_where_the_sides_are(shape):
-    field = random_field(4, shape, contact=0.0) + 1e-6
-    flow = flow_along(field, "x", "periodic")
-    shifted = flow_along(np.roll(field, shape[0] // 2, axis=0), "x", "periodic")
-    assert flow.status == FLOWS
-    assert shifted.hydraulic_aperture == pytest.approx(flow.hydraulic_aperture, rel=1e-12)
 
 
 def test_pressures_are_those_of_a_dense_solution():

@@ -24,7 +24,7 @@ def closed(wavelength, strength, seed, numerics):
 @pytest.fixture(scope="module")
 def pairs():
     joints = [(length, strength, seed) for length in (1.6e-3, 6e-3) for strength in (60e6, 173e6)
-              for seed in (1, 2, 3)]  # fmt: skip
+              for seed in (1, 2)]  # fmt: skip
     return [[closed(*joint, numerics) for numerics in (USUAL, FINER)] for joint in joints]
 
 

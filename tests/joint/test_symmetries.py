@@ -25,11 +25,6 @@ BREAKING = {
 }
 METHODS = [("fast", "fixed_step"), ("fast", "resolved"), ("reference", "fixed_step")]
 
-# Forces are solved for to a residual of 1e-10 of their sum (ELASTIC_TOLERANCE). The total force
-# is given, so an error of forces moves the closure by no more than as much of it, the system being
-# positive definite; ten times that leaves room for the rounding of another order of summation.
-ELASTIC_BOUND = 1e-9
-
 
 def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load=4e6, **options):
     """A joint with all its lengths and all its stresses multiplied."""
@@ -57,28 +52,14 @@ def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load
     )
 
 
-def assert_scaled(other, one, lengths, stresses, **tolerance):
+def assert_scaled(other, one, lengths, stresses):
     assert other.sizes == one.sizes
     assert int(other.status) == int(one.status) < FAILURE
     closures = "closure", "bulk_indentation", "max_closure", "residual_closure"
     factors = dict.fromkeys((*closures, "upper_final", "lower_final"), lengths)
     factors |= dict.fromkeys(("contact_fraction", "locked_share", "flat_share"), 1.0)
     for name, factor in (factors | {"normal_stress": stresses}).items():
-        expected = factor * one[name].values
-        atol = tolerance.get("rtol", 0.0) * np.abs(expected).max()
-        np.testing.assert_allclose(
-            other[name], expected, **{"rtol": 0.0} | tolerance, atol=atol, err_msg=name
-        )
-
-
-@pytest.mark.parametrize(
-    ("lengths", "stresses"), [(1e3, 1.0), (1e-5, 1.0), (1.0, 3.0), (1.0, 1e-6), (0.7, 11.0)]
-)
-@pytest.mark.parametrize("scene", ELASTIC)
-def test_elastic_closures_scale_with_lengths_and_stresses(small_joint, scene, lengths, stresses):
-    one = closed(small_joint, ELASTIC[scene])
-    other = closed(small_joint, ELASTIC[scene], lengths=lengths, stresses=stresses)
-    assert_scaled(other, one, lengths, stresses, rtol=ELASTIC_BOUND)
+        np.testing.assert_array_equal(other[name], factor * one[name].values, err_msg=name)
 
 
 @functools.lru_cache(maxsize=2)
@@ -125,6 +106,15 @@ def test_elastic_forces_map_with_the_joint(small_joint, scene, name):
     np.testing.assert_allclose(other.normal_stress, one.normal_stress, rtol=1e-10)
 
 
+@functools.lru_cache(maxsize=None)
+def coarse(seed, method, name="", swapped=False):
+    """A small joint of two rocks, as a map has it, in coarse steps: symmetric like any other."""
+    walls = jc.wall_pair(8.0, (20, 16), SPACING, seed=seed)
+    rocks = (SOFT, DOLERITE) if swapped else (DOLERITE, SOFT)
+    walls = MAPS[name](*walls) if name else walls
+    return closed(walls, jc.Effects(), method, rock=rocks, tolerance=0.1)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS[:2], ids=str)
 @pytest.mark.parametrize("name", ["walls swapped", "transposed", "turned"])
@@ -134,13 +124,10 @@ def test_with_breakage_closures_map_in_the_mean(name, method):
     A bias beyond three standard errors is seen: they are at most 2 % of the mean closure of the
     first cycle, and 4 % of the second's, whose closure is a tenth as large.
     """
-    rocks, pairs = (DOLERITE, SOFT), []
-    swapped = rocks[::-1] if name == "walls swapped" else rocks
-    coarse = {"tolerance": 0.1}  # symmetric like any other
+    pairs = []
     for seed in range(100):
-        walls = jc.wall_pair(8.0, (20, 16), SPACING, seed=seed)
-        one = closed(walls, jc.Effects(), method, rock=rocks, **coarse)
-        other = closed(MAPS[name](*walls), jc.Effects(), method, rock=swapped, **coarse)
+        one = coarse(seed, method)
+        other = coarse(seed, method, name, name == "walls swapped")
         assert max(int(one.status), int(other.status)) < FAILURE
         pairs.append([one.max_closure.values, other.max_closure.values])
     first, second = np.array(pairs).swapaxes(0, 1)

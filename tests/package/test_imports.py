@@ -1,16 +1,13 @@
 """What is not used is not loaded: by modules, not by seconds."""
 
 import json
-import subprocess
-import sys
 import tomllib
-from pathlib import Path
 
 import pytest
 
 import jointclosure as jc
+from tests.processes import ROOT, python
 
-SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
     "numba", "numpy", "pandas", "rasterio", "rich", "scipy.interpolate", "scipy.optimize",
@@ -18,17 +15,10 @@ HEAVY = {
 }  # fmt: skip
 
 
-def run(code: str) -> str:
-    """Run code in a fresh process; what it prints."""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def loaded(code: str) -> set[str]:
     """Which heavy modules a fresh process has loaded after some code."""
-    printed = run(f"import json, sys\n{code}\nprint(json.dumps(list(sys.modules)))")
-    return HEAVY & set(json.loads(printed.splitlines()[-1]))
+    done = python("-c", f"import json, sys\n{code}\nprint(json.dumps(list(sys.modules)))")
+    return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
 
 
 def test_the_package_itself_loads_nothing():
@@ -39,7 +29,8 @@ def test_help_loads_no_command_and_a_command_no_other():
     code = "from jointclosure.cli import main as cli; import contextlib\n"
     code += "with contextlib.suppress(SystemExit): cli.main(['--help'])"
     assert loaded(code) == {"numpy"}
-    run(
+    python(
+        "-c",
         "import sys\n"
         "from jointclosure.cli import COMMANDS, main as cli\n"
         "for name in COMMANDS:\n"
@@ -47,7 +38,7 @@ def test_help_loads_no_command_and_a_command_no_other():
         "        sys.modules.pop(f'jointclosure.cli.{other}', None)\n"
         "    cli.parser([name])\n"
         "    loaded = {module.rpartition('.')[2] for module in sys.modules if '.cli.' in module}\n"
-        "    assert loaded & set(COMMANDS) == {name}, (name, loaded & set(COMMANDS))\n"
+        "    assert loaded & set(COMMANDS) == {name}, (name, loaded & set(COMMANDS))\n",
     )
 
 
@@ -62,19 +53,8 @@ JOBS += [
 @pytest.mark.parametrize(("module", "needed"), JOBS)
 def test_a_job_loads_what_it_needs_and_no_more(module, needed):
     """Each of the study's jobs pays for its imports: the script, and the module of its function."""
-    script = f"sys.path.insert(0, {str(SCRIPTS)!r}); import make"
+    script = f"sys.path.insert(0, {str(ROOT / 'workflow/scripts')!r}); import make"
     assert loaded(f"{script}, studies.{module}") <= needed
-
-
-def test_flow_is_not_loaded_where_it_is_not_requested():
-    run(
-        "import sys, jointclosure as jc\n"
-        "walls, rock = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1), jc.Rock(78e9, 0.2, 165e6)\n"
-        "about = dict(spacing=0.25e-3, rock=rock, effects=jc.Effects(*[False] * 5))\n"
-        "for flow in (False, True):\n"
-        "    jc.simulate(*walls, max_normal_stress=1e6, flow=flow, **about)\n"
-        "    assert ('jointclosure.joint.flow' in sys.modules) == flow\n"
-    )
 
 
 def test_every_public_name_is_what_its_module_defines():
@@ -92,9 +72,8 @@ def test_every_public_name_is_what_its_module_defines():
 
 
 def test_every_study_is_in_the_contracts_of_imports():
-    root = Path(__file__).parents[2]
-    held = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
-    studies = {f"studies.{file.parent.name}" for file in root.glob("studies/*/page.md.j2")}
+    held = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    studies = {f"studies.{file.parent.name}" for file in ROOT.glob("studies/*/page.md.j2")}
     (layers,) = (each["layers"][0] for each in held if each["name"].startswith("Studies build"))
     (alone,) = (each["modules"] for each in held if each["name"].startswith("No study imports"))
     assert set(layers.split(" | ")) == set(alone) == studies - {"studies.paper"}

@@ -13,8 +13,7 @@ from packaging.requirements import Requirement
 
 from jointclosure.cli.doctor import THREADS
 from jointclosure.inputs.extras import EXTRAS
-
-ROOT = Path(__file__).parents[2]
+from tests.workflow.runs import ROOT, STAMP
 
 pytestmark = pytest.mark.slow
 
@@ -27,12 +26,12 @@ def run(*words, cwd=None):
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """The wheel of the project, built without a network."""
-    folder = tmp_path_factory.mktemp("wheel")
-    done = run(sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder, cwd=ROOT)
+def wheel():
+    """The wheel of the project, built by `make` without a network."""
+    done = run("make", "-o", STAMP, "wheel", cwd=ROOT)
     assert done.returncode == 0, done.stderr
-    return next(folder.glob("*.whl"))
+    (file,) = (ROOT / "build/wheel").glob("*.whl")
+    return file
 
 
 def required(name: str, extras: tuple[str, ...] = ()) -> set[str]:

@@ -1,8 +1,6 @@
 """Figures: axes in and out, the style of the process, maps and animations of snapshots."""
 
 import itertools
-import subprocess
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,6 +12,7 @@ from jointclosure.cli import main as cli
 from jointclosure.plotting import snapshots
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
+from tests.processes import python
 
 PROGRAM = """
 import matplotlib
@@ -50,13 +49,11 @@ def joint(walls):
 
 
 def test_figures_leave_the_backend_and_the_style_of_the_process_alone(tmp_path):
-    command = [sys.executable, "-c", PROGRAM]
-    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert answer.returncode == 0, answer.stderr
+    python("-c", PROGRAM, cwd=tmp_path)
     assert (tmp_path / "figure.png").stat().st_size > 1000
 
 
-def test_each_picture_is_drawn_on_the_axes_that_are_given(joint, walls):
+def test_each_picture_is_drawn_on_the_axes_that_are_given_or_on_new_ones(joint, walls):
     draws = dict.fromkeys(("curves", "stiffness", "aperture", "contacts", "damage"), (joint,))
     draws["wall"] = walls[0], SPACING
     assert sorted([*draws, "walls"]) == jc.plot.__all__
@@ -68,12 +65,8 @@ def test_each_picture_is_drawn_on_the_axes_that_are_given(joint, walls):
     axes = plt.figure().add_subplot()
     assert jc.plot.walls(*walls, spacing=SPACING, axes=axes) is axes
     assert len(axes.lines) == 3
-
-
-def test_without_axes_a_figure_is_made_and_the_notebook_keeps_its_style(joint):
-    before = dict(plt.rcParams)
-    axes = jc.plot.curves(joint)
-    assert axes.figure.number in plt.get_fignums()
+    before = dict(plt.rcParams)  # of a notebook
+    assert jc.plot.curves(joint).figure.number in plt.get_fignums()
     assert dict(plt.rcParams) == before
 
 

@@ -2,11 +2,7 @@
 
 import itertools
 import json
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +17,7 @@ from jointclosure.solvers.breakage import breakage_kernel
 from jointclosure.solvers.reference import reference_kernel
 from tests import joints
 from tests.joints import ELASTIC, pair
+from tests.processes import python
 
 
 def closed(effects, breakage="fixed_step"):
@@ -51,14 +48,7 @@ print(json.dumps(found))
 @pytest.mark.slow
 def test_code_of_an_effect_that_is_off_is_not_in_the_machine_code(tmp_path):
     # compiled anew: numba cannot show code that it took from its cache
-    done = subprocess.run(
-        [sys.executable, "-c", CODE],
-        env=os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)},
-        cwd=Path(__file__).parents[2],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = python("-c", CODE, JOINTCLOSURE_CACHE=str(tmp_path))
     full, without_gouge, resolved = json.loads(done.stdout.splitlines()[-1])
     assert full[0] == ["measure_drops"]
     assert without_gouge[0] == []
@@ -103,19 +93,6 @@ def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():
             assert any(file.is_relative_to(part) for part in parts), file
 
 
-def run(*arguments, folder=None, **environment):
-    """Run Python with kernels in a folder; return what it prints, on both streams."""
-    environment = os.environ | environment
-    if folder:
-        environment["JOINTCLOSURE_CACHE"] = str(folder)
-    done = subprocess.run(
-        [sys.executable, "-c", *arguments], env=environment, capture_output=True, text=True,
-        cwd=PACKAGE.parents[1],
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return done.stdout, done.stderr
-
-
 def test_every_closure_of_a_factory_has_a_name_of_its_own():
     """Equal names, compiled in two processes, would collide where a third loads both."""
     flags = list(itertools.product([False, True], repeat=4))
@@ -146,7 +123,7 @@ theirs(1)
 
 def test_importing_changes_nothing_for_other_users_of_numba_in_the_process(tmp_path, monkeypatch):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    assert "compiling kernels" not in run(PROCESS, folder=tmp_path)[1]
+    assert "compiling kernels" not in python("-c", PROCESS, JOINTCLOSURE_CACHE=str(tmp_path)).stderr
 
 
 MOVED = """
@@ -163,19 +140,20 @@ def moved(tmp_path, factor, **environment):
     )
     (tmp_path / "moved.py").write_text(f"{head}{factor} * x\n")
     environment = {"JOINTCLOSURE_CACHE": str(tmp_path / "cache")} | environment
-    return run(MOVED, PYTHONPATH=str(tmp_path), PYTHONDONTWRITEBYTECODE="1", **environment)
+    environment |= {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    return python("-c", MOVED, **environment)
 
 
 def test_machine_code_is_kept_with_a_word_at_a_cold_start_and_follows_its_file(tmp_path):
     runs = [moved(tmp_path, factor) for factor in (2.0, 2.0, 3.0)]
-    assert [out.strip() for out, _ in runs] == ["4.0 1", "4.0 0", "6.0 1"]
-    assert [err.count("compiling kernels") for _, err in runs] == [1, 0, 1]
+    assert [run.stdout for run in runs] == ["4.0 1\n", "4.0 0\n", "6.0 1\n"]
+    assert [run.stderr.count("compiling kernels") for run in runs] == [1, 0, 1]
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
     (tmp_path / "file").write_text("in the way")
-    printed = moved(tmp_path, 2.0, JOINTCLOSURE_CACHE=str(tmp_path / "file" / "below"))
-    assert printed[0].strip() == "4.0 1"
+    run = moved(tmp_path, 2.0, JOINTCLOSURE_CACHE=str(tmp_path / "file" / "below"))
+    assert run.stdout == "4.0 1\n"
 
 
 SHIP = """
@@ -193,7 +171,8 @@ def test_shipped_code_gives_the_bits_of_compiled_code_and_only_its_sources_and_p
 ):
     def value(name, **environment):
         text = SHIP.format(shipped=str(tmp_path / "shipped"))
-        return run(text, folder=tmp_path / name, **environment)[0].split()
+        environment |= {"JOINTCLOSURE_CACHE": str(tmp_path / name)}
+        return python("-c", text, **environment).stdout.split()
 
     target = {"NUMBA_CPU_NAME": compilation.PROCESSOR, "NUMBA_CPU_FEATURES": ""}
     bits, compiled = value("shipped", **target)

@@ -71,27 +71,6 @@ def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
     assert FLAGS[int(curve_of(small_joint).status)] == "not_converged"  # another force
 
 
-@pytest.mark.parametrize("substrate", [True, False])
-@pytest.mark.parametrize("decade", range(-10, 2))
-def test_a_curve_of_a_sphere_on_a_flat_is_hertzian_over_12_decades_of_force(decade, substrate):
-    upper = bump((9, 9), 2e-3)
-    lower = np.zeros(upper.shape)
-    radius = 1.0 / oracle.curvature(upper, SPACING)[4, 4]
-    area = upper.size * SPACING**2
-    force = 10.0**decade  # at most 10 N: the sphere is alone in touch up to 15 um
-    effects = jc.Effects(substrate, False, False, False, False)
-    about = {"effects": effects, "cycles": 1, "unusual_values": True}
-    curve = closed((upper, lower), force / area, **about)
-    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
-    forces = curve.normal_stress.values * area
-    expected = (9.0 * forces**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0)
-    if substrate:
-        expected = expected + 0.75 * forces / (0.5 * SPACING * modulus)
-    # one cell only: the cap falls by h^2 / 2 R = 15.6 um to the next
-    assert expected.max() < SPACING**2 / (2.0 * radius)
-    np.testing.assert_allclose(curve.closure, expected, rtol=1e-9)
-
-
 def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
     apart, deeper = 16, 4e-7
     shape = (5, apart + 5)

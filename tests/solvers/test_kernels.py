@@ -5,11 +5,7 @@ their own, and together call every kernel. Small joints come out as by compiled 
 """
 
 import ast
-import os
-import subprocess
-import sys
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,16 +13,16 @@ import pytest
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.parameters import well_posed_scenes
 from tests.joints import closed, pair
+from tests.processes import python
 
-ROOT = Path(__file__).parents[2]
 BOTH = (
     "tests/mechanics",
-    "tests/solvers/test_elastic.py",
-    "tests/solvers/test_kernels.py::test_small_joints_close_in_every_scene",
+    "tests/solvers/test_elastic.py::test_each_point_is_an_equilibrium_at_its_closure",
     "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy_and_ends_at_the_solution",
+    "tests/solvers/test_honest_failure.py::test_any_start_leads_to_the_same_equilibrium",
+    "tests/solvers/test_kernels.py::test_small_joints_close_in_every_scene",
+    "tests/solvers/test_linear_algebra.py::test_products_are_those_of_linear_algebra",
 )
-
-
 DECORATORS = ("kernel", "large_kernel")
 
 
@@ -41,19 +37,6 @@ def all_kernels() -> set[str]:
             ):
                 found.add(f"{module}.{node.name}")
     return found
-
-
-def interpreted(*arguments: str, **environment: str) -> None:
-    """Run Python with the JIT off; fails with its output where it fails."""
-    answer = subprocess.run(
-        [sys.executable, *arguments],
-        cwd=ROOT,
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"} | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert answer.returncode == 0, answer.stdout[-4000:] + answer.stderr[-4000:]
 
 
 def small_joints() -> dict:
@@ -89,10 +72,8 @@ def test_small_joints_close_in_every_scene():
 @pytest.mark.slow
 def test_every_kernel_is_called_by_tests_that_pass_with_and_without_the_jit(tmp_path):
     calls = tmp_path / "calls.txt"
-    interpreted(
-        *("-m", "pytest", "-q", "-p", "tests.kernel_calls", "-p", "no:cacheprovider", *BOTH),
-        KERNEL_CALLS=str(calls),
-    )
+    words = ("-m", "pytest", "-q", "-p", "tests.kernel_calls", "-p", "no:cacheprovider", *BOTH)
+    python(*words, NUMBA_DISABLE_JIT="1", KERNEL_CALLS=str(calls))
     kernels = all_kernels()
     assert len(kernels) > 50  # the search found them
     assert kernels - set(calls.read_text().split()) == set()

@@ -22,11 +22,8 @@ from jointclosure.storage.files import (
     replace_files,
     write_csv,
 )
-from jointclosure.storage.netcdf import (
-    read_netcdf,
-    reading_netcdf,
-    write_netcdf,
-)
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
+from tests.processes import python
 
 
 def some_dataset(rows: int = 20) -> xr.Dataset:
@@ -106,9 +103,8 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
     limits = [str(size * i // 40) for i in range(42)] + [str(size - 1), str(size)]
     folder = tmp_path / "small"
     folder.mkdir()
-    command = [sys.executable, "-c", script, str(folder), *limits]
-    answer = subprocess.run(command, capture_output=True, text=True, check=True)
-    printed = dict(line.split(" ", 1) for line in answer.stdout.splitlines() if line[0].isdigit())
+    lines = python("-c", script, folder, *limits).stdout.splitlines()
+    printed = dict(line.split(" ", 1) for line in lines if line[0].isdigit())
     assert len(printed) > 40
     for limit, words in printed.items():
         assert (words == "written") == (int(limit) >= size) == (folder / f"{limit}.nc").exists()

@@ -17,6 +17,7 @@ from studies.frame.cases import block_settings, cases_of
 from studies.frame.closing import close_block
 from studies.frame.configuration import merged, written_out
 from studies.frame.tables import join_cases
+from tests.joints import COARSE
 from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]
@@ -74,8 +75,9 @@ WITH_PYTHON = [path for path in DOCUMENTS if "```python" in path.read_text(encod
 
 @pytest.mark.parametrize("document", WITH_PYTHON, ids=lambda p: p.relative_to(ROOT).as_posix())
 def test_python_samples_run_one_after_the_other(document, smoke_study, capsys, monkeypatch):
-    """Without the range of a joint, which takes half a minute (see test_pages)."""
-    monkeypatch.setattr(jc, "close", functools.partial(jc.close, single=True))
+    """Without the range of a joint, which takes half a minute (see test_pages), and coarse."""
+    quick = functools.partial(jc.close, single=True, numerics=COARSE)
+    monkeypatch.setattr(jc, "close", quick)
     codes = re.findall(r"^```python\n(.*?)^```", document.read_text(encoding="utf-8"), re.S | re.M)
     namespace: dict = {}
     for code in codes:

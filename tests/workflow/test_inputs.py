@@ -7,7 +7,6 @@ import os
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 import jointclosure as jc
 from jointclosure.statistics.verdicts import VERDICTS
@@ -17,30 +16,19 @@ from tests.workflow.runs import checkout, planned, snakemake
 
 pytestmark = pytest.mark.slow
 
-WALLS = {"lower": "scans/lower.npz", "upper": "mirrored", "missing": "avoid"}
 CURVE = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.05,1\n0.8,0.07,1\n0.4,0.065,1\n"
 
 
-def written(folder, name="mine.yaml", curve="measured.csv", **walls):
-    """A study of a rock that the paper does not have, with scanned walls, and nothing varied."""
-    granite = {
-        "title": "Granite",
-        "youngs_modulus_GPa": 60,
-        "poisson_ratio": 0.22,
-        "compressive_strength_MPa": 180,
-        "max_normal_stress_MPa": 1,
-        "levels": {},
-        "walls": WALLS | walls,
-        "measured": {"file": curve},
-    }
-    keys = {
-        "study": {"name": "mine", "rocks": ["granite"], "realizations": 3, "pool": None},
-        "rocks": {"granite": granite},
-        "grid": {"cells_x": 12, "cells_y": 16},
-        "output": {"stress_points": 5},
-    }
-    (folder / name).write_text(yaml.safe_dump(keys))
-    return name
+STUDY = """study: {name: mine, rocks: [granite], realizations: 3, pool: null}
+rocks:
+  granite:
+    {title: Granite, youngs_modulus_GPa: 60, poisson_ratio: 0.22, compressive_strength_MPa: 180,
+     max_normal_stress_MPa: 1, levels: {}, measured: {file: measured.csv},
+     walls: {lower: scans/lower.npz, upper: mirrored, missing: avoid}}
+grid: {cells_x: 12, cells_y: 16}
+output: {stress_points: 5}
+"""
+"""A rock that the paper does not have, with scanned walls, and nothing varied."""
 
 
 def scanned(folder, seed):
@@ -55,7 +43,8 @@ def mine(tmp_path_factory):
     folder = checkout(tmp_path_factory.mktemp("mine") / "checkout")
     scanned(folder, 1)
     (folder / "measured.csv").write_text(CURVE)
-    snakemake(folder, config=written(folder))
+    (folder / "mine.yaml").write_text(STUDY)
+    snakemake(folder, config="mine.yaml")
     return folder
 
 

@@ -1,8 +1,6 @@
 """The memory that puts a study together does not grow with its realisations."""
 
 import resource
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +10,10 @@ from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.cases import blocks_of, cases_of
 from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration, resolved
+from tests.processes import python
 from tests.studied import DEFAULT, checked_study
-from tests.workflow.test_settings import ELASTIC, settings_of
+from tests.workflow.test_settings import SMALL, settings_of
 
-ROOT = Path(__file__).parents[2]
 PER_JOB = 2500
 
 pytestmark = pytest.mark.slow
@@ -23,22 +21,15 @@ pytestmark = pytest.mark.slow
 
 def keys_of_study(realizations: int) -> dict:
     """One case of joints that do not break, with 50 points of stress."""
+    study = {"realizations": realizations, "realizations_per_job": PER_JOB, "draws": "common"}
     changes = {
         "grid": {"cells_x": 8, "cells_y": 8},
-        "effects": ELASTIC,
-        "numerics": {"curve_points": 5},
         "output": {"stress_points": 50},
         "statistics": {"control_variates": None},
         "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
-        "study": {
-            "rocks": ["slate"],
-            "realizations": realizations,
-            "realizations_per_job": PER_JOB,
-            "draws": "common",
-            "pool": None,
-        },
+        "study": study | {"pool": None},
     }
-    return checked_study(changes).keys
+    return checked_study(SMALL, changes).keys
 
 
 def case_files(configuration: Configuration, folder: Path) -> list[Path]:
@@ -73,15 +64,7 @@ def memory(realizations: int, folder: Path) -> int:
         "import sys, pathlib; from tests.workflow.test_many_realizations import joined; "
         "print(joined(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"
     )
-    answer = subprocess.run(
-        [sys.executable, "-c", command, str(realizations), str(folder)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert answer.returncode == 0, answer.stderr
-    return int(answer.stdout.splitlines()[-1])
+    return int(python("-c", command, realizations, folder).stdout.splitlines()[-1])
 
 
 def test_ten_times_the_realisations_take_no_more_memory(tmp_path):
