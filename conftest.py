@@ -1,4 +1,4 @@
-"""What all tests share: a rock, a small joint, and fast property testing."""
+"""What all tests share: a small joint, and fast property testing."""
 
 import faulthandler
 
@@ -6,7 +6,7 @@ import hypothesis
 import pytest
 
 import jointclosure as jc
-from tests.joints import DOLERITE, SPACING
+from tests.joints import SPACING
 
 hypothesis.settings.register_profile("default", deadline=None, max_examples=60)
 hypothesis.settings.load_profile("default")
@@ -20,11 +20,6 @@ def _no_test_loops():
     faulthandler.dump_traceback_later(TEST_SECONDS, exit=True)
     yield
     faulthandler.cancel_dump_traceback_later()
-
-
-@pytest.fixture
-def rock():
-    return DOLERITE
 
 
 @pytest.fixture

@@ -52,7 +52,7 @@ def write_points(path, heights):
 def inputs(tmp_path_factory):
     """Both walls of a joint in one frame, z upwards, as points and arrays; a wall; a curve."""
     folder = tmp_path_factory.mktemp("inputs")
-    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
+    upper, lower = jc.wall_pair(9.0, (48, 56), SPACING, seed=4, correlation=0.9, roll_off=None)
     for name, heights in (("top", 0.6e-3 - upper), ("bottom", lower)):
         write_points(folder / f"{name}.xyz", heights)
         np.save(folder / f"{name}.npy", 1e3 * heights)
