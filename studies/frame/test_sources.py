@@ -29,9 +29,9 @@ def forget():
         cached.cache_clear()
 
 
-def digest(*names, **settings):
+def digests(*names):
     forget()
-    return sources.code_digest(*names, **settings)
+    return [sources.code_digest(name) for name in names]
 
 
 def edit(file, old, new):
@@ -42,18 +42,18 @@ def edit(file, old, new):
 
 def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
     names = ("solvers.fast", "joint.protocol", JOINTS, "statistics.indifference")
-    before = [digest(name) for name in names]
+    before = digests(*names)
     edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
-    after = [digest(name) for name in names]
-    assert [a == b for a, b in zip(before, after, strict=True)] == [False, False, False, True]
+    same = [a == b for a, b in zip(before, digests(*names), strict=True)]
+    assert same == [False, False, False, True]
 
 
 def test_comments_docstrings_and_layout_do_not_count(copy):
-    before = digest("mechanics")
+    before = digests("mechanics")
     file = copy / "mechanics/contact.py"
     text = file.read_text(encoding="utf-8")
     file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
-    assert digest("mechanics") == before
+    assert digests("mechanics") == before
 
 
 FUNCTIONS = '''
@@ -94,10 +94,11 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
     copy, file, old, new, moved
 ):
     (copy / "functions.py").write_text(FUNCTIONS)
-    names = ("bootstrapped", "paired")
-    before = {name: digest(f"functions:{name}") for name in names}
+    names = ("functions:bootstrapped", "functions:paired")
+    before = digests(*names)
     edit(copy / file, old, new)
-    assert {name for name in names if digest(f"functions:{name}") != before[name]} == moved
+    after = zip(names, before, digests(*names), strict=True)
+    assert {name.partition(":")[2] for name, a, b in after if a != b} == moved
 
 
 STEPS = Pipeline(checked_study(), apart=False, check=False).steps
