@@ -17,6 +17,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.statistics.two_level import Interval
 
 PARTS = (0.25, 0.5, 1.0)
 """Stresses at which closures of a loading are read, as shares of the range above seating."""
@@ -71,14 +72,6 @@ class Simulated(NamedTuple):
     logs: np.ndarray  # (..., readings), logarithms; NaN for a joint of which one is missing
     closures: np.ndarray  # (..., cycles, 2, stresses) [m]
     stresses: np.ndarray  # [Pa]
-
-
-class Interval(NamedTuple):
-    """Estimate, and the ends of its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 class Likelihood(NamedTuple):
