@@ -58,9 +58,9 @@ LOSS = 0.02
 SAVED = {"breakage": 0.9, "interaction": 0.5}
 """Share of time that is expected to be saved, before a joint was closed without the effect. Soft
 peaks are always kept: without them joints take as long, or longer, as more of their cells break."""
-LONGER = 2.0
-"""Breakage steps after which a joint without an effect is given up, over those of the first joint
-with all effects: without interaction a mated joint took 16 times as long."""
+LONGER = 4.0
+"""Breakage steps after which a joint without an effect is given up, over those with all effects:
+without interaction a mated joint took 16 times as long."""
 WORTH = 0.1
 """Least share of time that leaving out effects must save."""
 FEWEST_PAIRS = {"breakage": 10, "interaction": 1}
@@ -131,7 +131,8 @@ class Pilot:
     def values(self, effects: Effects, count: int) -> np.ndarray:
         """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
         closed = self.closed.setdefault(effects, [])
-        closed += [self.close(pair, effects) for pair in self._pairs[len(closed) : count]]
+        for pair in self._pairs[len(closed) : count]:
+            closed.append(self.close(pair, effects))
         return np.array([self.read(joint) for joint in closed[:count]])
 
     def read(self, joint: ClosedWalls) -> np.ndarray:
@@ -140,10 +141,10 @@ class Pilot:
         return np.array([row.get(name, failed) for name in _READ])
 
     def close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
-        """Close a pair of walls with some effects."""
+        """Close a pair of walls with some effects, the next of them in `values`."""
         stated = self.conditions._replace(effects=effects, **changes)
-        if effects != self.effects and (first := self.closed.get(self.effects)):
-            steps = LONGER * float(first[0].closed.breakage_steps) / walls[0].size
+        if full := self.closed.get(self.effects, [])[len(self.closed.get(effects, [])) :]:
+            steps = LONGER * float(full[0].closed.breakage_steps) / walls[0].size
             most = max(1.0, min(steps, stated.numerics.most_breakage_steps))
             stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
         if effects not in self._loaded:  # the time to load kernels is not that of the first joint
@@ -174,8 +175,8 @@ class Pilot:
 
     def changes(self, effects: Effects, count: int) -> np.ndarray:
         """Return changes of the first pairs (pair, quantity, cycle) from all effects [1]."""
-        fewer = self.values(effects, count)
-        full = self.values(self.effects, len(fewer))
+        full = self.values(self.effects, count)
+        fewer = self.values(effects, len(full))
         return (fewer - full) / _mean(full)
 
     def seconds(self, effects: Effects) -> float:
