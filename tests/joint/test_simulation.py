@@ -185,6 +185,13 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
     assert float(joint.flat_share.max()) > 0.5
 
 
+def test_a_contact_that_is_locked_and_flat_is_counted_once():
+    pair = 5e-5 * np.random.default_rng(1).standard_normal((2, 12, 12))
+    joint = joints.closed((pair[0], pair[1]), 5e7, rock=jc.Rock(50e9, 0.25, 1e6))
+    assert float(joint.locked_share.max()) == pytest.approx(1.0)
+    assert float(joint.flat_share.max()) == 0.0
+
+
 @pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])
 def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress):
     """0.5 MPa is one of sixty stresses, but for rounding."""
