@@ -99,11 +99,11 @@ def true_change(
     """
     for count in (1, *range(surfaces, MOST + 1, surfaces)):
         changes = truth.changes(effects, count)
-        mean, known = np.nanmean(changes, axis=0), np.isfinite(changes).sum(axis=0)
         if effects != ALL and np.isnan(changes[:, CLOSURES]).any():
-            return np.full(mean.shape, np.inf), np.zeros(mean.shape)
+            return np.full(changes.shape[1:], np.inf), np.zeros(changes.shape[1:])
         if count == 1:
             continue
+        mean, known = np.nanmean(changes, axis=0), np.isfinite(changes).sum(axis=0)
         error = np.nanstd(changes, axis=0, ddof=1) / known**0.5
         low, high = (np.abs(mean) + sign * BEYOND * error for sign in (-1.0, 1.0))
         low, high = (np.nan_to_num(end, nan=0.0)[CLOSURES].max() for end in (low, high))
