@@ -30,7 +30,13 @@ from scipy.optimize import minimize
 import jointclosure as jc
 from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.engine.quantities import ClosedWalls
-from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
+from jointclosure.engine.selection import (
+    LONGER,
+    MOST_PAIRS,
+    Pilot,
+    choose_among,
+    possible_scenes,
+)
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
@@ -46,6 +52,8 @@ BEYOND = 2.0
 """Standard errors from which a change is true."""
 MOST = 100
 """Surfaces that are closed at most to decide whether interaction matters."""
+UNLIMITED = 1e9
+"""Breakage steps after which no joint is given up, over those with all effects."""
 CLOSURES = [list(ASSESSED).index(name) for name in JUDGED]
 
 
@@ -95,9 +103,10 @@ def true_change(
     """Return the mean change (quantity, cycle) with some effects, and its standard error.
 
     Without interaction alone, surfaces are added until all tolerances are decided. A scene in which
-    a joint is given up cannot be selected: its change is infinite.
+    the first joint is given up cannot be selected: its change is infinite.
     """
     for count in (1, *range(surfaces, MOST + 1, surfaces)):
+        truth.longer = LONGER if count == 1 else UNLIMITED
         changes = truth.changes(effects, count)
         if effects != ALL and np.isnan(changes[:, CLOSURES]).any():
             return np.full(changes.shape[1:], np.inf), np.zeros(changes.shape[1:])

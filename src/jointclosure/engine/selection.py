@@ -122,6 +122,8 @@ class Pilot:
     ``conditions`` have all effects that may act; ``joints`` will be closed with the selected ones.
     """
 
+    longer = LONGER
+
     def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
         self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
         self.closed: dict[Effects, list[ClosedWalls]] = {}
@@ -144,7 +146,7 @@ class Pilot:
         """Close a pair of walls with some effects, the next of them in `values`."""
         stated = self.conditions._replace(effects=effects, **changes)
         if full := self.closed.get(self.effects, [])[len(self.closed.get(effects, [])) :]:
-            steps = LONGER * float(full[0].closed.breakage_steps) / walls[0].size
+            steps = self.longer * float(full[0].closed.breakage_steps) / walls[0].size
             most = max(1.0, min(steps, stated.numerics.most_breakage_steps))
             stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
         if effects not in self._loaded:  # the time to load kernels is not that of the first joint
