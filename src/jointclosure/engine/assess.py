@@ -155,7 +155,8 @@ class Assessment:
         for row in self.differences.itertuples():
             if row.variant.startswith(_EFFECT) == without and row.quantity in quantities:
                 shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
-                shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = percent_of(row)
+                text = "reference" if row.variant == row.reference else percent_of(row)
+                shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def verdict(self, variant: str) -> str:
@@ -170,7 +171,9 @@ class Assessment:
         )
 
     def __str__(self) -> str:
-        effects = self.effects[[c for c in self.effects if not c.startswith(("gross", "aperture"))]]
+        effects = self.effects[
+            [c for c in self.effects if not c.startswith(("net st", "aperture"))]
+        ]
         tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
         return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
 

@@ -201,7 +201,7 @@ class Pilot:
             return "cannot be computed"
         least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
         if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
-            return f"changes by {percent(least)} or more, as it would be the same in all cycles"
+            return f"of a cycle changes by {percent(least)} or more, as all cycles would be alike"
         return ""
 
     def test(
@@ -329,10 +329,11 @@ def choose_among(
             left_out, tested, reason = pilot.test(names, chosen, tolerance)
             chosen, change = (fewer, tested) if left_out else (chosen, change)
         verdict = "left out" if left_out else "kept"
+        verdict += f" (tolerance {percent(tolerance)})"
         reasons.append(f"without {' and '.join(names)} the mean closure {reason}: {verdict}")
         report(reasons[-1])
     if chosen == pilot.effects:
-        report("every effect matters: all act")
+        report("all effects act")
     index = pd.MultiIndex.from_product([ASSESSED, range(1, shape[1] + 1)])
     table = index.to_frame(index=False, name=["quantity", "cycle"])
     table = table.assign(change=change.mean.ravel(), at_most=change.most.ravel())

@@ -497,7 +497,7 @@ _VARIABLES = {
     "equilibrium_residual": ("1", "recomputed residual of the forces over their sum"),
     "max_closure": ("m", "maximum closure", "from the start of the cycle"),
     "residual_closure": ("m", "residual closure", "from first touch"),
-    "max_closure_seated": ("m", "maximum closure since seating"),
+    "max_closure_seated": ("m", "maximum gross closure since seating"),
     "residual_closure_seated": ("m", "residual closure at seating"),
     "max_bulk_indentation": ("m", "bulk indentation at the maximum stress"),
     "unloading_excess": (
