@@ -12,7 +12,7 @@ def test_selected_effects_are_judged_at_conditions_of_any_seed(tmp_path):
     for _ in range(2):  # the second run has nothing left to close
         python("benchmarks/effects_auto.py", *options, "--output", tmp_path)
     summary = pd.read_csv(tmp_path / "summary.csv")
-    assert summary.joints.tolist() == [20, 180] * 2
+    assert summary.joints.tolist() == [20, 180, 540] * 2
     assert (summary.scenes == 2).all()
     selections = pd.read_csv(tmp_path / "selections.csv")
     outside = selections.least > selections.tolerance
