@@ -286,7 +286,7 @@ class Assessment:
         if not allowed:
             return f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}"
         name = min(allowed, key=lambda name: seconds[name] if budget is None else errors[name])
-        reached = f"{name} is within {100 * errors[name]:.2g} %"
+        reached = f"{name} is within {100 * errors[name]:.2g} % of the finest"
         return f"{reached} and takes {seconds[name]:.2g} s; {takes}"
 
     def _of_mean(self) -> str:

@@ -268,6 +268,9 @@ class Selection(NamedTuple):
     closed: tuple[ClosedWalls, ...]
     lost_seconds: float
 
+    def __str__(self) -> str:
+        return "\n".join(self.reasons)
+
 
 @takes_conditions
 def choose_effects(
