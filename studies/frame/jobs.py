@@ -146,7 +146,7 @@ def _this_process() -> dict[str, str]:
 
 ENGINE = "JOINTCLOSURE_ENGINE"
 """Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
-OTHER_SETTINGS = "the file was made with other settings, or by other code"
+OTHER_SETTINGS = "the file was made with other settings or fewer surfaces, or by other code"
 _UNLISTED = "no seal lists the file"
 _AGAIN = "delete it and start again; missing files are made again"
 _NEED_NO_SEAL = (".nc", ".txt")
