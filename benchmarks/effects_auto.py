@@ -126,8 +126,8 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
     truth = Surfaces(asked, number, "walls", MOST)
     pilots = Surfaces(asked, number, "pilot", MOST_PAIRS)
     scenes = possible_scenes(ALL)
-    mean, error = zip(*(true_change(truth, of, asked.surfaces) for of in scenes), strict=True)
-    mean, error = (dict(zip(scenes, values, strict=True)) for values in (mean, error))
+    found = {effects: true_change(truth, effects, asked.surfaces) for effects in scenes}
+    mean, error = ({effects: of[place] for effects, of in found.items()} for place in (0, 1))
     times = {effects: truth.seconds(effects) / truth.seconds(ALL) for effects in scenes}
     rows = []
     stress, strength = truth.conditions.max_normal_stress, truth.conditions.rock[0][2]

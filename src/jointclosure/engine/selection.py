@@ -7,7 +7,8 @@
    the prior mean of the change, with the scatter of `PRIORS`. Other effects have no prior.
 3. Pairs that are closed with and without an effect update it (normal prior and normal data, whose
    variance is estimated). A pair is closed if it costs less than a part of what it may save
-   (`PART`), and if no more than `LOSS` is lost should the effect act.
+   (`PART`), and if no more than `LOSS` is expected to be lost should the effect act. One pair
+   confirms what frozen walls show, and its cost, whatever may be lost.
 
 Effects are left out if, with a probability of `ENOUGH`, this changes the mean of no `JUDGED`
 closure by more than the tolerance. The other quantities are reported.
@@ -57,7 +58,7 @@ LOSS = 0.02
 """Largest share of the time of all joints that tests may lose if all effects act."""
 SAVED = {"breakage": 0.9, "interaction": 0.5}
 """Share of time that is expected to be saved, before a joint was closed without the effect. Soft
-peaks are always kept: without them joints take as long, or longer, as more of their cells break."""
+peaks are always kept: without them most joints take as long or longer, as more cells break."""
 LONGER = 4.0
 """Breakage steps after which a joint without an effect is given up, over those with all effects:
 without interaction a mated joint took 16 times as long."""
@@ -220,8 +221,8 @@ class Pilot:
             cost = 1.0 - saved + (len(self.closed[full]) <= pairs)
             lacking = pairs < required and inside >= ENOUGH
             further = max(required - pairs, 1) * (1.0 - saved) * self.seconds(full)
-            lost = self.lost(full) + further > bound and not (frozen and lacking)
-            if lost or not (lacking or cost <= PART * gain):
+            dear = self.lost(full) + further > bound and not (frozen and lacking)
+            if dear or not (lacking or cost <= PART * gain):
                 break
             changes = self.changes(fewer, pairs + 1)
             if len(changes) == pairs:
