@@ -7,9 +7,9 @@ one: the median of further calls) and peak memory. A grid, and those beyond it, 
 last two let expect more than --seconds.
 
 The curve is a parabola of log time over log value, by least squares over all surfaces, with the
-interval that holds 95 % of single surfaces; exponents are its slopes at both ends. The time on
---beyond cells along a side is an extrapolation; with --once only such a joint is closed in each
-scene, with and without a roll-off. FFT pairs (benchmarks/yardstick.py) are timed in between.
+interval that holds 95 % of single surfaces; exponents are its slopes at both ends. --once N closes
+only joints of N x N cells, with and without a roll-off. FFT pairs (benchmarks/yardstick.py) are
+timed in between.
 """
 
 import itertools
@@ -124,12 +124,10 @@ def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarra
 
     ``low`` and ``high`` are the ends of the interval that holds 95 % of single surfaces.
     """
-    middle = np.log(x).mean()
-    design = np.vander(np.log(x) - middle, 3)
-    coefficients, *_ = np.linalg.lstsq(design, np.log(ms), rcond=None)
-    freedom = x.size - 3
-    variance = ((np.log(ms) - design @ coefficients) ** 2).sum() / freedom
-    covariance = variance * np.linalg.inv(design.T @ design)
+    middle, freedom = np.log(x).mean(), x.size - 3
+    coefficients, covariance = np.polyfit(np.log(x) - middle, np.log(ms), 2, cov=True)
+    apart = np.log(ms) - np.polyval(coefficients, np.log(x) - middle)
+    variance = (apart**2).sum() / freedom
     u = np.log(at) - middle
     here, slope = np.vander(u, 3), np.stack([2.0 * u, np.ones(u.size), np.zeros(u.size)], axis=1)
     error = np.sqrt(np.einsum("ij,jk,ik->i", here, covariance, here) + variance)
@@ -158,15 +156,6 @@ def summarised(closed: pd.DataFrame) -> pd.DataFrame:
         x, at = abscissa(axis, part["value"]), abscissa(axis, table["value"])
         parts.append(table.assign(**fit_of(x, part.ms.to_numpy(), at)))
     return pd.concat(parts, ignore_index=True)
-
-
-def extrapolated(closed: pd.DataFrame, cells: int) -> pd.DataFrame:
-    """Times on a square grid that was not closed, by the fit over the numbers of cells."""
-    at, rows = abscissa("cells", [cells]), []
-    for scene, part in closed[closed.axis == "cells"].groupby("scene", sort=False):
-        fit = fit_of(abscissa("cells", part["value"]), part.ms.to_numpy(), at)
-        rows.append({"scene": scene, "cells": cells} | {name: v[0] for name, v in fit.items()})
-    return pd.DataFrame(rows)
 
 
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
@@ -213,7 +202,7 @@ def figure_of(table: pd.DataFrame):
     return figure
 
 
-def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
+def main(surfaces: int, limit: float, output: Path | None) -> None:
     """Print machine and times; write them, and the figure."""
     print(yardstick.machine(), flush=True)
     yardstick.warm_up("fast")
@@ -230,7 +219,6 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
     for axis, part in table.groupby("axis", sort=False):
         shown = part.drop(columns=["axis", "surfaces", "pair ms"])
         yardstick.show(TITLES[axis][0], shown, None, axis)
-    yardstick.show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
     if output:
         table.to_csv(output / "growth.csv", index=False)
         (output / "growth_so_far.csv").unlink()
@@ -238,8 +226,7 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    numbers = {"surfaces": 5, "seconds": 200.0, "beyond": 1000}
-    asked = yardstick.options(__doc__, output=Path, once=False, **numbers)
+    asked = yardstick.options(__doc__, output=Path, once=0, surfaces=5, seconds=200.0)
     if asked.once:
-        raise SystemExit(once(asked.beyond, asked.output))
-    main(asked.surfaces, asked.seconds, asked.beyond, asked.output)
+        raise SystemExit(once(asked.once, asked.output))
+    main(asked.surfaces, asked.seconds, asked.output)
