@@ -1,11 +1,10 @@
 """Compilation of kernels, and location of their machine code.
 
-Numba's check of its disk cache considers only the file of a function. An edit in another module
-that the function calls is not detected and gives silently wrong numbers. Therefore the cache folder
-is named by a digest of the code of the kernels and of the versions that compile it. Shipped machine
-code is loaded where code, versions and processor allow; other code is compiled for the processor at
-hand. The logger ``jointclosure`` announces the first compilation of a process. Numba's settings,
-which apply to the whole process, are not changed.
+Numba's check of its disk cache considers only the file of a function, so that an edit in another
+module that it calls gives silently wrong numbers. Therefore the cache folder is named by a digest
+of the code of the kernels and of the versions that compile it. Shipped machine code is loaded where
+code, versions and processor allow. Numba's settings, which apply to the whole process, are not
+changed.
 """
 
 import hashlib
@@ -134,16 +133,11 @@ def compiles() -> int:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
+    """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic; 0/0 raises nothing.
 
-    Divisions follow numpy (no exception on 0/0), so that a kernel must guard its singular cases.
-    With ``NUMBA_DISABLE_JIT=1`` the function stays Python, and numpy's numbers are then as silent
-    about 0/0 as compiled ones.
-
-    A closure is named after the plain values that it closes over. Its machine code has its name and
-    a number counted from the start of the process. Without these values, two closures of one
-    factory, compiled in two processes, could have the same name, and fail in a third process that
-    loads both from the cache.
+    A closure is named after the plain values that it closes over: without these, two closures of
+    one factory, compiled in two processes, could have one name, and fail in a third that loads
+    both.
     """
     return _compiled(function, inlined=True)
 

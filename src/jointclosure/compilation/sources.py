@@ -38,11 +38,11 @@ UNCOUNTED = (
 def code_digest(*names: str, titles: bool = True) -> str:
     """Return the digest (16 hexadecimal digits) of modules and of all modules that they import.
 
-    Names are those of modules below the package ("solvers.fast", "solvers" for all below it), full
-    names of modules of studies, paths of scripts (ending in .py), or functions of modules
+    Names are those of modules below the package ("solvers.fast"), full names of modules of studies,
+    paths of scripts (ending in .py), or functions of modules
     ("studies.paper.products:judge_claims"), of which only what the function uses counts. Without
-    ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, because reading
-    the syntax takes most of the time of a start.
+    ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, as reading the
+    syntax takes most of the time of a start.
     """
     scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
     files = [name.rpartition("/")[2] for name in names]

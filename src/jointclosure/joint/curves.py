@@ -33,8 +33,8 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     """Read a variable at each step of a history (steps,), by default the net closure.
 
     It is the gross closure less ``bulk_indentation``, the displacement of the half-spaces of intact
-    rock under the loaded patch as a whole (docs/model.md, "Interaction"), as laboratories report it
-    and programs that compute the deformation of the rock themselves need it.
+    rock under the loaded patch as a whole (docs/model.md, "Interaction"), as laboratories report
+    it.
     """
     if of == NET:
         return history.closure.values - history.bulk_indentation.values
@@ -83,10 +83,7 @@ def _whole_cycles(
 
 
 def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str = LOADING) -> float:
-    """Return the value where the stress (n,) [Pa] first reaches a level; NaN if never.
-
-    On unloading it is where the stress was last at the level.
-    """
+    """Return the value where the stress (n,) [Pa] is first (unloading: last) at a level, or NaN."""
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
         return float("nan")
@@ -105,10 +102,7 @@ def by_fixed_steps(history: xr.Dataset) -> bool:
 
 
 def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
-    """Return values (n,) as a monotone cubic of a stress (n,) [Pa] where that exceeds all before.
-
-    NaN beyond its ends.
-    """
+    """Return values (n,) as a monotone cubic of stress where that exceeds all before; or NaN."""
     rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
     stress, values = stress[rises], values[rises]
     if stress.size > 1:
@@ -119,10 +113,7 @@ def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
 def values_where(
     history: xr.Dataset, here: np.ndarray, values: np.ndarray, levels: np.ndarray, branch: str
 ) -> np.ndarray:
-    """Read values where the stress first reaches levels (n,) [Pa]; NaN if never.
-
-    ``here`` are the steps of the branch. Fixed steps are read linearly, as in the paper.
-    """
+    """Read values where the stress of steps ``here`` first reaches levels (n,) [Pa], or NaN."""
     stress, known = history.normal_stress.values[here], values[here]
     if by_fixed_steps(history):
         return np.array([crossing(stress, known, level, branch) for level in levels])
@@ -143,10 +134,7 @@ def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> floa
 def cycle_closures(
     history: xr.Dataset, of: str = NET, minima: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles.
-
-    ``minima`` (cycles,) [Pa] are the stresses that a whole cycle was unloaded to, by default any.
-    """
+    """Compute the closures of each cycle (cycles,) [m]; NaN unless unloaded to its minimum [Pa]."""
     closure = read_along(history, of)
     minima = np.full(int(history.load_cycle.max()), np.inf) if minima is None else minima
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
@@ -272,8 +260,8 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
 def net_responses(history: xr.Dataset) -> dict[str, np.ndarray]:
     """Return the net closures and stiffness of each cycle, as a laboratory reports them.
 
-    The stiffness is the chord of a loading from half of its maximum stress, or from the former
-    maximum if that is higher.
+    The stiffness is the chord of a loading from half of its maximum, or from a higher former
+    maximum.
     """
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.load_cycle.max())
@@ -402,9 +390,9 @@ def secant_stiffness(
 def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Compute the stiffness (cycles, 2, levels) [Pa/m] at stresses [Pa], which rises with them.
 
-    It is the slope of the concave curve nearest to the closure over stress: where contacts break,
-    the slope of the closure itself goes up and down with every step. A loading beyond the former
-    maximum has two such curves, up to it and beyond it. Landings are left out.
+    It is the slope of the concave curve nearest to the closure over stress, as the slope of the
+    closure itself goes up and down where contacts break. Beyond the former maximum there is another
+    curve.
     """
     fine = np.linspace(levels[0], levels[-1], POINTS + 1)
     closures = closures_at(history, fine, of)
@@ -479,10 +467,7 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
 
 
 def members(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return the columns of a quantity's median, low and high curve, or of its only curve.
-
-    Without a name these are the endings of columns.
-    """
+    """Return columns of a quantity's median, low and high curve, or its only one; "": endings."""
     if f"{name or 'closure_net_since_seating_mm'}_median" in curves:
         return [f"{name}_{member}" for member in ("median", "low", "high")]
     return [name]

@@ -34,12 +34,12 @@ LARGEST_IMBALANCE = 1e-6
 
 
 class Flow(NamedTuple):
-    """Flow along one direction.
+    """Flow along one direction; ``status`` is an index of `STATUSES`.
 
-    ``hydraulic_aperture`` [unit of the apertures]: aperture of parallel plates that pass the same
-    flow; 0 if blocked, NaN if not solved, a lower bound for `AT_LEAST`. ``status``: an index of
-    `STATUSES`. ``imbalance``: sum of the mass balances of the cells over the inflow. ``pressure``
-    (y, x): 1 at the inlet side, 0 at the outlet side, NaN in cells without flow.
+    ``hydraulic_aperture`` [unit of the apertures] of parallel plates that pass as much is 0 if
+    blocked, NaN if not solved, a lower bound for `AT_LEAST`; ``imbalance`` the sum of the cells'
+    mass balances over the inflow; ``pressure`` (y, x) 1 at the inlet, 0 at the outlet, NaN in cells
+    without flow.
     """
 
     hydraulic_aperture: float
@@ -49,11 +49,7 @@ class Flow(NamedTuple):
 
 
 class _Network(NamedTuple):
-    """Conductances between nodes: the cells in C order, then the inlet and the outlet.
-
-    ``first`` and ``second`` (n,) are the nodes of each face, ``shape`` (rows, columns) is that of
-    the cells.
-    """
+    """Conductances of faces between nodes (n,): cells (rows, columns) in C order, inlet, outlet."""
 
     first: np.ndarray
     second: np.ndarray
@@ -89,11 +85,10 @@ class _Network(NamedTuple):
 
 
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
-    """Compute the flow from one side of a joint to the opposite one.
+    """Compute the flow from one side of a joint to the opposite one by finite volumes.
 
-    Finite volumes: a cell has one aperture, faces have the harmonic mean of their cells' h^3, and
-    outer faces half a cell's resistance. The result is exact if apertures vary only along the flow,
-    or only across it. The sparse system is solved directly.
+    Faces have the harmonic mean of their cells' h^3, outer ones half a cell's resistance: exact if
+    apertures vary only along the flow, or only across it.
     """
     for name, value, allowed in (("direction", direction, DIRECTIONS), ("sides", sides, SIDES)):
         if value not in allowed:
@@ -124,11 +119,7 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
 
 
 def largest_hydraulic(aperture: np.ndarray, direction: str) -> float:
-    """Return an upper bound of the hydraulic aperture, however open cells are connected.
-
-    The pressure is the same along each line across the flow. Contacts are smaller than their cells,
-    so that water passes between open cells that `flow_along` separates.
-    """
+    """Return an upper bound of the hydraulic aperture: lines across the flow have one pressure."""
     across = np.mean(aperture**3, axis=0 if direction == "x" else 1)
     return float(np.cbrt(1.0 / np.mean(1.0 / across))) if across.all() else 0.0
 

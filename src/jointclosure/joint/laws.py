@@ -1,12 +1,9 @@
 """Empirical laws of closure fitted to a joint's curves, with their errors and ranges.
 
-Closure D is net and counts from the seating stress s, as in laboratories:
-
-- hyperbolic (Bandis, Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm);
-- semi-logarithmic (Bandis et al. 1983, mismatched joints): log10(sigma) = p + q D;
-- power (Swan 1983): D = c (sigma - s)^m.
-
-The law of Barton and Bandis for mated joints is there for comparison; it is not measured data.
+Closure D is net and counts from the seating stress s, as in laboratories. Hyperbolic (Bandis,
+Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm); semi-logarithmic (Bandis et al. 1983,
+mismatched joints): log10(sigma) = p + q D; power (Swan 1983): D = c (sigma - s)^m. The law of
+Barton and Bandis for mated joints is there for comparison; it is not measured data.
 """
 
 from collections.abc import Callable, Sequence
@@ -101,10 +98,7 @@ LAWS = {
 
 
 def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress [MPa] and closure since seating [mm] by cycle and branch.
-
-    A loading beyond the former maximum is left out: it follows another law beyond it.
-    """
+    """Read stress [MPa], closure since seating [mm] by cycle and branch, none beyond a maximum."""
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
     for index in range(int(history.load_cycle.max())):
@@ -205,10 +199,7 @@ class BartonBandis(NamedTuple):
         )
 
     def results(self, normal_stress: float, seating: float = 0.0) -> dict[str, float]:
-        """Return results [SI] of a loading to a stress [Pa] by the names of the model's.
-
-        For a law ``since`` a seating stress [Pa] that is the ``seating``.
-        """
+        """Return results [SI] of a loading to a stress [Pa] by the names of the model's."""
         half, whole = self.closure(np.array([0.5, 1.0]) * normal_stress - seating)
         return {
             "kni_net": self.initial_stiffness,

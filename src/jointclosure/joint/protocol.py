@@ -1,7 +1,4 @@
-"""Load cycles of a joint under displacement control.
-
-The protocol works with any solver of the registry. See docs/decisions.md#0005-protocol.
-"""
+"""Load cycles of a joint under displacement control, with any solver of the registry."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -64,10 +61,7 @@ shorter steps stayed below it."""
 
 
 class Step(NamedTuple):
-    """One accepted point of the history, with its cycle, branch and mean height of the walls [m].
-
-    The mean height of both walls together falls if broken material vanishes.
-    """
+    """One accepted point of the history; the walls' mean height [m] falls if material vanishes."""
 
     cycle: int
     branch: str
@@ -78,8 +72,8 @@ class Step(NamedTuple):
 class History(NamedTuple):
     """All accepted steps in order, status bits, total effort, and number of replayed cycles.
 
-    In ``idle_steps`` of the first loading there was no interaction, which would displace no contact
-    by more than ``idle_displacement`` of the closure.
+    In ``idle_steps`` of the first loading the interaction, which would displace no contact by more
+    than ``idle_displacement`` of the closure, was left out.
     """
 
     steps: list[Step]
@@ -257,10 +251,7 @@ def _show_elastic(joint, solver, history: History, observers: Sequence[Observer]
 def _load(
     run: _Run, cycle: int, former: float, displacement_step: float, breakage_step: float
 ) -> None:
-    """Close by steps until the force passes the target, then approach the target.
-
-    ``former`` is the largest maximum of the cycles before [N].
-    """
+    """Close by steps until the force passes the target, then approach it; former maximum [N]."""
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
     control = None
@@ -461,10 +452,7 @@ def _mean_height(joint: Joint) -> float:
 
 
 def _pays_without_interaction(joint: Joint, largest: float) -> bool:
-    """Return whether a history to a largest force [N] may begin without interaction.
-
-    Neither few nor most cells carry it at a pressure of the strength (docs/effects.md).
-    """
+    """Return whether neither few nor most cells carry a force [N] at the strength."""
     cells = largest / (joint.compressive_strength * joint.law.spacing**2)
     return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
 

@@ -143,10 +143,7 @@ def close_walls(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before.
-
-    ``solver_of`` makes the solver from its name.
-    """
+    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before."""
     spacing = conditions.grid_spacing
     upper, lower = checked_walls(upper, lower, spacing)
     conditions = conditions._replace(unusual_values=True).checked(snapshots)

@@ -12,10 +12,7 @@ from jointclosure.solvers.joint import Joint
 
 
 class Fields(NamedTuple):
-    """Fields on the cells (y, x) [m]: displacement by all other contacts, and overlap delta_S.
-
-    The overlap is negative where the walls are apart; its size is the aperture there.
-    """
+    """Displacement by all other contacts, and overlap delta_S, negative if apart: (y, x) [m]."""
 
     displacement: np.ndarray
     overlap: np.ndarray

@@ -1,8 +1,7 @@
 """Displacement steps of a history: their least number, and with resolved breakage their size.
 
 The size follows from estimates of the error, see docs/decisions.md#0010-resolved-breakage. Joints
-are refused before anything breaks if they would run for practically unlimited time: by a very large
-number of displacement steps, or because resolved breakage crushes the rock to powder.
+are refused before anything breaks if they would run for practically unlimited time.
 """
 
 import math
@@ -42,10 +41,7 @@ _MOST_SHORTENED = 4
 
 
 class StepControl:
-    """Selection of the displacement steps of one branch [m], whose maximum is a force [N].
-
-    Loadings are virgin beyond their ``former`` maximum [N]; infinite for unloading.
-    """
+    """Selection of the steps [m] of one branch to a force [N]; virgin beyond a former one [N]."""
 
     def __init__(self, numerics: Numerics, given: float, target_force: float, former: float):
         self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
@@ -97,11 +93,7 @@ class StepControl:
         return self.after(step, force, rise, settled.correction / (self._most_missed * scale))
 
     def after(self, step: float, force: float, change: float, missed: float = 0.0) -> float:
-        """Return the next step [m] after one that changed the force by ``change`` [N].
-
-        ``force`` is the smaller one of the step, ``missed`` the error of its prediction over the
-        allowed one.
-        """
+        """Return the step [m] after a ``change`` of force [N]; ``missed`` error over allowed."""
         factor = _AIM / max(missed, change / self._most_change(force), 0.01)
         longer = step * min(max(factor, 0.25), 2.0)
         return min(max(longer, self._smallest), self._largest)

@@ -28,10 +28,7 @@ from jointclosure.walls.synthesis import wall_pair
 
 
 def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[list[str]]:
-    """Return the distinct settings that kernels depend on, as words.
-
-    They are scene, peaks, bound of strength, solver and breakage.
-    """
+    """Return distinct scene, peaks, bound of strength, solver and breakage, as words."""
     distinct = {
         (scene_name(scene), choices.peaks, choices.strength_bound, given.solver, given.breakage)
         for scene, choices, given in settings
@@ -57,8 +54,7 @@ def compile_kernels(
 def main(words: list[str]) -> None:
     """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only.
 
-    With "ship" first they are compiled for many processors, as a part of the package (`SHIPPED`),
-    and those of other versions are removed from it.
+    With "ship" first they are compiled for many processors, as a part of the package (`SHIPPED`).
     """
     if words[:1] == ["ship"]:
         environment = {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}

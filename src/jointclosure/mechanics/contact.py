@@ -1,13 +1,8 @@
 """Hertz contact of one pair of asperities on their substrates, Eqs. (3) to (12).
 
-The paper solves for the asperity deformation delta_a and prints a cubic,
-Eq. (13), with the wrong sign under its root. Here the force is the unknown,
-
-    A F + B F^(2/3) = delta_S,
-
-with the compliance A of the substrates (0 without them) and B of the asperities.
-The equation has one positive root for every delta_S > 0 and is regular for flat
-contacts (B = 0) and without substrate (A = 0). See
+The paper prints a cubic, Eq. (13), with the wrong sign under its root. Here the force is the
+unknown, A F + B F^(2/3) = delta_S, with the compliance A of the substrates and B of the asperities:
+one positive root for every delta_S > 0, regular for A = 0 or B = 0. See
 docs/decisions.md#0001-contact-cubic.
 """
 
@@ -65,20 +60,13 @@ def equivalent_modulus(upper_modulus, lower_modulus):
 
 @kernel
 def substrate_compliance(base_radius, equivalent_modulus):
-    """Compute A = (delta_t + delta_b) / F [m/N] of both substrates, Eqs. (6) and (7).
-
-    The base radius r is in [m]; the modulus 1 / (1/E_t* + 1/E_b*) [Pa] is that of the rock, not of
-    its peaks.
-    """
+    """Compute A = (delta_t + delta_b) / F [m/N] of both substrates, Eqs. (6) and (7)."""
     return 0.75 / (base_radius * equivalent_modulus)
 
 
 @kernel
 def asperity_compliance(curvature, asperity_modulus):
-    """Compute B = delta_a / F^(2/3) [m N^(-2/3)] of the asperities, Eq. (5) inverted.
-
-    The curvature is kappa_a = 1/R_a = 1/R_at + 1/R_ab [1/m], Eq. (3), the modulus E_a* [Pa].
-    """
+    """Compute B = delta_a / F^(2/3) [m N^(-2/3)] of asperities, kappa_a = 1/R_a, Eqs. (3), (5)."""
     return cube_root(9.0 * curvature / (16.0 * asperity_modulus * asperity_modulus))
 
 
@@ -109,11 +97,7 @@ def force_of_overlap(overlap, substrate, asperity):
 
 @kernel
 def root_from(overlap, substrate, asperity, guess):
-    """Return an upper bound of F^(1/3), and whether it is the root, see `force_of_overlap`.
-
-    A guess (0 for none) saves most of the work: a Newton step from below the root ends above it. If
-    the step is large, the guess was poor and is not used.
-    """
+    """Return an upper bound of F^(1/3), and whether it is the root; a poor guess is not used."""
     if not overlap > 0.0:
         return 0.0, True
     if guess > 0.0 and asperity > 0.0:
@@ -137,10 +121,7 @@ def newton_root(overlap, substrate, asperity, t):
 
 @kernel
 def shorter_root(overlap, substrate, asperity, t):
-    """Do one Newton step from an upper bound of F^(1/3); return it and whether it is the root.
-
-    There is no branch, so that a loop over many contacts becomes vector code.
-    """
+    """Do a Newton step from an upper bound of F^(1/3); return it and whether it is the root."""
     shorter = newton_root(overlap, substrate, asperity, t)
     falls = shorter < t
     # after so small a step the next one would change at most the last digit

@@ -1,8 +1,7 @@
 """Distribution of the material of a broken asperity (Section 3 of the paper).
 
-All kernels work on a cell of one wall and its eight neighbours in the order (-1,-1) (-1,0) (-1,1)
-(0,-1) (0,1) (1,-1) (1,0) (1,1) of (y, x) offsets. A neighbour outside the grid has infinite height,
-so that it receives no gouge.
+The eight neighbours of a cell are in the order (-1,-1) (-1,0) (-1,1) (0,-1) (0,1) (1,-1) (1,0)
+(1,1) of (y, x) offsets. One outside the grid has infinite height, so that it receives no gouge.
 """
 
 import math
@@ -12,10 +11,7 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def upper_share(upper_curvature, lower_curvature):
-    """Compute the share of the upper wall in a height reduction.
-
-    The sharper asperity loses more: (1/R_t) / (1/R_t + 1/R_b), a half if both are flat.
-    """
+    """Compute the upper wall's share of a loss: (1/R_t) / (1/R_t + 1/R_b), 1/2 if both are flat."""
     total = upper_curvature + lower_curvature
     if total == 0.0:
         return 0.5
@@ -24,10 +20,7 @@ def upper_share(upper_curvature, lower_curvature):
 
 @kernel
 def passed_share(share, total_upper, total_lower):
-    """Return the upper wall's share if a wall without lower neighbours passes its share on.
-
-    A pair with both totals of `drops` 0 is locked and does not break.
-    """
+    """Return the upper wall's share if a wall without lower neighbours passes its share on."""
     if total_upper == 0.0:
         return 0.0
     if total_lower == 0.0:
@@ -44,11 +37,7 @@ def fall(here, there, tie_tolerance):
 
 @kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Compute height differences (8,) [m] to the lower neighbours: their sum and the smallest.
-
-    ``out`` receives them, 0 for neighbours that are not lower by more than the tolerance; without a
-    lower neighbour the sum is 0 and the smallest infinite.
-    """
+    """Compute height differences (8,) [m] to lower neighbours, 0 for others: sum and smallest."""
     least = math.inf
     for k in range(8):
         out[k] = fall(height, neighbours[k], tie_tolerance)
@@ -61,8 +50,7 @@ def drops(height, neighbours, tie_tolerance, out):
 def shed(neighbours, loss, differences, total, least):
     """Distribute the loss [m] of a cell on its lower neighbours (8,), in proportion to the drop.
 
-    Return the loss, limited so that no neighbour is raised above the lowered cell: at the limit the
-    closest one, ``least`` below, is level with it. The other arguments are those of `drops`.
+    Return the loss, limited so that no neighbour is raised above the lowered cell.
     """
     if loss * (total + least) > least * total:
         rate = least / (total + least)

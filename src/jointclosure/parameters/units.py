@@ -31,13 +31,11 @@ def unit_meant(value: float, low: float, high: float, unit: str) -> str:
 
 
 class Property(NamedTuple):
-    """Metadata of a property that a configuration gives and a study can vary.
+    """Metadata that annotates a field: ``Annotated[float, Property(...)]``.
 
-    It annotates a field: ``Annotated[float, Property(...)]``. ``long_name`` is the name within a
-    sentence, ``unit`` that of tables and configurations ("1" for none), ``symbol`` in ASCII
-    ("sigma_c"). ``interval`` is the closed range of allowed values [SI]; None allows any positive
-    number, and infinity too if ``may_be_infinite``. Outside of the range ``usual`` [SI] a value is
-    probably in a wrong unit. ``heading`` is that of its row in tables, if not title and symbol.
+    ``unit`` is that of tables and configurations ("1" for none), ``symbol`` in ASCII ("sigma_c").
+    ``interval`` is the closed range of allowed values [SI]; None allows any positive number, and
+    infinity if ``may_be_infinite``. Outside of ``usual`` [SI] a value is probably in a wrong unit.
     """
 
     long_name: str

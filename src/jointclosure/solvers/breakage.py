@@ -1,16 +1,14 @@
 """Breakage until rest at fixed closure and fixed interaction.
 
 An overstressed pair is lowered until it holds, has lost contact or is locked, and its gouge is
-distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the overstressed ones are
-selected, break up to `_MOST_PASSES` steps in a row (`jointclosure.solvers.pair_batch`), and are
-written back; they and overlapping neighbours then wait. When no pair waits, all overlapping pairs
-are checked again, until nothing breaks.
+distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the overstressed ones
+break up to `_MOST_PASSES` steps in a row and are written back; they and overlapping neighbours then
+wait. When no pair waits, all overlapping pairs are checked again, until nothing breaks.
 
 The model does not prescribe the order of breakage (docs/decisions.md#0006-order-of-breakage).
 Resolved breakage lowers all waiting pairs from the same walls, and then adds up what each has lost
-and shed: neither the place of a pair nor the last digit decides which of two breaks first. With
-fixed steps pairs are coloured so that the neighbourhoods of one colour do not overlap, and the
-colours are processed in turn.
+and shed. With fixed steps pairs are coloured so that the neighbourhoods of one colour do not
+overlap, and the colours are processed in turn.
 """
 
 import math
@@ -50,11 +48,7 @@ _MOST_PASSES = 4
 
 
 class Cells(NamedTuple):
-    """A joint as flat arrays with a margin around it, with rows of ``stride``.
-
-    Heights and ``approach`` [m] as in `jointclosure.solvers.pair_batch`; ``kind`` is the state of a
-    pair from `jointclosure.solvers.cells.peak_map`.
-    """
+    """Heights, approach [m], state of pairs, locked ones: flat, with margin; row ``stride``."""
 
     upper: np.ndarray
     lower: np.ndarray

@@ -90,10 +90,8 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
 class CoarseSpace(NamedTuple):
     """Number (p,) of each patch of the grid, -1 without contact, and inverse (c, c) of the system.
 
-    Both are empty if there are no patches. It stays a preconditioner when contacts and stiffnesses
-    change; contacts in new patches have no share. At one closure of a joint products do not become
-    more; kept until the stiffness of all contacts has changed by a factor of 2 they become 5 to
-    16 % more (dolerite, siltstone; 30 MPa).
+    It stays a preconditioner when contacts and stiffnesses change; contacts in new patches have no
+    share.
     """
 
     number: np.ndarray

@@ -20,11 +20,7 @@ from jointclosure.mechanics.contact import (
 
 
 class Contacts(NamedTuple):
-    """Cells (n,) that may carry force, and their laws.
-
-    ``cells`` are flat indices, ``overlap`` g [m], ``compliance`` B [m N^(-2/3)], ``limit`` C [N],
-    ``substrate`` A [m/N].
-    """
+    """Cells (n,) by flat index, overlap g [m], compliance B [m N^(-2/3)], limit C [N]; A [m/N]."""
 
     cells: np.ndarray
     overlap: np.ndarray

@@ -1,8 +1,4 @@
-"""Closure at given forces without breakage.
-
-Without breakage a joint has no history: each force has one closure, the solution of one convex
-problem, and loading and unloading are one curve. No displacement steps are taken.
-"""
+"""Closure at given forces without breakage: each force has one closure, of one convex problem."""
 
 from typing import NamedTuple
 
@@ -29,11 +25,7 @@ _FEW = 0.1
 
 
 class _Point(NamedTuple):
-    """Point of the curve: forces [N], gap [m], closure [m] and total force [N].
-
-    Forces and ``gap`` (overlap less interaction) are those of all cells (y x,). The gap of cells
-    far from contact is an upper bound, or NaN if it is unknown.
-    """
+    """Forces [N], gaps (overlap less interaction, a bound, or NaN) of all cells, closure [m]."""
 
     force: np.ndarray
     gap: np.ndarray
@@ -44,9 +36,8 @@ class _Point(NamedTuple):
 class _Candidates:
     """Cells that may be in contact up to some closure, and their influence on each other.
 
-    If there are many, a third of them are in contact and push the others away. Therefore
-    equilibrium is solved for a *working set*, and further cells that come into contact are added to
-    it.
+    Equilibrium is solved for a *working set*, to which further cells that come into contact are
+    added.
     """
 
     def __init__(self, joint: Joint, reach: float):

@@ -1,21 +1,12 @@
 """Equilibrium of forces: a convex complementarity problem.
 
-Find forces 0 <= F <= C such that, with the geometric overlap g, the closure's
-shift D, the interaction K and the law of one contact F = psi(overlap),
-
-    F_i = min(C_i, psi_i(g_i + D - (K F)_i)),     psi = 0 where there is no overlap.
-
-These are the optimality conditions of
-
-    min  sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - (g + D).F   over 0 <= F <= C,
-
-strictly convex because A + K is positive definite for a base radius of at most a
-cell (Choices.base_radius_in_cells). Therefore the solution is unique and does not
-depend on the method: docs/decisions.md#0004-equilibrium. The limits C are
-infinite for elastic contacts, and the strength of the contacts if breakage is resolved.
-
-Either the shift is given (0), or the total force is given and the shift is its
-Lagrange multiplier: the closure at which the joint carries that force.
+Find 0 <= F <= C with F_i = min(C_i, psi_i(g_i + D - (K F)_i)) for the geometric overlap g, the
+closure's shift D, the interaction K and the law of one contact F = psi(overlap). These are the
+optimality conditions of min sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - (g + D).F,
+strictly convex because A + K is positive definite for a base radius of at most a cell:
+docs/decisions.md#0004-equilibrium. The limits C are infinite for elastic contacts, and the strength
+if breakage is resolved. Either the shift is given (0), or the total force, whose Lagrange
+multiplier it is.
 """
 
 import math

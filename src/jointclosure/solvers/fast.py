@@ -1,30 +1,16 @@
 """Fast solver: alternates breakage until rest and equilibrium.
 
-The paper returns to the detection of contacts after every single breakage. Here a
-joint is brought to rest at a closure in *rounds*, each with two parts:
+A joint is brought to rest at a closure in *rounds*: with the interaction held, pairs break until
+all are within their strength; with the walls held, forces and their interaction are solved for.
+Rounds are repeated until an equilibrium breaks nothing. An approximate solution determines what
+breaks next, so that the residual is reduced in *stages*: first `PROVISIONAL_TOLERANCES`, then the
+required one.
 
-- breakage: with the interaction held, pairs break until all are within their strength;
-- equilibrium: with the walls held, forces and their interaction are solved for.
-
-Rounds are repeated until an equilibrium breaks nothing. An approximate solution is sufficient to
-determine what breaks next. Therefore the residual is reduced in *stages*: first
-`PROVISIONAL_TOLERANCES`, then the required one. A stage ends with its first equilibrium that
-breaks nothing.
-
-The first round begins in one of three ways:
-
-- nothing can break: one equilibrium to the required residual, without breakage;
-- fixed breakage steps: breakage at the interaction extrapolated from the steps before. The step
-  is elastic if nothing breaks, if the joint opens, or if it is closed again up to a closure where
-  all contacts are known to hold (`Joint.held_to`; there an extrapolated interaction may be too
-  small, so that contacts that hold would break). Then the forces are extrapolated too, and the
-  equilibrium is solved to the required residual;
-- resolved breakage: an equilibrium in which no contact exceeds its strength, from extrapolated
-  forces and interaction, docs/decisions.md#0010-resolved-breakage. The difference between its
-  force and the force at rest measures the error of the step.
-
-Finally the residual is recomputed from walls and forces alone. If it exceeds the required one,
-the solution is refined; if that does not help, it has failed.
+If nothing can break, the first round is one equilibrium. With fixed steps it is breakage at the
+extrapolated interaction; if nothing breaks, the joint opens, or all contacts are known to hold
+(`Joint.held_to`), the forces are extrapolated too. With resolved breakage it is an equilibrium in
+which no contact exceeds its strength; the difference of its force to that at rest measures the
+error of the step.
 """
 
 import numpy as np
@@ -115,11 +101,7 @@ class _GivenUp(Exception):
 
 
 class _PathToRest:
-    """Joint on its way to rest at a closure [m], and the effort so far.
-
-    ``locked`` is the map (y, x) of pairs that could not break in the last breakage. ``solved_to``
-    is the residual of the present forces.
-    """
+    """Joint on its way to rest at a closure [m]; residual ``solved_to``, and effort."""
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint, self.closure, self.breakage_step = joint, closure, breakage_step

@@ -22,14 +22,10 @@ _PATCH, _PATCHES_ACROSS = 7, 20
 class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
-    ``table`` (ny, nx) is indexed by distance in cells, with 0 at distance 0: the
-    displacement of a contact by itself is the substrate's term. ``spectrum`` (columns // 2 + 1,
-    rows) is the transform of the table wrapped around a grid of (rows, columns), large
-    enough to avoid periodic images. ``padded`` and ``field`` (ny, columns), the first zero beyond
-    nx, and ``wave``, like the spectrum, are working memory. ``patch_table`` is the mean
-    influence between square patches of ``patch`` cells by distance in patches, ``patch_of`` the
-    patch of each cell by flat index. Spectrum, working memory and patches are empty if they are not
-    needed.
+    ``table`` (ny, nx) is by distance in cells, 0 at distance 0, which is the substrate's term.
+    ``spectrum`` (columns // 2 + 1, rows) is its transform, wrapped around a grid without periodic
+    images; ``padded``, ``field`` (ny, columns) and ``wave`` are work space. ``patch_table`` is the
+    mean influence between patches of ``patch`` cells, ``patch_of`` the patch of each cell.
     """
 
     table: np.ndarray
@@ -114,12 +110,11 @@ def displacement_between(wide, middle, place, sources, force):
 
 
 class Neighbours:
-    """Cells that overlapped recently, and the influence matrix between them.
+    """Cells (n,) that overlapped recently, by flat index, and the influence matrix between them.
 
-    From round to round of a joint nearly the same cells overlap. Their matrix is stored, and rows
-    are added for new cells. If over a quarter of it is unused, it is started again. ``cells`` (n,)
-    are flat indices in order of their first use. ``matrix`` (m, m) has the influences between them
-    in its first n rows and columns.
+    Nearly the same cells overlap from round to round, so that rows are added for new cells. If over
+    a quarter of it is unused, it is started again. ``matrix`` (m, m) is filled in n rows and
+    columns.
     """
 
     def __init__(self, table: np.ndarray):

@@ -41,9 +41,8 @@ _RATES = 2
 class Effort(NamedTuple):
     """Effort of settling a joint, in counts that do not depend on the machine.
 
-    ``settled`` states, including discarded ones; ``rounds``, equilibria solved, one after each
-    breakage; ``newton_steps``; ``products`` with the interaction (reference solver: sweeps);
-    ``breakage_steps``, the number of times that a pair was lowered.
+    ``rounds`` are equilibria solved, one after each breakage; ``products`` those with the
+    interaction (reference solver: sweeps); ``breakage_steps`` how often a pair was lowered.
     """
 
     settled: int = 0
@@ -60,10 +59,10 @@ class Effort(NamedTuple):
 class Settled(NamedTuple):
     """Joint at rest: in equilibrium, with every contact held or locked.
 
-    Shares are those of the total force on locked contacts (beyond their strength, without lower
-    neighbours for their gouge) and on flat ones (no curvature, or only due to rounding, so that Eq.
-    (22) gives almost no stress). ``correction`` [N] is the difference between the total force and
-    its prediction before anything broke (resolved breakage), a measure of the error of a step.
+    Shares are those of the force on locked contacts (beyond their strength, without lower
+    neighbours for their gouge) and on flat ones (no curvature but by rounding). ``correction`` [N]
+    is the total force less its prediction before anything broke (resolved breakage), a measure of a
+    step's error.
     """
 
     outcome: int
@@ -133,10 +132,7 @@ class Joint:
         return influence_of(self.influence_table)
 
     def weaken_crushed(self) -> bool:
-        """Take pairs of which a cell lies below its pristine height as crushed; True if any is new.
-
-        They have the strength of crushed rock, `Choices.crushed_strength_ratio`.
-        """
+        """Take pairs with a cell below its pristine height as crushed; return if any is new."""
         if not self.pristine:
             return False
         walls = zip((self.upper, self.lower), self.pristine, strict=True)
@@ -262,10 +258,8 @@ class Solver(Protocol):
     """Interface of solvers, which bring a joint to rest at a closure from any state.
 
     ``elastic_curve(joint, targets)`` closes an elastic joint to total forces (t,) [N] without
-    steps, see `jointclosure.solvers.elastic`; it is None if a solver can only take steps.
-    ``predict(joint, closure, residual)`` returns the total force [N] at a closure [m] before
-    anything breaks, to a relative residual, and its effort. It is needed for resolved breakage, and
-    None if a solver has none. It does not change the walls, but the forces.
+    steps. ``predict(joint, closure, residual)`` returns the total force [N] before anything breaks,
+    and its effort; it changes the forces. Both are None if a solver has none.
     """
 
     @property

@@ -21,11 +21,9 @@ ROUNDING = 2.0**-52
 class Equilibrium(NamedTuple):
     """Forces [N] and interaction [m] at the cells (n,), with residual and effort.
 
-    ``shift`` D [m] is 0 if it was given. ``residual`` is sum |F - G| / sum G with the answers G =
-    min(C, psi(g + D - K F)) to the returned forces F, and for a given total force T at least |sum F
-    - T| / sum G. ``products`` counts the products with the interaction. ``field`` is the
-    interaction (y, x) [m] at all cells of the grid if it was computed with that of the contacts,
-    otherwise empty. ``space`` is the coarse space that was used.
+    ``residual`` is sum |F - G| / sum G with the answers G = min(C, psi(g + D - K F)) to the forces
+    F, and for a given total force T at least |sum F - T| / sum G. ``field`` is the interaction (y,
+    x) [m] at all cells if it was computed with that of the contacts, otherwise empty.
     """
 
     force: np.ndarray
@@ -39,11 +37,7 @@ class Equilibrium(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Problem of `jointclosure.solvers.equilibrium.solve_equilibrium`.
-
-    ``target`` is NaN if the shift is given. ``answer`` and ``secant`` (n,) and ``grid`` (y, x), all
-    zero, are working memory.
-    """
+    """Problem of `solve_equilibrium`; answer, secant (n,) and grid (y, x) are work space."""
 
     influence: Influence
     matrix: np.ndarray
@@ -55,11 +49,7 @@ class Problem(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Forces (n,) [N], their interaction (n,) and (y, x) [m], and distance from equilibrium.
-
-    ``difference`` is sum |F - answer| and ``total`` sum answer [N]. ``missing`` is the difference
-    to the target [N].
-    """
+    """Forces (n,) [N], interaction (n,) and (y, x) [m]; sums of |F - answer| and of answers [N]."""
 
     force: np.ndarray
     elastic_displacement: np.ndarray

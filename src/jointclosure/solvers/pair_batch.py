@@ -1,21 +1,13 @@
 """Arithmetic of one breakage step for many pairs of cells at a time.
 
-A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap, with all data that
-a breakage step needs. The parts of a step are
+A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap. A step is `assess`,
+`measure_drops` (with gouge), `share_losses`, `fixed_losses` or `returning_losses`, and
+`shed_losses`. Every field has contiguous values for all pairs in one block of memory, so that LLVM
+generates vector code: ``a if condition else b`` is a selection there, not a branch, and values that
+do not apply to a pair are computed and not used.
 
-1. `assess`: curvatures, overlap, and which pairs exceed their strength;
-2. `measure_drops`: drops to their lower neighbours, which receive gouge (with gouge);
-3. `share_losses`: shares of the walls in a loss of 1, and which pairs are locked;
-4. `fixed_losses` or `returning_losses`: size of the loss;
-5. `shed_losses`: the cells are lowered, and their neighbours raised by the gouge.
-
-Every field has contiguous values for all pairs, and a fixed place in one block of memory.
-Therefore each loop over pairs runs over contiguous numbers, without a branch, and LLVM can
-prove that they do not overlap and generate vector code. Values that do not apply to a pair
-are computed and then not used: ``a if condition else b`` is a selection there, not a branch.
-
-The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell itself at
-`CENTRE`; heights outside the grid are infinite.
+The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell itself at `CENTRE`;
+heights outside the grid are infinite.
 """
 
 import math

@@ -63,9 +63,9 @@ def symmetric_times(matrix, vector):
 def symmetric_inverse(matrix):
     """Invert a symmetric positive definite matrix (n, n) by sweeping pivot by pivot.
 
-    The sweep operator (Goodnight 1979) on the lower triangle needs no pivoting for a positive
-    definite matrix. `PIVOTS` pivots share one pass over the matrix. Every element is computed by
-    the same operations in the same order as pivot by pivot.
+    The sweep operator (Goodnight 1979) on the lower triangle needs no pivoting then. `PIVOTS`
+    pivots share one pass over the matrix, with the same operations in the same order as pivot by
+    pivot.
     """
     n = matrix.shape[0]
     wide = n + -n % LANES  # whole vectors: what they add to the upper triangle is not used

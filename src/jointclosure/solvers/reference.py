@@ -1,8 +1,6 @@
-"""Reference solver: Section 3 of the paper, step by step.
+"""Reference solver: Section 3 of the paper, step by step, for comparison.
 
-It is written for comparison with the paper, not for speed: after every breakage it returns to step
-2, the detection of contacts. Numbers in the comments are the paper's steps (first list) and its
-breakage steps (second).
+Numbers in the comments are the paper's steps (first list) and its breakage steps (second).
 """
 
 from functools import lru_cache

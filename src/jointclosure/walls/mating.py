@@ -142,10 +142,7 @@ def _profile(
 def slope_correlations(
     fixed: np.ndarray, shape: tuple[int, int], least_overlap: float
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function of a field of a shape (y, x): the correlation of slopes over its shifts.
-
-    Shifts are ordered as in a Fourier transform. NaN below ``least_overlap`` of the smaller field.
-    """
+    """Return a function of a field (y, x): correlation of slopes by shift, as transforms."""
     size = [
         scipy.fft.next_fast_len(a + b - 2, True) for a, b in zip(fixed.shape, shape, strict=True)
     ]

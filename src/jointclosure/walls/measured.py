@@ -135,11 +135,9 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
 def wall_on_grid(
     scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return the heights (y, x) [m] of a scan less its plane on a square grid, NaN where unknown.
+    """Return heights (y, x) [m] of a scan less its plane on a square grid, NaN where unknown.
 
-    A grid whose spacing divides that of the joint is thinned, other grids are interpolated by cubic
-    splines, and points linearly in the triangles between them. ``bounds`` (2, 2) are the smallest
-    and largest (x, y) [m] of the grid for points, by default those of the points.
+    ``bounds`` (2, 2) are the ends (x, y) [m] of the grid of points, by default those of the points.
     """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:

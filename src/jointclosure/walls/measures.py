@@ -111,10 +111,7 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
 
 
 def hurst_of(heights: np.ndarray) -> float:
-    """Hurst exponent of a wall (y, x) by second differences, which need no plane removed.
-
-    First differences give 0.1 and more too little (Kent & Wood 1997; docs/two_scans.md).
-    """
+    """Hurst exponent of a wall (y, x) by second differences; first ones give 0.1 and more less."""
     return _scaling(heights, 1.0)[_EXPONENTS[2]]
 
 

@@ -1,9 +1,8 @@
 """Rigid motion that lays the scan of one wall on that of the other, in six degrees of freedom.
 
-Rotations over the full circle are compared by the correlation of slopes over all shifts, on blocks
-of cells. Least squares with robust weights follow on walls that are smoothed less and less; the
-smoothing with the smallest standard errors is used, because it leaves out waves that do not mate.
-Errors are those of sums over tiles, so that residuals may be correlated within a tile.
+Rotations over the full circle are compared by the correlation of slopes over all shifts. Least
+squares follow on walls that are smoothed less and less; the smoothing with the smallest standard
+errors is used, because it leaves out waves that do not mate.
 """
 
 import math
@@ -63,8 +62,8 @@ _INVERSIONS = 8
 class Motion(NamedTuple):
     """Rotation (3, 3) about a ``middle`` (x, y, z) [m] that comes to lie at a ``place``.
 
-    The rotation follows a ``flip``, the reflection of an orientation. ``covariance`` is that of the
-    rotation about the normal [rad] and of the shift along x and y [m].
+    It follows a ``flip``, the reflection of an orientation. ``covariance`` is that of the rotation
+    about the normal [rad] and of the shift (x, y) [m].
     """
 
     flip: np.ndarray
@@ -142,10 +141,9 @@ def unmoved(points: np.ndarray, flip: np.ndarray) -> Motion:
 
 
 def on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Return the motion that lays nodes of a grid on those of another one, if it is about as near.
+    """Lay nodes of a grid on those of another, with a node ``low`` (x, y), if about as near.
 
-    The corners move by at most ``most`` [m]. Heights need not be interpolated then. ``low`` (x, y)
-    is a node of the other grid.
+    Heights need not be interpolated then. Corners move by at most ``most`` [m].
     """
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
@@ -240,10 +238,7 @@ def _levelling(slopes: tuple[float, float]) -> np.ndarray:
 
 
 class Fit(NamedTuple):
-    """Correlation of slopes on blocks, at the best shift (x, y) [m] of the middles.
-
-    The upper wall lies as an orientation says, turned by an angle [degrees].
-    """
+    """Best correlation of slopes on blocks at an angle [degrees]; shift (x, y) [m] of middles."""
 
     orientation: str
     correlation: float
@@ -337,11 +332,10 @@ def _smoothed(surface: Surface, smoothing: float) -> np.ndarray:
 def _least_squares(
     upper: Surface, lower: Surface, start: Motion, smoothing: float, wide: bool
 ) -> tuple[Motion, float] | None:
-    """Move the smoothed upper wall to where it differs least from the lower one.
+    """Move the smoothed upper wall to where it differs least; return the motion and its error [m].
 
     Gauss-Newton on the differences of heights, with weights of the Cauchy distribution. ``wide``
-    means over `WIDE` smoothings are compared apart from the rest, each over its size, for walls
-    whose long waves differ most. Returns the motion and its error [m].
+    compares means over `WIDE` smoothings apart from the rest, each over its size.
     """
     fine, heights = (_smoothed(surface, smoothing) for surface in (upper, lower))
     step = max(math.ceil(math.sqrt(fine.size / MOST_POINTS)), int(0.5 * smoothing))
@@ -410,10 +404,7 @@ def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarr
 
 
 def _tiled_covariance(gradients: np.ndarray, inverse: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the covariance (6, 6) of a fit whose residuals are correlated within tiles.
-
-    ``gradients`` (n, 6) are those of the sum of squares at ``places`` (2, n) [cells].
-    """
+    """Return the covariance (6, 6) of a fit, gradients (n, 6) summed in tiles of places (2, n)."""
     low, high = places.min(axis=1, keepdims=True), places.max(axis=1, keepdims=True)
     row, column = np.minimum((places - low) / (high - low) * TILES, TILES - 1).astype(int)
     sums = np.stack([np.bincount(row * TILES + column, g, TILES**2) for g in gradients.T])

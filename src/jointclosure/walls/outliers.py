@@ -33,10 +33,7 @@ def strays(points: np.ndarray) -> np.ndarray:
 
 
 def _apart(places: np.ndarray) -> np.ndarray:
-    """Return which places (n, 2) are in patches of less than 1 % apart from the largest one.
-
-    Cells of five median distances of neighbours join points into patches.
-    """
+    """Return which places (n, 2) are in patches of less than 1 % apart from the largest one."""
     distances = scipy.spatial.cKDTree(places).query(places, k=2)[0][:, 1]
     if not (distances > 0.0).any():
         return np.zeros(len(places), bool)

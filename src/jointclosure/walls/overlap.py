@@ -46,10 +46,7 @@ def overlap_of(
     largest_filled_share: float,
     upper_at: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Overlap:
-    """Find the largest rectangle in which both clouds (n, 3) [m] are known, with few holes.
-
-    Its nodes are those of the lower wall; ``upper_at`` gives heights of a scanned grid there.
-    """
+    """Find the largest rectangle where both clouds (n, 3) [m] are known, on the lower's nodes."""
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
     low = corners[1][0] + spacing * np.ceil((low - corners[1][0]) / spacing - 1e-6)

@@ -65,12 +65,12 @@ _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
 class RegisteredPair(NamedTuple):
     """Two registered walls on a grid of ``spacing`` [m]; places are (y, x).
 
-    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` is their
-    distance at ``first_touch``, ``holes`` are cells taken out of contact because a scan has no
-    height there. ``fits`` are those of all `ORIENTATIONS`, the best first; ``motion`` was applied
-    to the upper wall, ``mated`` is that of best fit, or None. ``correlation`` is
-    that of heights, ``mating`` by wavelength, ``overlap`` the share of the smaller scan, ``first``
-    the place (x, y) of the first cell in the lower scan, ``report`` the results in sentences.
+    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` their
+    distance at ``first_touch``; ``holes`` are out of contact, as a scan has no height there.
+    ``fits`` are the best of each orientation, the best first; ``motion`` was applied to the upper
+    wall, ``mated`` is that of best fit, or None. ``overlap`` is the share of the smaller scan,
+    ``first`` the place (x, y) of the first cell in the lower scan, ``report`` the results in
+    sentences.
     """
 
     upper: np.ndarray
@@ -126,40 +126,14 @@ def registered(
     largest_filled_share: float = LARGEST_HOLES,
     unusual_values: bool = False,
 ) -> RegisteredPair:
-    """Register two scans of the walls of one joint.
+    """Register two scans of the walls of one joint; options are those of `jointclosure.close`.
 
-    Parameters
-    ----------
-    upper, lower : Scan, Cloud or "flat"
-        In metres; heights of the lower scan count towards the upper wall. One of both may be flat.
-        If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
-        in a "common_frame", and heights of a scan from above count "towards" the lower wall.
-    spacing : float, optional
-        Grid spacing of the walls [m]: by default the larger point distance of the scans, or the
-        multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
-    orientation : str, optional
-        Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
-        correlation of the walls' slopes over all rotations, if it is clear.
-    shift : {"scanned", "mated"}, optional
-        Leave the walls in their scanned position, or move the upper one to the best fit, the
-        default. Walls that do not mate stay as scanned; they need their orientation.
-    spikes : {"keep", "cut"}
-        Whether to leave out points that differ from all but one of their neighbours
-        (`jointclosure.walls.outliers.without_spikes`).
-    largest_filled_share : float
-        Largest share of cells in holes inside the walls for which they are taken out of contact:
-        they receive the height of the other wall and the largest aperture of the cells around.
-    unusual_values : bool
-        Whether to accept pairs that are probably wrong, see Raises.
-
-    Raises
-    ------
-    InputError
-        If the fit is ambiguous and orientation and shift are not stated, or if the walls are
-        inclined too much or do not overlap. Unless ``unusual_values``, also if both scans are the
-        same or copies, the walls are interchanged, another orientation than the stated one is
-        clear, walls in their scanned position are turned to each other, or spacing or size are not
-        those of a wall.
+    Scans are in metres, one of both may be "flat" (then ``orientation`` is "common_frame" for an
+    aperture map, "towards" for heights towards a flat lower wall). ``spacing`` [m] is by default
+    the larger point distance, or its multiple nearest to 0.25 mm. Holes up to
+    ``largest_filled_share`` of the cells receive the other wall's height and the largest aperture
+    around, so that they do not touch. ``unusual_values`` accepts pairs that are probably wrong,
+    which are refused otherwise.
     """
     if orientation is not None:
         check_one_of("orientation", orientation, tuple(ORIENTATIONS))

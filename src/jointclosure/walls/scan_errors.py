@@ -27,9 +27,8 @@ class ScanErrors(NamedTuple):
     """Errors of registered walls, in cells.
 
     ``offset`` (rotation [rad], x, y) of the fit from the position of the upper wall about a
-    ``middle`` (x, y), and its ``covariance``, 0 if the walls stayed as scanned. ``noise`` are two
-    estimates of the standard deviation [m] of that of the sum of both walls, the lower one first;
-    ``holes`` (y, x) have no scanned height.
+    ``middle`` (x, y), and its ``covariance``; ``noise`` are a low and a high standard deviation [m]
+    of the noise of the sum of both walls; ``holes`` (y, x) have no scanned height.
     """
 
     offset: np.ndarray
@@ -112,8 +111,6 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     Low: the nugget N beside a power A k^(-2H - 2) at wave number k, fitted by Whittle's likelihood,
     or the least power of the sum in an octave, if that is less. High: that least power, so far as
     the walls are coherent there; how much of it is another shape of the walls cannot be known.
-    Waves shorter than twice the spacing, which appear as longer ones, are part of the noise, as
-    heights between cells miss them.
     """
     fields = (upper, lower, upper + lower, upper - lower)
     powers = [_waves(field) ** 2 for field in fields]

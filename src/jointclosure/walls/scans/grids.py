@@ -1,6 +1,4 @@
-"""Heights on grids: arrays of npy, npz, netCDF and MATLAB files, with what states their places;
-rasters of ESRI, Surfer and TIFF files, and files of surface scanners.
-"""
+"""Heights on grids: arrays of files with what states their places, rasters, and scanners' files."""
 
 import math
 import re
@@ -379,10 +377,7 @@ def _leaves(values: dict) -> dict[str, Array]:
 
 
 def read_esri(path: Path) -> Contents:
-    """Read an ESRI ASCII grid: a header of words and numbers, then rows from the largest y down.
-
-    GDAL would read words, and heights that are missing at the end, as zeros.
-    """
+    """Read an ESRI ASCII grid, rows from the largest y down. GDAL would read words as zeros."""
     lines = [line.split() for line in path.read_text(encoding="latin-1").lower().splitlines()]
     stated = [line for line in lines if line and line[0] in _KNOWN]
     rows = [line for line in lines if line and line[0] not in _KNOWN]

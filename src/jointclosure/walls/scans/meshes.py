@@ -55,10 +55,7 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), triangles (m, 3), and the number of vertices in comments.
-
-    trimesh would join the numbers of all lines, and leaves out vertices without a face.
-    """
+    """Return vertices (n, 3), triangles (m, 3), declared number; trimesh drops loose vertices."""
     vertices: list[str] = []
     faces: list[list[int]] = []
     declared = 0
