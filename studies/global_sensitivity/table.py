@@ -25,7 +25,7 @@ from jointclosure.statistics.variance_indices import (
     shapley_effects,
     variance_indices,
 )
-from jointclosure.statistics.verdicts import frequency, t_interval
+from jointclosure.statistics.verdicts import confidence_limits, frequency
 from studies.frame.points import gridded
 from studies.global_sensitivity.design import (
     SURFACES,
@@ -436,7 +436,7 @@ def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
 def _share(drawn: np.ndarray, single: np.ndarray) -> dict:
     share, *left_out = drawn.mean(axis=1).tolist()
     error = float(jackknife_error(np.array(left_out)))
-    interval = t_interval((share, error), GROUPS)
+    interval = confidence_limits((share, error), GROUPS)
     at_best = frequency(round(share * single.size), single.size)
     return {
         "share": share,

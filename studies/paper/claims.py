@@ -8,7 +8,7 @@ import numpy as np
 
 from jointclosure import parameters
 from jointclosure.statistics.repetitions import DrawnResponse
-from jointclosure.statistics.verdicts import FALLS, STANDS, Interval, verdict
+from jointclosure.statistics.verdicts import FALLS, STANDS, Limits, verdict
 
 TARGET, NET = "max_closure", "max_closure_net"
 """Names of the maximum closure, and of the maximum closure net of bulk indentation."""
@@ -123,14 +123,14 @@ class Statement(NamedTuple):
             return self.above - np.max(np.abs(margins), axis=0)
         return np.min(margins, axis=0)
 
-    def least_interval(self, intervals: list[Interval]) -> Interval:
+    def least_limits(self, intervals: list[Limits]) -> Limits:
         """Return the interval of the `least` margin from simultaneous intervals of margins."""
         if self.within:
             intervals = [
-                Interval(self.above - max(abs(low), abs(high)), self.above - max(low, -high, 0.0))
+                Limits(self.above - max(abs(low), abs(high)), self.above - max(low, -high, 0.0))
                 for low, high in intervals
             ]
-        return Interval(*(min(ends) for ends in zip(*intervals, strict=True)))
+        return Limits(*(min(ends) for ends in zip(*intervals, strict=True)))
 
     def true_above(self) -> float:
         """Smallest `least` margin for which the statement is true."""

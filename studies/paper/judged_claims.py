@@ -21,7 +21,13 @@ from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
-from jointclosure.statistics.verdicts import UNDECIDED, Frequency, Interval, frequency, t_interval
+from jointclosure.statistics.verdicts import (
+    UNDECIDED,
+    Frequency,
+    Limits,
+    confidence_limits,
+    frequency,
+)
 from studies.paper import claims as stated
 from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, TARGET, Claim, Findings
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
@@ -170,14 +176,14 @@ def _true(
     for rock, margins in asked.items():
         far = []
         for (quantity, cycle), margin in margins.items():
-            intervals.append(interval := t_interval(margin, sizes[rock], confidence))
-            at = statement.least_interval([Interval(margin.value, margin.value)]).low
+            intervals.append(interval := confidence_limits(margin, sizes[rock], confidence))
+            at = statement.least_limits([Limits(margin.value, margin.value)]).low
             inside, error = at - statement.true_above(), margin.standard_error
             far.append(inside / error if error else np.copysign(np.inf, inside))
             row = {"number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity}
             rows.append(row | margin._asdict() | interval._asdict() | {"decides": False})
         rows[int(np.argmin(far)) - len(far)]["decides"] = True
-    return claim.verdict(statement.least_interval(intervals)), rows
+    return claim.verdict(statement.least_limits(intervals)), rows
 
 
 def _yes(finds: np.ndarray | None) -> str | None:

@@ -12,7 +12,7 @@ from jointclosure.statistics.correlations import elasticity_of
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import Estimate, mean_of
-from jointclosure.statistics.verdicts import t_interval
+from jointclosure.statistics.verdicts import confidence_limits
 
 MEANS = np.array([2.0, 5.0])
 COVARIANCE = np.array([[1.0, 0.6], [0.6, 1.0]])
@@ -43,7 +43,7 @@ def test_95_percent_intervals_of_adjusted_means_cover_93_to_97_times_in_100(n, c
     for _ in range(2000):
         values, covariates = surfaces(random, n, curved)
         adjusted = adjusted_values(values, covariates, MEANS)[0]
-        low, high = t_interval(mean_of(adjusted), n)
+        low, high = confidence_limits(mean_of(adjusted), n)
         inside.append(low <= MEAN <= high)
         gains.append((values.std() / adjusted.std()) ** 2)
     assert 0.93 <= np.mean(inside) <= 0.97
@@ -68,7 +68,7 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     for _ in range(1500):
         values, covariates = surfaces(random, n)
         one = adjusted_deviation(values, covariates, KNOWN)
-        low, high = t_interval(one, n)
+        low, high = confidence_limits(one, n)
         inside.append(low <= DEVIATION <= high)
         found.append(one)
         plain.append(values.std(ddof=1))
@@ -101,12 +101,12 @@ def test_differences_and_elasticities_have_honest_errors_in_common_and_independe
         samples, covariates = levels_of_surfaces(random, 20, shared)
         means = adjusted_means(samples, covariates, KNOWN, paired=shared)
         change = means.combined([-1.0, 0.0, 1.0])
-        low, high = t_interval(change, 20)
+        low, high = confidence_limits(change, 20)
         inside.append(low <= STEPS[2] - STEPS[0] <= high)
         found.append(change.value)
         plain.append(samples[2].mean() - samples[0].mean())
         of_slope = elasticity_of(LEVELS, *means, 78.0)
-        low, high = t_interval(of_slope, 20)
+        low, high = confidence_limits(of_slope, 20)
         covered.append(low <= slope <= high)
     assert np.mean(found) == pytest.approx(0.5, abs=0.02)
     assert 0.93 <= np.mean(inside) <= 0.975
@@ -134,7 +134,7 @@ def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_of
         exact = adjusted_means(samples, covariates, known._replace(surfaces=np.inf), False)
         truth = MEAN + STEPS[1]
         for found, one in ((inside, stated), (ignored, exact)):
-            low, high = t_interval(one.estimate(1), 40)
+            low, high = confidence_limits(one.estimate(1), 40)
             found.append(low <= truth <= high)
     assert 0.93 <= np.mean(inside) <= 0.97
     assert np.mean(ignored) < 0.85

@@ -14,8 +14,8 @@ NO_DIFFERENCE = "no difference"
 VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, UNDECIDED)
 
 
-class Interval(NamedTuple):
-    """Confidence interval; its ends may be infinite."""
+class Limits(NamedTuple):
+    """Lower and upper confidence limit; they may be infinite."""
 
     low: float
     high: float
@@ -46,11 +46,13 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
     return UNDECIDED
 
 
-def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 0.95) -> Interval:
-    """Return the confidence interval of (value, standard error) from n samples."""
+def confidence_limits(
+    estimate: tuple[float, float], samples: int, confidence: float = 0.95
+) -> Limits:
+    """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
     value, error = estimate
     reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
-    return Interval(value - reach, value + reach)
+    return Limits(value - reach, value + reach)
 
 
 def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:

@@ -18,7 +18,7 @@ from jointclosure.statistics.standard_errors import (
     number_text,
     ratio_of_means,
 )
-from jointclosure.statistics.verdicts import UNDECIDED, t_interval, verdict
+from jointclosure.statistics.verdicts import UNDECIDED, confidence_limits, verdict
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE
@@ -155,7 +155,7 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
         for other in of_rock.drop(parameter).itertuples():
             error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
             difference = abs(first.elasticity) - abs(other.elasticity)
-            low, high = t_interval((difference, error), int(first.samples), confidence)
+            low, high = confidence_limits((difference, error), int(first.samples), confidence)
             lows.append(low)
             highs.append(high)
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
