@@ -126,14 +126,36 @@ def registered(
     largest_filled_share: float = LARGEST_HOLES,
     unusual_values: bool = False,
 ) -> RegisteredPair:
-    """Register two scans of the walls of one joint; options are those of `jointclosure.close`.
+    """Register two scans of the walls of one joint, see docs/two_scans.md.
 
-    Scans are in metres, one of both may be "flat" (then ``orientation`` is "common_frame" for an
-    aperture map, "towards" for heights towards a flat lower wall). ``spacing`` [m] is by default
-    the larger point distance, or its multiple nearest to 0.25 mm. Holes up to
-    ``largest_filled_share`` of the cells receive the other wall's height and the largest aperture
-    around, so that they do not touch. ``unusual_values`` accepts pairs that are probably wrong,
-    which are refused otherwise.
+    Parameters
+    ----------
+    upper, lower : Scan, Cloud or "flat"
+        In metres; heights of the lower scan count towards the upper wall. One of both may be flat.
+        If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
+        in a "common_frame", and heights of a scan from above count "towards" the lower wall.
+    spacing : float, optional
+        Grid spacing of the walls [m]: by default the larger point distance of the scans, or the
+        multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
+    orientation : str, optional
+        Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
+        correlation of the walls' slopes over all rotations, if it is clear.
+    shift : {"scanned", "mated"}, optional
+        Leave the walls in their scanned position, or move the upper one to the best fit, the
+        default. Walls that do not mate stay as scanned; they need their orientation.
+    spikes : {"keep", "cut"}
+        Whether to leave out points that differ from all but one of their neighbours
+        (`jointclosure.walls.outliers.without_spikes`).
+    largest_filled_share : float
+        Largest share of cells in holes inside the walls for which they are taken out of contact:
+        they receive the height of the other wall and the largest aperture of the cells around.
+    unusual_values : bool
+        Whether to accept pairs that are probably wrong.
+
+    Raises
+    ------
+    InputError
+        If the fit is ambiguous and orientation and shift are not stated, or the pair is unusual.
     """
     if orientation is not None:
         check_one_of("orientation", orientation, tuple(ORIENTATIONS))
