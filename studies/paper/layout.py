@@ -167,7 +167,7 @@ def table_3_markdown(
     for heading, (column, part) in parts.items():
         rows = markdown_rows(table_3(part, _shown(part, titles), column))
         lines += [f"**{heading}**", "", *rows, ""]
-    lines.append(_note(table, "√"))
+    lines.append(_note(table))
     return "\n".join(lines) + "\n"
 
 
@@ -178,43 +178,6 @@ def markdown_rows(frame: pd.DataFrame) -> list[str]:
     for parameter, row in frame.iterrows():
         lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
     return lines
-
-
-def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """Return Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
-    if table.empty:
-        return "% No parameter is varied in this study: there is no indifference interval.\n"
-    frame = table_3(table, _shown(table, titles)).map(lambda text: text.translate(_LATEX_SIGNS))
-    frame.index = pd.Index([PROPERTIES[parameter].latex for parameter in frame.index])
-    words = {1: "First", 2: "Second", 3: "Third"}
-    frame.columns = pd.MultiIndex.from_tuples(
-        (f"{words.get(cycle, f'Cycle {cycle}:')} loading cycle", _plain_latex(title))
-        for cycle, title in frame.columns
-    )
-    why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
-    return frame.style.to_latex(
-        hrules=True,
-        multicol_align="c",
-        column_format="l" + "c" * frame.shape[1],
-        caption=f"Length of indifference intervals. {why}{_note(table, 'root ')}",
-    )
-
-
-_LATEX_SIGNS = str.maketrans(
-    {"±": r"$\pm$", "%": r"\%", "–": "--", "*": "$^*$", "†": r"$^\dagger$", "‡": r"$^\ddagger$"}
-)
-_LATEX_SPECIAL = str.maketrans(
-    {
-        **{character: f"\\{character}" for character in "&%$#_{}"},
-        **{"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\\": r"\textbackslash{}"},
-        **{"|": r"\textbar{}", "<": r"\textless{}", ">": r"\textgreater{}"},
-    }
-)
-
-
-def _plain_latex(title: str) -> str:
-    """Escape a title for LaTeX."""
-    return _one_line(title).translate(_LATEX_SPECIAL)
 
 
 def _plain_markdown(title: str) -> str:
@@ -258,7 +221,7 @@ def is_paired(table: pd.DataFrame) -> bool:
     return "test" in table and bool((table.test == "paired").any())
 
 
-def _note(table: pd.DataFrame, root: str) -> str:
+def _note(table: pd.DataFrame) -> str:
     fewest, most = int(table.samples.min()), int(table.samples.max())
     samples = f"{most}" if fewest == most else f"{fewest} to {most} successful"
     if is_paired(table):
@@ -267,7 +230,7 @@ def _note(table: pd.DataFrame, root: str) -> str:
     else:
         test = "unpaired t test on independent draws, Eqs. (28) and (29)"
         seen = "no real root; so many draws cannot tell any change from none, which there may be"
-        size = f" is close to t S {root}(2/n) / |slope| where the response is nearly linear: it"
+        size = " is close to t S √(2/n) / |slope| where the response is nearly linear: it"
     return (
         f"Lengths by the {test}, with bootstrap standard errors where they are finite. A dash: "
         f"{seen}. With n = {samples} realisations a length{size} falls as one over the root of n: "

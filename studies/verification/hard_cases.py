@@ -141,16 +141,6 @@ def _measured(outcome: Outcome) -> dict[str, float]:
     }
 
 
-def curve_of(outcome: Outcome) -> pd.DataFrame:
-    """Return the closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
-    data = outcome.dataset
-    columns = ["case", "cycle", "branch", "closure_m", "normal_stress_Pa"]
-    if data is None or "step" not in data.sizes:
-        return pd.DataFrame(columns=columns)
-    curve = (data[name].values for name in ("load_cycle", "branch", "closure", "normal_stress"))
-    return pd.DataFrame(dict(zip(columns, (outcome.case["name"], *curve), strict=True)))
-
-
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
     """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
     answered = (case for case in cases if case["expect"] != "refused")

@@ -16,9 +16,8 @@ from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import commit, processor, versions_of
 from studies.frame.files import read_plain
 from studies.frame.jobs import compile_all
-from studies.frame.products import Step, figure_files
+from studies.frame.products import Step
 from studies.verification.hard_cases import (
-    curve_of,
     error_table,
     failed_requirements,
     features_of_case,
@@ -35,9 +34,9 @@ PATIENCE = 10.0
 
 def close_hard_cases(
     cases: dict[str, dict], group: str, log: Callable[[str], None]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Close and judge the hard cases of a group; return their rows, and their closure curves."""
-    rows, curves = [], []
+) -> pd.DataFrame:
+    """Close and judge the hard cases of a group; return their rows."""
+    rows = []
     for name, case in cases.items():
         if case["group"] != group:
             continue
@@ -46,20 +45,16 @@ def close_hard_cases(
         failed = failed_requirements(outcome, cases)
         faulthandler.cancel_dump_traceback_later()
         rows.append(row_of(outcome, failed) | features_of_case(case))
-        curves.append(curve_of(outcome))
         log(f"{name}: {outcome.status}, {outcome.seconds:.2f} s, {'; '.join(failed) or 'holds'}")
-    return pd.DataFrame(rows), pd.concat(curves)
+    return pd.DataFrame(rows)
 
 
 def present_hard_cases(
     tables: list[pd.DataFrame],
-    curves: list[pd.DataFrame],
     order: list[str],
     log: Callable[[str], None],
 ) -> dict[str, Any]:
-    """Join the groups of hard cases in one table with their errors, and draw their curves."""
-    from studies.verification.figures import hard_case_page
-
+    """Join the groups of hard cases in one table, and tabulate their errors."""
     table = pd.concat(tables).set_index("name").loc[order].reset_index()
     versions = versions_of("numpy", "scipy", "numba").items()
     origin = {
@@ -73,7 +68,6 @@ def present_hard_cases(
         "hard_cases.csv": table,
         "hard_case_errors.csv": error_table(table, origin),
         "hard_case_features.csv": lambda path: write_csv(features, path, figures=4),
-        "hard_cases": hard_case_page(table, pd.concat(curves)),
     }
 
 
@@ -83,7 +77,6 @@ def steps() -> dict[str, Step]:
     groups = sorted({case["group"] for case in cases.values()})
     kernels, tables = f"{FOLDER}/logs/kernels.txt", f"{FOLDER}/tables"
     closed = [f"{FOLDER}/cases/{group}.csv" for group in groups]
-    curves = [f"{FOLDER}/cases/{group}.curves.csv" for group in groups]
     compiled = {"kernels": kernels_of_cases(cases.values())}
     found = {
         "compile_hard_cases": Step(compile_all, [kernels], settings=compiled),
@@ -93,15 +86,14 @@ def steps() -> dict[str, Step]:
                 f"{tables}/hard_cases.csv",
                 f"{tables}/hard_case_errors.csv",
                 f"{tables}/hard_case_features.csv",
-                *figure_files(("hard_cases",), f"{FOLDER}/figures"),
             ],
-            {"tables": closed, "curves": curves},
+            {"tables": closed},
             {"order": list(cases)},
         ),
     }
-    for group, *files in zip(groups, closed, curves, strict=True):
+    for group, file in zip(groups, closed, strict=True):
         settings = {"cases": cases, "group": group}
-        step = Step(close_hard_cases, files, {"after": kernels}, settings)
+        step = Step(close_hard_cases, [file], {"after": kernels}, settings)
         found[f"close_hard_cases_{group}"] = step
     return found
 

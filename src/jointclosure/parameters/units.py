@@ -78,13 +78,6 @@ class Property(NamedTuple):
         return self.heading or f"{self.title} {self.shown_symbol}{self.in_brackets}"
 
     @property
-    def latex(self) -> str:
-        """`label` with the symbol as LaTeX."""
-        letter = self.symbol.partition("_")[0]
-        symbol = f"${chr(92) if _greek(letter) else ''}{self.symbol}$"
-        return self.heading or f"{self.title} {symbol}{self.in_brackets}"
-
-    @property
     def bounds(self) -> dict[str, float]:
         """Bounds of the key in its unit, in the form that `pydantic.Field` takes."""
         if self.interval is None:
