@@ -17,7 +17,7 @@ import pandas as pd
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.measured_joints import JOINTS, measured
+from jointclosure.engine.published_joints import JOINTS, measured
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.rocks import named_rock

@@ -15,7 +15,7 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import jackknife_error
+from jointclosure.statistics.standard_errors import confidence_limits, jackknife_error
 from jointclosure.statistics.variance_indices import (
     Fit,
     Indices,
@@ -25,7 +25,7 @@ from jointclosure.statistics.variance_indices import (
     shapley_effects,
     variance_indices,
 )
-from jointclosure.statistics.verdicts import confidence_limits, frequency
+from jointclosure.statistics.verdicts import frequency
 from studies.frame.points import gridded
 from studies.global_sensitivity.design import (
     SURFACES,

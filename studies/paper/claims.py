@@ -8,7 +8,8 @@ import numpy as np
 
 from jointclosure import parameters
 from jointclosure.statistics.repetitions import DrawnResponse
-from jointclosure.statistics.verdicts import FALLS, STANDS, Limits, verdict
+from jointclosure.statistics.standard_errors import Limits
+from jointclosure.statistics.verdicts import FALLS, STANDS, verdict
 
 TARGET, NET = "max_closure", "max_closure_net"
 """Names of the maximum closure, and of the maximum closure net of bulk indentation."""

@@ -11,8 +11,7 @@ from jointclosure.statistics.control_variates import (
 from jointclosure.statistics.correlations import elasticity_of
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.standard_errors import Estimate, mean_of
-from jointclosure.statistics.verdicts import confidence_limits
+from jointclosure.statistics.standard_errors import Estimate, confidence_limits, mean_of
 
 MEANS = np.array([2.0, 5.0])
 COVARIANCE = np.array([[1.0, 0.6], [0.6, 1.0]])

@@ -22,7 +22,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.measured_joints import measured_range
+from jointclosure.engine.published_joints import measured_range
 from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.joint.curves import cycle_table, net_responses, with_transmissivity
 from jointclosure.joint.laws import fitted_laws, parameter

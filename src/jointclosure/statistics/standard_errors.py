@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 
 class Estimate(NamedTuple):
@@ -14,10 +15,26 @@ class Estimate(NamedTuple):
     standard_error: float
 
 
+class Limits(NamedTuple):
+    """Lower and upper confidence limit; they may be infinite."""
+
+    low: float
+    high: float
+
+
 def mean_of(samples) -> Estimate:
     """Return the mean of samples (n,) and its standard error S/sqrt(n)."""
     samples = np.asarray(samples, dtype=float)
     return Estimate(float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size)))
+
+
+def confidence_limits(
+    estimate: tuple[float, float], samples: int, confidence: float = 0.95
+) -> Limits:
+    """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
+    value, error = estimate
+    reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
+    return Limits(value - reach, value + reach)
 
 
 def deviations_of(samples) -> tuple[np.ndarray, np.ndarray]:

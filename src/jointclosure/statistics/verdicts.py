@@ -14,13 +14,6 @@ NO_DIFFERENCE = "no difference"
 VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, UNDECIDED)
 
 
-class Limits(NamedTuple):
-    """Lower and upper confidence limit; they may be infinite."""
-
-    low: float
-    high: float
-
-
 class Frequency(NamedTuple):
     """Share of repetitions, its standard error, and its 95 % interval."""
 
@@ -44,15 +37,6 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
     if high < -alike if alike is not None else high <= above:
         return FALLS
     return UNDECIDED
-
-
-def confidence_limits(
-    estimate: tuple[float, float], samples: int, confidence: float = 0.95
-) -> Limits:
-    """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
-    value, error = estimate
-    reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
-    return Limits(value - reach, value + reach)
 
 
 def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:

@@ -14,11 +14,12 @@ from jointclosure.joint.protocol import FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
     Estimate,
+    confidence_limits,
     harmonic_mean,
     number_text,
     ratio_of_means,
 )
-from jointclosure.statistics.verdicts import UNDECIDED, confidence_limits, verdict
+from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.tables import succeeded
 from studies.paper.claims import OURS, TOLERANCE

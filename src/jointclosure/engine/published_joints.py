@@ -1,6 +1,6 @@
 """Measured values of three granodiorite joints (docs/measured.md).
 
-They are read off publications and public files. ``measured_joints.csv`` beside this module has the
+They are read off publications and public files. ``published_joints.csv`` beside this module has the
 source, the way of reading and the range of each value.
 """
 
@@ -12,7 +12,7 @@ import pandas as pd
 
 from jointclosure.storage.files import read_csv
 
-_TABLE = Path(__file__).with_name("measured_joints.csv")
+_TABLE = Path(__file__).with_name("published_joints.csv")
 JOINTS = ("1", "2", "3")
 ALL = "all"
 """Entry of the column ``joint`` for values that hold for all joints, or for their range."""
