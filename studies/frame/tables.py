@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.joint.curves import KINDS
+from jointclosure.joint.curves import KINDS, rising_slopes
 from jointclosure.joint.protocol import FAILURE, FLAGS, LOADING
 from jointclosure.parameters import PROPERTIES, Numerics, Rock, scene_of
 from studies.frame.settings import Case
@@ -86,18 +86,18 @@ FEWEST = 2
 def band_table(case: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure, stiffness, apertures of the joints of a case by cycle, branch, stress.
 
-    Each has a mean and quantiles (``<name>_mean``, ``<name>_q05``) of ``samples`` joints. A
-    stiffness is the chord to the next stress, NaN beyond ``landing_stress``.
+    Each has a mean, that of stiffnesses harmonic, and quantiles (``<name>_mean``, ``<name>_q05``)
+    of ``samples`` joints. Stiffnesses are those of `stress_table`, NaN beyond ``landing_stress``.
     """
     good = case.where(succeeded(case))
-    landing = (good.branch == LOADING) & (good.stress.shift(stress=-1) > good.landing_stress)
+    landing = good.landing_stress.where(good.branch == LOADING, np.inf)
     fields: dict[str, Any] = {}
     for kind in KINDS:
         net = kind == "net"
         closure = good.closure - good.bulk_indentation if net else good.closure
         fields[f"closure_{kind}_since_seating_mm"] = 1e3 * since_seating(good, net)
         fields[f"closure_{kind}_mm"] = 1e3 * closure
-        fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _chords(closure).where(~landing)
+        fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _stiffness(closure, landing)
     if "hydraulic_aperture" in good:
         fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
         for direction in good.direction.values:
@@ -107,7 +107,11 @@ def band_table(case: xr.Dataset) -> pd.DataFrame:
     for name, values in fields.items():
         known = np.isfinite(values).any("realization")
         filled = values.where(known, 0.0)  # a quantile of no numbers would warn
-        columns[f"{name}_mean"] = filled.mean("realization").where(known)
+        if name.startswith("normal_stiffness"):  # that of the mean curve
+            mean = 1.0 / (1.0 / values).mean("realization")
+        else:
+            mean = filled.mean("realization")
+        columns[f"{name}_mean"] = mean.where(known)
         bounds = np.nanquantile(filled.values, QUANTILES, axis=values.get_axis_num("realization"))
         for quantile, part in zip(QUANTILES, bounds, strict=True):
             label = f"{name}_q{round(100.0 * quantile):02d}"
@@ -115,12 +119,20 @@ def band_table(case: xr.Dataset) -> pd.DataFrame:
     return _over_stress(columns, case.stress, ["cycle", "branch"])
 
 
-def _chords(closure: xr.DataArray) -> xr.DataArray:
-    """Return the stiffness between neighbouring stresses [MPa/mm], NaN at the last one."""
-    rise = closure.stress.diff("stress", label="lower")
-    run = closure.diff("stress", label="lower")
-    chords = 1e-9 * rise / run.where(run > 0.0)
-    return chords.reindex(stress=closure.stress).transpose(*closure.dims)
+def _stiffness(closure: xr.DataArray, end: xr.DataArray) -> xr.DataArray:
+    """Return the stiffness [MPa/mm] of curves of closure [m] over stress, up to an end [Pa]."""
+    stress = closure.stress.values
+
+    def slopes(curve: np.ndarray, end: float) -> np.ndarray:
+        known, found = np.isfinite(curve) & (stress <= end), np.full(stress.size, np.nan)
+        if known.sum() > 2:
+            found[known] = 1e-9 * rising_slopes(stress[known], curve[known], stress[known])
+        return found
+
+    return xr.apply_ufunc(
+        slopes, closure, end, input_core_dims=[["stress"], []], output_core_dims=[["stress"]],
+        vectorize=True,
+    ).transpose(*closure.dims)  # fmt: skip
 
 
 def _over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.DataFrame:

@@ -405,13 +405,13 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
             known = part & np.isfinite(closure) & (fine <= end)
             if known.sum() > 2:
                 inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])
-                slopes = _rising_slopes(fine[known], closure[known], levels[inside])
+                slopes = rising_slopes(fine[known], closure[known], levels[inside])
                 stiffness[index, side, inside] = slopes
     return stiffness
 
 
-def _rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Return the slopes of stress over the concave curve nearest to closures, at levels."""
+def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """Return slopes of stresses (n,) over the concave curve nearest to closures (n,), at levels."""
     run = np.diff(stress)
     fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
     # no later slope corrects the last ones, which are one chord therefore
