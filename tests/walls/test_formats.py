@@ -453,6 +453,7 @@ def test_a_grid_is_placed_by_a_corner_and_one_of_esri_may_have_dx_and_dy_for_a_c
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": 10**9}, "at most 800 MB"),
+        (None, {"nrows": 20.5}, "nrows = 20.5: must be a whole number"),
         (None, {"dx": 0.5}, r"spacings \(y, x\): cellsize 0.25 x 0.25; dx 0.5; must be the same"),
         (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize, or both dx and dy"),
     ],

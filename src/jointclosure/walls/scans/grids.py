@@ -386,6 +386,8 @@ def read_esri(path: Path) -> Contents:
         if key in head:
             raise InputError(f"{key}: must be only once in the header")
         head[key] = float(value)
+        if key in _NEEDED and not head[key].is_integer():
+            raise InputError(f"{key} = {value}: must be a whole number")
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
