@@ -42,7 +42,7 @@ from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 
 SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180, 540)
 ALL, FEWER = jc.Effects(), jc.Effects(interaction=False)

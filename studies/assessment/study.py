@@ -25,7 +25,7 @@ from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects, draw_price
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from jointclosure.storage.files import read_csv
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration, Configured

@@ -25,7 +25,7 @@ from jointclosure.storage.netcdf import (
     reading_netcdf,
     write_netcdf,
 )
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.files import provenance

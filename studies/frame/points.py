@@ -15,7 +15,7 @@ import xarray as xr
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.walls.pairs import CrushedWalls, Walls
+from jointclosure.walls import CrushedWalls, Walls
 from studies.frame.settings import ClosureSettings, walls_of
 
 

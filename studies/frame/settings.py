@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from jointclosure.walls.synthesis import wall_pair
 from studies.frame.keys import Grid, Surface
 

@@ -73,9 +73,9 @@ _WITH_GRAIN_SIZE = """
 import jointclosure as jc
 from jointclosure.cli.options import UNITS
 from jointclosure.joint.rocks import named_rock
-from jointclosure.parameters import PROPERTIES, check_rock
+from jointclosure.parameters import check_rock
 from studies.frame.cases import cases_of
-from studies.paper.layout import rock_table
+from studies.paper.layout import heading_of, rock_table
 from studies.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 
@@ -85,7 +85,7 @@ study = study_of({"study": {"rocks": ["slate", "dolerite"]}, "rocks": {"slate": 
 assert study.rocks["slate"].levels["grain_size"] == (0.2e-3, 0.5e-3, 2e-3)
 assert study.rocks["dolerite"].intact.grain_size == 1e-3
 assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
-assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
+assert heading_of("grain_size") == "Grain size d (mm)"
 assert (UNITS["grain_size"], "grain_size" in RockKeys.model_fields) == ("mm", True)
 assert "grain_size_mm" in rock_table(study.rocks)
 for refuse, said in (

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from jointclosure.engine.joints import closed_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.walls.pairs import CrushedWalls, shifted
+from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configured
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.keys import Grid

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.inputs import InputError
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, z2_of_jrc
 from jointclosure.walls.synthesis import (
     Spectrum,

@@ -1,6 +1,8 @@
 """Tables of a study as frames and texts, with the titles of users escaped."""
 
+import contextlib
 import re
+import unicodedata
 
 import pandas as pd
 
@@ -176,8 +178,19 @@ def markdown_rows(frame: pd.DataFrame) -> list[str]:
     names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
     lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for parameter, row in frame.iterrows():
-        lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
+        lines.append(f"| {heading_of(parameter)} | " + " | ".join(row) + " |")
     return lines
+
+
+def heading_of(parameter: str) -> str:
+    """Return the heading of the row of a property, with symbol (such as σc) and unit."""
+    if parameter == "jrc":
+        return "Joint roughness coefficient (JRC)"
+    about = PROPERTIES[parameter]
+    letter, _, index = about.symbol.partition("_")
+    with contextlib.suppress(KeyError):  # of a Latin letter
+        letter = unicodedata.lookup(f"GREEK SMALL LETTER {letter.upper()}")
+    return f"{about.title} {letter}{index}{about.in_brackets}"
 
 
 def _plain_markdown(title: str) -> str:

@@ -16,10 +16,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
-from jointclosure.joint.laws import barton_bandis, scaled_to
+from jointclosure.joint.laws import barton_bandis
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configured
@@ -406,6 +406,14 @@ def barton_bandis_table(
                     row |= {"ratio": ratio.value, "error": ratio.standard_error}
                     rows.append(row | {"barton_bandis": law[reading] / known[reading]})
     return pd.DataFrame(rows)
+
+
+def scaled_to(
+    length: float, jrc: float, strength: float, reference_length: float
+) -> tuple[float, float]:
+    """Scale JRC and JCS [Pa] to a joint of another length (Barton & Bandis 1982)."""
+    ratio = length / reference_length
+    return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
 def law_of_size(

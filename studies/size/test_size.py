@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.joint.curves import closures_at, landing_stress
-from jointclosure.joint.laws import barton_bandis, scaled_to
+from jointclosure.joint.laws import barton_bandis
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.size.study import (
@@ -18,6 +18,7 @@ from studies.size.study import (
     collapse_table,
     exponent_table,
     runs_of,
+    scaled_to,
     size_table,
     sizes_of,
     spreads,

@@ -12,7 +12,6 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers.fast import FastSolver
-from jointclosure.solvers.registry import SOLVERS
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING
 
@@ -95,7 +94,7 @@ def test_every_step_of_unloading_counts_from_where_the_last_one_ended(walls, tar
             begun.append((float(joint.closure), closure))
             return super().settle(joint, closure, breakage_step)
 
-    with patch.dict(SOLVERS, fast=Watched):
+    with patch("jointclosure.solvers.fast.FastSolver", Watched):
         joint = joints.closed(walls, TARGET, target=target)
     for cycle in (1, 2):
         steps = on(joint, cycle, "unloading")[0]

@@ -8,7 +8,7 @@ import pytest
 from jointclosure.engine import oracle
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
-from jointclosure.parameters import Choices, Effects, Numerics
+from jointclosure.parameters import SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
 from jointclosure.solvers.breakage import find_peaks, padded_cells, strength_limits
 from jointclosure.solvers.cells import overlapping_cells, peak_map
@@ -17,13 +17,13 @@ from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint
-from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.solvers.registry import solver_named
 from tests.joints import DOLERITE, SPACING, closed, pair
 
 CLOSURES = np.arange(1, 25) * 12.5e-6
 
 
-METHODS = {name: Numerics(solver=name) for name in SOLVERS} | {
+METHODS = {name: Numerics(solver=name) for name in SOLVER_NAMES} | {
     "resolved": Numerics(breakage="resolved", tolerance=0.02)
 }
 EXCESS = {"fast": 1e-6, "reference": 1e-6, "resolved": 0.5 * BAND * 0.02}

@@ -5,7 +5,7 @@ import pytest
 
 from jointclosure.engine import oracle
 from jointclosure.mechanics.contact_law import contact_law
-from jointclosure.parameters import Choices, Effects
+from jointclosure.parameters import SOLVER_NAMES, Choices, Effects
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, coordinate_sweep, separate_shift
 from jointclosure.solvers.contacts import energy as contacts_energy
@@ -17,7 +17,6 @@ from jointclosure.solvers.interaction_operator import (
     interaction_field,
     mean_displacement,
 )
-from jointclosure.solvers.registry import SOLVERS
 from tests.joints import DOLERITE, ELASTIC, SPACING, balanced, bump
 
 MODULUS = 78e9 / (1 - 0.2**2) / 2
@@ -49,7 +48,7 @@ def force_of_contact(overlap, kappa):
     return oracle.forces_of_overlaps(np.array([overlap]), compliance, law.substrate)[0]
 
 
-@pytest.fixture(params=SOLVERS)
+@pytest.fixture(params=SOLVER_NAMES)
 def solver(request):
     return request.param
 

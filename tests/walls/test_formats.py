@@ -290,33 +290,15 @@ def test_a_matrix_with_places_on_one_side_is_refused_and_a_plane_is_heights(wall
     np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
 
 
-def matlab_contents(wall):
-    """A wall in the forms in which MATLAB programs keep it, and the array that is read."""
+def test_vectors_of_places_of_a_matlab_file_are_read_and_structs_are_refused(wall, tmp_path):
     x, y = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
-    across, along = np.meshgrid(x, y)
-    text = {"operator": "A. N. Other"}
-    both = np.array([(x, y, wall + 1.0), (x, y, wall)], [("x", "O"), ("y", "O"), ("Z", "O")])
-    return {
-        "struct": ({"S": {"X_mm": across, "Y_mm": along, "Z_mm": wall} | text}, "S.Z_mm"),
-        "nested": ({"scan": {"S": {"x": x, "y": y, "Z": wall}}, "n": 3}, "scan.S.Z"),
-        "rows along x": ({"x": x, "y": y, "Z": wall.T}, "Z"),
-        "spacing": ({"S": {"spacing": STEP_MM, "Z": wall}}, "S.Z"),
-        "two": ({"S": both}, "S(2).Z"),
-    }
-
-
-@pytest.mark.parametrize("kept", ["struct", "nested", "rows along x", "spacing", "two"])
-def test_structs_and_vectors_of_places_of_a_matlab_file_are_read(kept, wall, tmp_path):
-    content, name = matlab_contents(wall)[kept]
-    scipy.io.savemat(tmp_path / "a.mat", content)
-    for variable in (name, None):
-        if kept == "two" and variable is None:
-            with pytest.raises(jc.InputError, match=r"S\(1\).Z, S\(2\).Z; variable \(--variable"):
-                read_scan(tmp_path / "a.mat", units="mm")
-            continue
-        scan = read_scan(tmp_path / "a.mat", units="mm", variable=variable)
-        np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
-        assert scan.spacing == pytest.approx((SPACING, SPACING))
+    scipy.io.savemat(tmp_path / "a.mat", {"x": x, "y": y, "Z": wall.T})
+    scan = read_scan(tmp_path / "a.mat", units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+    scipy.io.savemat(tmp_path / "a.mat", {"S": {"x": x, "y": y, "Z": wall}})
+    with pytest.raises(jc.InputError, match="save arrays of S as variables of their own"):
+        read_scan(tmp_path / "a.mat", units="mm")
 
 
 @pytest.mark.parametrize("form", ["npz", "mat"])

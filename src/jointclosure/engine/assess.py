@@ -32,7 +32,7 @@ from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 
 CLOSURE = "max_closure_seated_net"
 """Closure by which copies of a joint are compared."""

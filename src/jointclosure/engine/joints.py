@@ -17,7 +17,7 @@ from jointclosure.joint.conditions import Changes, Conditions, conditions_from, 
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
-from jointclosure.walls.pairs import CrushedWalls, Walls
+from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
 
 NOT_SIMULATED = np.int16(2 * max(FLAGS))

@@ -31,7 +31,7 @@ from jointclosure.joint.given_walls import warn_of_doubts
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 
 PRIORS = {
     "max_closure": (0.0, 0.094, 0.08),

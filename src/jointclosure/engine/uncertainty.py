@@ -43,7 +43,7 @@ from jointclosure.parameters import (
 )
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.pairs import Walls
+from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
 COARSER = 2

@@ -26,8 +26,7 @@ USUAL_CYCLES = 2
 SEATING_STRESS = 0.5e6
 """Usual stress [Pa] from which seated closures count, as laboratory curves do."""
 LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
-"""Largest seating stress over the smallest maximum, as closures since a larger one are those of a
-step or two; and the default share where the usual seating stress is too large."""
+"""Largest seating stress, and default where the usual one is too large, over the least maximum."""
 
 
 class LoadCycle(NamedTuple):

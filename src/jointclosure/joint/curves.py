@@ -1,10 +1,8 @@
-"""Curves of a closed joint: closures of its history, per cycle and at given stresses, as tables.
-
-The seating stress never changes the history, only how it is read.
-"""
+"""Curves of a closed joint: closures of its history, per cycle and at given stresses, as tables."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,8 +13,7 @@ import xarray as xr
 from jointclosure.joint.protocol import FLAGS, LOADING, UNLOADING
 
 NET, GROSS = "closure_net", "closure"
-"""Names of the two closures of a history. The net closure, without the elastic indentation of the
-half-spaces, is that of the joint (`read_along`); the gross closure contains the indentation."""
+"""Names of closures: net, without the indentation of the half-spaces (`read_along`), or with it."""
 LEVELS = 20
 """Number of stresses of a table, evenly spaced from seating to the maximum."""
 POINTS = 60
@@ -208,32 +205,28 @@ def area_of(history: xr.Dataset) -> float:
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure over stress by cycle and branch, one row per step."""
-    rows = []
-    for number in np.unique(history.load_cycle.values):
-        for name in (LOADING, UNLOADING):
-            here = branch_of(history, number, name)
-            if here.size > 1:
-                rows.append(_branch_table(history, int(number), name, here))
+    area, rows = area_of(history), []
+    closures = {kind: read_along(history, of) for kind, of in KINDS.items()}
+    for cycle, branch in product(np.unique(history.load_cycle).tolist(), (LOADING, UNLOADING)):
+        here = branch_of(history, cycle, branch)
+        if here.size < 2:
+            continue
+        columns = {"cycle": cycle, "branch": branch}
+        columns["normal_stress_MPa"] = 1e-6 * history.normal_stress.values[here]
+        for kind, of in KINDS.items():
+            since = closures[kind][here] - seat_of(history, cycle, LOADING, of)
+            columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
+        columns |= {f"closure_{kind}_mm": 1e3 * along[here] for kind, along in closures.items()}
+        aperture = history.mean_aperture.values[here]
+        contact = history.contact_fraction.values[here]
+        columns |= {
+            "mean_aperture_mm": 1e3 * aperture,
+            "void_volume_mm3": 1e9 * area * aperture,
+            "contact_area_mm2": 1e6 * area * contact,
+            "contact_fraction": contact,
+        }
+        rows.append(pd.DataFrame(columns | _flow_columns(history, here)))
     return pd.concat(rows, ignore_index=True)
-
-
-def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray) -> pd.DataFrame:
-    """Return the rows of `curve_table` for one branch, whose steps are given."""
-    area, stress = area_of(history), history.normal_stress.values[here]
-    aperture, contact = history.mean_aperture.values[here], history.contact_fraction.values[here]
-    closures = {kind: read_along(history, of)[here] for kind, of in KINDS.items()}
-    columns = {"cycle": cycle, "branch": branch, "normal_stress_MPa": 1e-6 * stress}
-    for kind, of in KINDS.items():
-        since = closures[kind] - seat_of(history, cycle, LOADING, of)
-        columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
-    columns |= {f"closure_{kind}_mm": 1e3 * closure for kind, closure in closures.items()}
-    columns |= {
-        "mean_aperture_mm": 1e3 * aperture,
-        "void_volume_mm3": 1e9 * area * aperture,
-        "contact_area_mm2": 1e6 * area * contact,
-        "contact_fraction": contact,
-    }
-    return pd.DataFrame(columns | _flow_columns(history, here))
 
 
 def has_flow(history: xr.Dataset) -> bool:
@@ -264,19 +257,15 @@ def net_responses(history: xr.Dataset) -> dict[str, np.ndarray]:
     maximum.
     """
     completed = np.isfinite(history.max_closure.values)
-    begun = int(history.load_cycle.max())
-    cycles, net = range(1, begun + 1), cycle_closures(history)
+    begun, net = int(history.load_cycle.max()), cycle_closures(history)
     seated = "max_closure_seated", "residual_closure_seated"
     responses = {f"{name}_net": net[name] for name in ("max_closure", *seated)}
-    ends = [
-        (max(0.5 * end, former_maximum(history, cycle)), end)
-        for cycle, end in zip(cycles, maxima_of(history), strict=False)
-    ]
     stiffness = [
-        secant_stiffness(history, cycle, *of) for cycle, of in zip(cycles, ends, strict=True)
+        secant_stiffness(history, cycle, max(0.5 * end, former_maximum(history, cycle)), end)
+        for cycle, end in enumerate(maxima_of(history).tolist(), start=1)
     ]
-    responses["stiffness_net"] = np.array(stiffness)
-    responses["landing_stress"] = np.array([landing_stress(history, cycle) for cycle in cycles])
+    landing = [landing_stress(history, cycle + 1) for cycle in range(begun)]
+    responses |= {"stiffness_net": np.array(stiffness), "landing_stress": np.array(landing)}
     missing = (0, completed.size - begun)
     return {
         name: np.where(completed, np.pad(values, missing, constant_values=np.nan), np.nan)

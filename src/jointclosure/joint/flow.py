@@ -21,14 +21,11 @@ SIDES = ("closed", "periodic")
 """Sides along the flow: nothing passes, or what leaves at one enters at the other."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
 STATUSES = ("flows", "blocked", "not_solved", "at_least")
-"""Statuses of a flow: it is solved; no open cells connect inlet and outlet; it is not solved;
-`CLOSED` faces may pass a significant part of it, so that the result is a lower bound."""
+"""Solved; inlet and outlet are not connected; not solved; `CLOSED` faces may pass some of it."""
 
 CLOSED = 1e-14
-"""A face is closed if its conductance is less than this share of all conductances of one of its
-cells. Beyond it the balance of a cell is lost in rounding. This corresponds to an aperture below
-about 2e-5 of its neighbours', such as nanometres beside tenths of a millimetre. `AT_LEAST` reports
-if this may be significant."""
+"""Share of all conductances of a cell below which a face is closed, as balances would be lost in
+rounding: an aperture of about 2e-5 of its neighbours'. `AT_LEAST` reports if it may matter."""
 LARGEST_IMBALANCE = 1e-6
 """Largest sum of the cells' mass balances over the inflow for which a flow counts as solved."""
 

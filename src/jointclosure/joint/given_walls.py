@@ -10,8 +10,7 @@ from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
 from jointclosure.walls.plausibility import doubts
 
 _SAME_PLACE, _SAME_STEP = 1e-6, 1e-3
-"""Largest allowed differences between the coordinates of the two walls, and between steps of
-coordinates and the spacing, over the spacing."""
+"""Largest differences of both walls' coordinates, and of their steps, over the spacing."""
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -63,16 +62,9 @@ def _by_names(name: str, wall):
             "array, for example one of these variables"
         )
     if isinstance(wall, pd.DataFrame):
-        labels = wall.index, wall.columns
-        names = [str(label.name) for label in labels]
-        dims = names if set(names) == {"y", "x"} else ["y", "x"]
-        coordinates = {
-            name: pd.to_numeric(np.asarray(label))
-            if pd.api.types.is_numeric_dtype(label)
-            else np.asarray(label, dtype=str)
-            for name, label in zip(dims, labels, strict=True)
-        }
-        wall = xr.DataArray(wall.to_numpy(), coordinates, dims)
+        wall = xr.DataArray(wall)
+        if set(wall.dims) != {"y", "x"}:
+            wall = wall.rename(dict(zip(wall.dims, ("y", "x"), strict=True)))
     if isinstance(wall, xr.DataArray) and set(wall.dims) == {"y", "x"}:
         return wall.transpose("y", "x")
     return wall

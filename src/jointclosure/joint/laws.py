@@ -38,27 +38,16 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """Law of closure: names and units of its parameters by column, closure, and a first guess.
-
-    ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
-    """
+    """Names and units of parameters by column, closure(stress, seating, *parameters), and guess."""
 
     parameters: dict[str, tuple[str, str]]
     closure: Callable[..., np.ndarray]
-    guess: Callable[[np.ndarray, np.ndarray, float], tuple[float, ...]]
+    guess: Callable[..., Any]
 
 
 def _hyperbola(stress: np.ndarray, seating: float, kni: float, vm: float) -> np.ndarray:
     above = stress - seating
     return above * vm / (kni * vm + above)
-
-
-def _semi_logarithmic(stress: np.ndarray, seating: float, p: float, q: float) -> np.ndarray:
-    return (np.log10(stress) - p) / q
-
-
-def _power(stress: np.ndarray, seating: float, c: float, m: float) -> np.ndarray:
-    return c * (stress - seating) ** m
 
 
 def _guess_hyperbola(stress, closure, seating) -> tuple[float, ...]:
@@ -69,11 +58,6 @@ def _guess_hyperbola(stress, closure, seating) -> tuple[float, ...]:
     above = stress[known] - seating
     slope, kni = np.polyfit(above, above / closure[known], 1)
     return max(kni, 1e-9), 1.0 / max(slope, 1e-9)
-
-
-def _guess_semi_logarithmic(stress, closure, seating) -> tuple[float, ...]:
-    q, p = np.polyfit(closure, np.log10(stress), 1)
-    return p, q
 
 
 def _guess_power(stress, closure, seating) -> tuple[float, ...]:
@@ -90,10 +74,14 @@ LAWS = {
     "hyperbolic": Law(_HYPERBOLIC, _hyperbola, _guess_hyperbola),
     "semi_logarithmic": Law(
         {"p": ("p", "log10 MPa"), "q_per_mm": ("q", "1/mm")},
-        _semi_logarithmic,
-        _guess_semi_logarithmic,
+        lambda stress, seating, p, q: (np.log10(stress) - p) / q,
+        lambda stress, closure, seating: np.polyfit(closure, np.log10(stress), 1)[::-1],
     ),
-    "power": Law({"c_mm": ("c", "mm/MPa^m"), "m": ("m", "")}, _power, _guess_power),
+    "power": Law(
+        {"c_mm": ("c", "mm/MPa^m"), "m": ("m", "")},
+        lambda stress, seating, c, m: c * (stress - seating) ** m,
+        _guess_power,
+    ),
 }
 
 
@@ -156,20 +144,13 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     values, covariance = fitted
     miss = predicted(stress, *values) - closure
     square = float(np.sum(miss**2))
-    held = _longest(np.abs(miss) <= FAILS * closure.max())
+    held, _ = scipy.ndimage.label(np.abs(miss) <= FAILS * closure.max())
+    runs = (run for (run,) in scipy.ndimage.find_objects(held))
+    longest = max(runs, key=lambda run: run.stop - run.start, default=None)
     explained = 1.0 - square / float(np.sum((closure - closure.mean()) ** 2))
-    ends = (float(stress[held[0]]), float(stress[held[1]])) if held else (np.nan, np.nan)
+    ends = stress[longest][[0, -1]].tolist() if longest else (np.nan, np.nan)
     fit = explained, float(np.sqrt(square / closure.size)), *ends
     return values, np.sqrt(np.diag(covariance)), dict(zip(names, fit, strict=True))
-
-
-def _longest(held: np.ndarray) -> tuple[int, int] | None:
-    """Return the first and last index of the longest run of true values, None without any."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
-    if not edges.size:
-        return None
-    first, end = max(edges.reshape(-1, 2).tolist(), key=lambda run: run[1] - run[0])
-    return first, end - 1
 
 
 def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
@@ -221,14 +202,6 @@ CYCLES = tuple(_CONSTANTS)
 """Cycles that the law has constants for."""
 UNCHECKED = (2,)
 """Cycles whose constants were not checked against a source."""
-
-
-def scaled_to(
-    length: float, jrc: float, strength: float, reference_length: float
-) -> tuple[float, float]:
-    """Scale JRC and JCS [Pa] to a joint of another length (Barton & Bandis 1982)."""
-    ratio = length / reference_length
-    return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
 def law_holds(jrc: float) -> bool:

@@ -45,19 +45,15 @@ Report = Callable[[int, str, float], None]
 """Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
 
 _SMALLEST_STEP = 1e-6
-"""Share of a displacement step, or of the closure reached if that is less, below which a jump of
-the stress is accepted. A displacement step may be far longer than the whole closure."""
+"""Share of a step, or of the closure if less, below which a jump of the stress is accepted."""
 
 _FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
-"""Smallest number of cells in contact at the maximum, at a pressure of the compressive strength,
-and largest maximum stress over it, for leaving out the interaction. With fewer contacts each one
-affects the second cycle: from 300 to 600 of them means of ten joints moved by up to 12 % at
-tolerances of 2 and 5 %. Above that stress breakage takes nearly all of the time, and leaving out
-the interaction does not reduce breakage."""
+"""Fewest cells in contact at the maximum, at a pressure of the strength, and largest stress over
+it, for leaving out the interaction. With 300 to 600 contacts means of second cycles moved by up to
+12 %; above that stress breakage takes nearly all of the time."""
 _MOST_SECANTS = 2
 _MISLED = 0.1
-"""Share of the step that passed a target below which the target is no longer searched for, if all
-shorter steps stayed below it."""
+"""Share of the step that passed a target below which shorter ones give up the search for it."""
 
 
 class Step(NamedTuple):

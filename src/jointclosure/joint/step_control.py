@@ -1,8 +1,4 @@
-"""Displacement steps of a history: their least number, and with resolved breakage their size.
-
-The size follows from estimates of the error, see docs/decisions.md#0010-resolved-breakage. Joints
-are refused before anything breaks if they would run for practically unlimited time.
-"""
+"""Displacement steps of a history: least number, and size (decisions.md#0010-resolved-breakage)."""
 
 import math
 from collections.abc import Callable
@@ -18,16 +14,14 @@ from jointclosure.solvers.joint import Joint, Settled
 _CORRECTION = 40.0
 """Allowed relative error of the predicted force of a step, over `Numerics.tolerance`."""
 _VIRGIN, _LATER = (1.0, 7.5), (10.0, 50.0)
-"""Allowed change of the force in a step beyond the former maximum, and in every other: over the
-maximum, and over the force (see `_FAINT`), both over `Numerics.tolerance`. A step crushes too many
-asperities, which the next steps press elastically (`benchmarks/strength_bound.py`)."""
+"""Allowed change of force beyond the former maximum, and elsewhere: over the maximum and over the
+force, both over `Numerics.tolerance`. Longer steps crush too many asperities."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
 """Largest allowed changes at any tolerance; share of the maximum that is added to the force."""
 LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
 """Largest and smallest step over the configured step."""
 _AIM, _RETRY = 0.8, 0.4
-"""Target of the next step, as a share of what is allowed; share of a step below which the next one
-may not be, or the step is repeated."""
+"""Target of the next step over what is allowed; share below which the step is repeated."""
 _MOST_LOST = 0.75
 """Largest share of a predicted rise of the force that breakage is expected to remove."""
 _RESIDUAL, _LOOSEST = 0.25, 0.04
@@ -35,8 +29,7 @@ _RESIDUAL, _LOOSEST = 0.25, 0.04
 _NEAR = 0.97
 """Target of a step that should reach the end of the loading, as a share of the allowed rise."""
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
-"""If the predicted rise of a shorter step exceeds the first share of that of the longer step, the
-next step is at most the second share of the shorter one."""
+"""If a shorter step has over the first share of the rise, the next is at most the second of it."""
 _MOST_SHORTENED = 4
 
 

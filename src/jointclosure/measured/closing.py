@@ -25,7 +25,7 @@ from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.walls.pairs import shifted
+from jointclosure.walls import shifted
 
 CHECKED, FINER = 4, 5.0
 """Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""

@@ -18,7 +18,7 @@ from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_c
 from jointclosure.parameters import PROPERTIES, Choices, Effects, Rock, check_rock, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
-from jointclosure.walls.pairs import shifted
+from jointclosure.walls import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
 

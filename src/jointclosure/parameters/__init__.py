@@ -26,7 +26,7 @@ class Rock(NamedTuple):
 
 OF_ROCK = properties_of(Rock)
 """Units, ranges, symbols and titles of the properties of a `Rock`, by name."""
-_JRC = Property("JRC", "1", "JRC", (0.0, 20.0), heading="Joint roughness coefficient (JRC)")
+_JRC = Property("JRC", "1", "JRC", (0.0, 20.0))
 _FIRST = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """Rows of the paper's Table 3, in its order."""
 PROPERTIES = {name: (OF_ROCK | {"jrc": _JRC})[name] for name in dict.fromkeys((*_FIRST, *OF_ROCK))}
@@ -60,8 +60,7 @@ USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() 
     "largest_radius": (1e-6, 1.0, "m"),
     **dict.fromkeys(("roll_off", "mismatch_wavelength"), (1e-5, 0.5, "m")),
 }
-"""Smallest and largest usual values for rock and its joints, and their unit. A value outside of
-this range, other than 0, is probably in a wrong unit."""
+"""Smallest and largest usual values and their unit; others, but 0, are probably in a wrong unit."""
 AS_IT_IS = (
     "unusual_values=True (on the command line --unusual-values, in a configuration "
     "study.unusual_values: allow) takes it as it is"

@@ -3,7 +3,6 @@
 import inspect
 import math
 import re
-import unicodedata
 from collections.abc import Callable
 from decimal import Decimal
 from functools import cache
@@ -44,7 +43,6 @@ class Property(NamedTuple):
     interval: tuple[float, float] | None = None
     may_be_infinite: bool = False
     usual: tuple[float, float] | None = None
-    heading: str = ""
 
     @property
     def size(self) -> float:
@@ -65,17 +63,6 @@ class Property(NamedTuple):
     def title(self) -> str:
         """Name of the property as the heading of a column."""
         return self.long_name[0].upper() + self.long_name[1:]
-
-    @property
-    def shown_symbol(self) -> str:
-        """The symbol in Unicode, such as σc."""
-        letter, _, index = self.symbol.partition("_")
-        return (_greek(letter) or letter) + index
-
-    @property
-    def label(self) -> str:
-        """Heading of the row of the property in a table, with symbol and unit."""
-        return self.heading or f"{self.title} {self.shown_symbol}{self.in_brackets}"
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -117,14 +104,6 @@ def documented(function: Callable[..., Any]) -> dict[str, str]:
         plain = re.sub(r" \[\w+\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
         texts |= dict.fromkeys(names.split(", "), plain)
     return texts
-
-
-def _greek(letter: str) -> str:
-    """Return the Greek letter of a name, or "" if there is none."""
-    try:
-        return unicodedata.lookup(f"GREEK SMALL LETTER {letter.upper()}")
-    except KeyError:
-        return ""
 
 
 @cache

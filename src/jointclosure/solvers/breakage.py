@@ -92,12 +92,6 @@ def unpad(flat, field):
 
 
 @kernel
-def neighbour_offsets(stride):
-    """Return the offsets (8,) of the eight neighbours of a cell in a flat array."""
-    return np.array([-stride - 1, -stride, -stride + 1, -1, 1, stride - 1, stride, stride + 1])
-
-
-@kernel
 def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
     """Return the largest forces (n,) [N] of the contacts at the cells; see `breakage_kernel`."""
     nx = upper.shape[1]
@@ -222,22 +216,6 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 
 @kernel
-def count_breaking(batch, n):
-    """Count the pairs of a batch that break in this step."""
-    count = 0
-    for i in range(n):
-        count += int(batch.breaks[i])
-    return count
-
-
-@kernel
-def note_locked(batch, n, some, locked):
-    """Mark the cells (n,) whose pairs are locked."""
-    for i in range(n):
-        locked[some[i]] |= batch.locked[i] > 0.0
-
-
-@kernel
 def write_back(batch, n, some, still_breaking, cells, turns, beside):
     """Write broken pairs back to the walls; pairs that still break and their neighbours wait."""
     for i in range(n):
@@ -304,7 +282,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         stride, kind, walls = cells.stride, cells.kind, cells[:3]
         colours = 1 if resolved else _COLOURS
         turns = new_turns(ny, nx, colours)
-        beside = neighbour_offsets(stride)
+        up, down = stride, -stride
+        beside = np.array([down - 1, down, down + 1, -1, 1, up - 1, up, up + 1])
         around = np.append(beside, 0)
         following = np.stack((cells.upper, cells.lower))
         shape = law.least_curvature, law.concave, law.spacing
@@ -350,9 +329,9 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                         measure_drops(batch, n, UPPER, tie_tolerance)
                         measure_drops(batch, n, LOWER, tie_tolerance)
                     share_losses(batch, n, gouge)
-                    if gouge:
-                        note_locked(batch, n, some, cells.locked)
-                    breaking = count_breaking(batch, n)
+                    for i in range(n if gouge else 0):
+                        cells.locked[some[i]] |= batch.locked[i] > 0.0
+                    breaking = int(batch.breaks[:n].sum())
                     if breaking == 0:
                         break
                     steps += breaking

@@ -15,11 +15,9 @@ from jointclosure.walls.roughness import detrended
 CONFIDENCE = 0.95
 """Confidence of the interval of a mismatch wavelength."""
 _WAVES_FOR_ONE = 4.5
-"""Coefficients of `_windowed_waves` with the information of one: mirror images, window (1.5 an
-axis)."""
+"""Coefficients with the information of one: mirror images, and the window (1.5 an axis)."""
 _RESOLUTION = 0.75
-"""Resolution of the mismatch wave number, in wave numbers of the walls' length: with it 99 % of the
-intervals contained the true value (24 pairs of 48, 96 and 192 cells, H 0.5 and 0.8)."""
+"""In wave numbers of the walls' length: 99 % of intervals of 24 pairs contained the true value."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
 _FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
 _TRIED = 600

@@ -90,10 +90,7 @@ def holes(known: np.ndarray) -> np.ndarray:
 
 
 def _narrow(known: np.ndarray) -> np.ndarray:
-    """Return which cells (y, x) lie between known ones at most three cells apart on an axis.
-
-    A longer strip beside the rim of a scan is not narrow, though it may be one cell wide.
-    """
+    """Return which cells (y, x) lie between known ones at most three apart; not beside a rim."""
     closed = scipy.ndimage.binary_closing
     return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
 
@@ -135,10 +132,7 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
 def wall_on_grid(
     scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return heights (y, x) [m] of a scan less its plane on a square grid, NaN where unknown.
-
-    ``bounds`` (2, 2) are the ends (x, y) [m] of the grid of points, by default those of the points.
-    """
+    """Return heights (y, x) [m] of a scan less its plane on a grid, NaN where unknown."""
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
         finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
@@ -219,9 +213,7 @@ def heights_between(
 
 
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) in Delaunay triangles; the same bits on any
-    processor.
-    """
+    """Interpolate heights at nodes (..., 2) in Delaunay triangles; same bits on any processor."""
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
     corners, at = (places - centre) / scale, (nodes - centre) / scale

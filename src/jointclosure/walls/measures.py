@@ -1,7 +1,4 @@
-"""Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks.
-
-Means over cells are resampled by tiles; measures of long waves scatter as synthetic walls do.
-"""
+"""Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -91,12 +88,10 @@ def lags_of(cells: int) -> np.ndarray:
 
 def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
     """Height ``lag`` cells further along an axis less that of the cell, ``order`` times."""
+    along = heights.T if axis == "x" else heights
     for _ in range(order):
-        if axis == "x":
-            heights = heights[:, lag:] - heights[:, :-lag]
-        else:
-            heights = heights[lag:] - heights[:-lag]
-    return heights
+        along = along[lag:] - along[:-lag]
+    return along.T if axis == "x" else along
 
 
 def increments(heights: np.ndarray, spacing: float) -> Increments:

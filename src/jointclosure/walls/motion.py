@@ -27,11 +27,9 @@ from jointclosure.walls.roughness import plane_through
 LEAST_OVERLAP = 0.5
 """Smallest share of the smaller wall that must overlap; other shifts are not tried."""
 BLOCKS = (48, 24)
-"""Largest numbers of blocks along the shorter side in the comparison of rotations: the second where
-the first is not clear, as short waves may not mate."""
+"""Most blocks along the shorter side to compare rotations; the second if the first is unclear."""
 STEP, APART = 3.0, 10.0
-"""Step of the rotations that are compared, and difference beyond which two are different ones
-[degrees]."""
+"""Step of compared rotations, and difference beyond which two are different [degrees]."""
 CLEAR = 1.25
 """Ratio of the best correlation of slopes to the second from which a fit is clear."""
 KNOWN = 0.9
@@ -51,8 +49,7 @@ MOST_POINTS, ROUNDS = 20_000, 40
 CAUCHY = 3.5
 """Scale of the weights over the median residual."""
 LEAST_ERROR = 0.01
-"""Standard error [cells] that interpolation leaves, in each direction and at the radius of
-gyration."""
+"""Error [cells] that interpolation leaves, in each direction and at the radius of gyration."""
 _DIGITS = 9
 """Decimals of a rotation, two less than of a shift [m]: the same motion on any processor."""
 _INVERSIONS = 8
@@ -141,10 +138,7 @@ def unmoved(points: np.ndarray, flip: np.ndarray) -> Motion:
 
 
 def on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Lay nodes of a grid on those of another, with a node ``low`` (x, y), if about as near.
-
-    Heights need not be interpolated then. Corners move by at most ``most`` [m].
-    """
+    """Lay nodes of a grid on those of another, one at ``low`` (x, y), if within ``most`` [m]."""
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
         return motion

@@ -16,10 +16,7 @@ PLATEAU = 5.0
 
 
 def strays(points: np.ndarray) -> np.ndarray:
-    """Return which points (n, 3) are in a small patch apart from the largest, or far in height.
-
-    Heights are far beyond 20 ranges of the middle 98 % from the median.
-    """
+    """Return which points (n, 3) are in a small patch apart, or far in height."""
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
     stray = _apart(points[:, :2])

@@ -31,20 +31,17 @@ from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_errors import ScanErrors, noise_of
 
 ON_NODES = 0.02
-"""Distance [cells] within which a scan is laid on the nodes of the other one, so that its heights
-need not be interpolated; or twice the error of the fit, up to half a cell."""
+"""Distance [cells] up to which nodes are laid on nodes, or twice the error up to half a cell."""
 LARGEST_HOLES = 0.15
 """Largest share of cells in holes of either scan that is taken out of contact by default."""
 MOST_CELLS = 500
 """Largest number of cells along a side of walls that are registered at the spacing of the scans."""
 IN_PLACE = 0.02
-"""Distance of the corners from their scanned place, over half of the longer side, up to which both
-scans may be in one frame, whose heights tell which wall is the upper one."""
+"""Largest shift of corners, over half of the longer side, of scans in one frame."""
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
 """Unusual inclinations of the common plane and of the walls to each other [degrees]."""
 _FAR = 1.5
-"""Largest usual distance from first touch to that of a thousandth, in deviations of the
-aperture."""
+"""Largest usual closure until a thousandth touches, in deviations of the aperture."""
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
 SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
@@ -379,11 +376,10 @@ def _described(
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
-        one, other = upper, lower
-        if (holes := overlap.holes.any(axis=0)).any():  # filled by the other wall, which they fit
-            one, other = (
-                filled(np.where(holes, np.nan, wall), "linear", 1.0) for wall in (upper, lower)
-            )
+        holes = overlap.holes.any(axis=0)  # filled by the other wall, which they fit
+        one, other = (
+            filled(np.where(holes, np.nan, wall), "linear", 1.0) for wall in (upper, lower)
+        )
         mismatch, fit = measured_mismatch(one, other, spacing), mating(one, other, spacing)
         report += [
             f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
@@ -436,42 +432,29 @@ def _described(
 
 def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
     """Describe holes, unusual overlap and inclinations; ``best_fit``: the walls are mated."""
-    doubts, share, size = [], max(overlap.shares), overlap.upper.size
-    if lost := int(overlap.holes.any(axis=0).sum()):
-        upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
-        doubts.append(
-            f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan "
-            f"({upper} of the upper, {lower} of the lower); they were taken out of contact, "
-            "with the largest aperture of those around them"
-        )
-    if overlap.cut:
-        doubts.append(
-            f"{overlap.cut} cells in holes of a scan are left out: the walls are the largest "
-            f"rectangle without them, {100.0 * share:.0f} % of the smaller scan "
-            "(see largest_filled_share)"
-        )
-    if both and share < LEAST_OVERLAP:
-        question = (
-            "in the position of best fit: are the scans of the same part of the joint?"
-            if best_fit
-            else "are the scans in one frame? (--shift mated moves them to the best fit)"
-        )
-        doubts.append(
-            f"the walls overlap in {100.0 * share:.0f} % of the smaller scan, less than "
-            f"{100.0 * LEAST_OVERLAP:.0f} %{', even ' if best_fit else ': '}{question}"
-        )
-    if overlap.inclination > STEEP_PLANE:
-        doubts.append(
-            f"the {'common plane' if both else 'plane'} is inclined by {overlap.inclination:.1f} "
-            f"degrees, more than {STEEP_PLANE:g}; it was removed along z, so that heights are not "
-            "normal to it; turn the scans"
-        )
-    if both and overlap.relative > STEEP_WEDGE:
-        doubts.append(
-            f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
-            f"{STEEP_WEDGE:g}; walls of one joint are about parallel"
-        )
-    return doubts
+    share, size, cut = 100.0 * max(overlap.shares), overlap.upper.size, overlap.cut
+    lost, wedge = int(overlap.holes.any(axis=0).sum()), both and overlap.relative > STEEP_WEDGE
+    upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
+    question = (
+        ", even in the position of best fit: are the scans of the same part of the joint?"
+        if best_fit
+        else ": are the scans in one frame? (--shift mated moves them to the best fit)"
+    )
+    doubts = {
+        f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan ({upper} of "
+        f"the upper, {lower} of the lower); they were taken out of contact, with the largest "
+        "aperture of those around them": lost > 0,
+        f"{cut} cells in holes of a scan are left out: the walls are the largest rectangle "
+        f"without them, {share:.0f} % of the smaller scan (see largest_filled_share)": cut > 0,
+        f"the walls overlap in {share:.0f} % of the smaller scan, less than "
+        f"{100.0 * LEAST_OVERLAP:.0f} %{question}": both and max(overlap.shares) < LEAST_OVERLAP,
+        f"the {'common plane' if both else 'plane'} is inclined by {overlap.inclination:.1f} "
+        f"degrees, more than {STEEP_PLANE:g}; it was removed along z, so that heights are not "
+        "normal to it; turn the scans": overlap.inclination > STEEP_PLANE,
+        f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
+        f"{STEEP_WEDGE:g}; walls of one joint are about parallel": wedge,
+    }
+    return [doubt for doubt, holds in doubts.items() if holds]
 
 
 def _describe_mating(mismatch: Mismatch) -> str:

@@ -1,11 +1,8 @@
 """Heights on grids: arrays of files with what states their places, rasters, and scanners' files."""
 
 import math
-import re
-import struct
 import warnings
 import zipfile
-import zlib
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -52,11 +49,6 @@ class Array(NamedTuple):
     units: str | None
     load: Callable[[], np.ndarray]
 
-    @property
-    def size(self) -> int:
-        """Number of values."""
-        return math.prod(self.shape)
-
 
 class _Statement(NamedTuple):
     """Spacing (dy, dx) in units that arrays state; NaN along an axis of which they state none."""
@@ -75,17 +67,19 @@ def grid_of(
     heights, units = _loaded(name, arrays[name]), arrays[name].units
     if heights.ndim != 2:
         raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
-    beside = {
-        key: array
-        for key, array in arrays.items()
-        if key.rpartition(".")[0] == name.rpartition(".")[0] and key != name
-    }
+    beside = {key: array for key, array in arrays.items() if key != name}
     places = [
-        {key: array for key, array in beside.items() if kinds[key] == axis and array.size > 1}
+        {
+            key: array
+            for key, array in beside.items()
+            if kinds[key] == axis and math.prod(array.shape) > 1
+        }
         for axis in "yx"
     ]
     contents, statements = _placed(name, heights, places)
-    numbers = [key for key in beside if kinds[key] in _NUMBERS and beside[key].size <= 2]
+    numbers = [
+        key for key in beside if kinds[key] in _NUMBERS and math.prod(beside[key].shape) <= 2
+    ]
     remarks = contents.remarks
     if contents.points is not None:
         remarks += tuple(f"{key} was not used: the points are on no grid" for key in numbers)
@@ -209,8 +203,8 @@ def _words(values, units: str | None = None) -> str:
 
 
 def _quantity(name: str) -> str:
-    """Return the name of an array in lower case, without its struct and its unit."""
-    return split_name(name.rpartition(".")[2])[0].lower()
+    """Return the name of an array in lower case, without its unit."""
+    return split_name(name)[0].lower()
 
 
 def _loaded(name: str, array: Array) -> np.ndarray:
@@ -323,57 +317,23 @@ def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | No
 def read_matlab(path: Path, variable: str | None) -> Contents:
     """Read an array of a MATLAB file up to version 7.2; only what the variable needs is loaded."""
     arrays: dict[str, Array] = {}
-    asked = re.split(r"[.({]", variable or "")[0]
-    for (name, shape, kind), size in zip(*_listed(path), strict=True):
-
-        def load(name: str = name) -> np.ndarray:
-            return scipy.io.loadmat(path, variable_names=[name])[name]
-
-        if kind in ("struct", "cell") and asked in ("", name):
-            check_size((size,), 1, name)
-            arrays |= _leaves({name: load()})
+    within = []
+    for name, shape, kind in scipy.io.whosmat(path):
+        if kind in ("struct", "cell"):
+            within.append(name)
         elif kind in ("double", "single", "logical") or "int" in kind:
             number = np.dtype(bool if kind == "logical" else kind)
+            load = partial(_matlab_variable, path, name)
             arrays[name] = Array(shape, number, split_name(name)[1], load)
-    return grid_of(arrays, variable)
+    try:
+        return grid_of(arrays, variable)
+    except InputError as error:
+        hint = f"; save arrays of {', '.join(within)} as variables of their own" if within else ""
+        raise InputError(f"{error}{hint}") from None
 
 
-def _listed(path: Path) -> tuple[list[tuple], list[int]]:
-    """Return name, shape and class of variables of a MATLAB file, and unpacked sizes [bytes]."""
-    listed, sizes = scipy.io.whosmat(path), []
-    if scipy.io.matlab.matfile_version(path)[0] == 0:  # version 4 has only arrays
-        return listed, [0] * len(listed)
-    with path.open("rb") as file:
-        file.seek(126)
-        order = "<" if file.read(2) == b"IM" else ">"
-        while len(tag := file.read(8)) == 8:
-            kind, size = struct.unpack(f"{order}2I", tag)
-            end = file.tell() + size
-            if kind == 15:  # a compressed element
-                start = zlib.decompressobj().decompress(file.read(min(size, 1024)), 8)
-                size = struct.unpack(f"{order}2I", start)[1]
-            sizes.append(size)
-            file.seek(end)
-    return listed, sizes
-
-
-def _leaves(values: dict) -> dict[str, Array]:
-    """Return arrays of numbers of a MATLAB file by name; those within as S.Z, S(2).Z or C{2}."""
-    leaves: dict[str, Array] = {}
-    for name, array in values.items():
-        if not isinstance(array, np.ndarray):
-            continue
-        if array.dtype.names is not None:
-            for number, struct_ in enumerate(array.ravel(), start=1):
-                of_struct = name if array.size == 1 else f"{name}({number})"
-                leaves |= _leaves({f"{of_struct}.{key}": struct_[key] for key in array.dtype.names})
-        elif array.dtype.kind == "O":
-            cells = enumerate(array.ravel(), start=1)
-            leaves |= _leaves({f"{name}{{{number}}}": cell for number, cell in cells})
-        elif array.dtype.kind in "iufc":
-            units = split_name(name.rpartition(".")[2])[1]
-            leaves[name] = Array(array.shape, array.dtype, units, partial(np.asarray, array))
-    return leaves
+def _matlab_variable(path: Path, name: str) -> np.ndarray:
+    return scipy.io.loadmat(path, variable_names=[name])[name]
 
 
 def read_esri(path: Path) -> Contents:

@@ -249,11 +249,8 @@ def _with_corner(lines: list[str], form: _Form) -> list[str]:
     if len(lines) < 2:
         return lines
     row, following = (_words(line, form) for line in lines[:2])
-    if len(following) != len(row) + 1 or not following[-1]:
-        return lines
-    if "" in row or not all(_is_number(word, form.decimal) for word in row):
-        return lines
-    if not are_places(np.array([_number(word, form.decimal) for word in row])):
+    even = are_places(np.array([_number(word, form.decimal) for word in row]))
+    if not even or len(following) != len(row) + 1 or not following[-1]:
         return lines
     return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
 
@@ -268,21 +265,17 @@ def _is_data(line: str) -> bool:
         return False
     form = _form_of(line)
     words = _words(line, form)
-    numbers = [_is_number(word, form.decimal) for word in words]
-    return all(numbers) and sum(word.lower() not in _MISSING for word in words) >= 2
+    try:
+        for word in words:
+            _number(word, form.decimal)
+    except ValueError:
+        return False
+    return sum(word.lower() not in _MISSING for word in words) >= 2
 
 
 def _number(word: str, decimal: str) -> float:
     """Return a number, NaN for a word for a missing one; `ValueError` for another."""
     return np.nan if word.lower() in _MISSING else float(word.replace(decimal, "."))
-
-
-def _is_number(word: str, decimal: str) -> bool:
-    try:
-        _number(word, decimal)
-    except ValueError:
-        return False
-    return True
 
 
 def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
