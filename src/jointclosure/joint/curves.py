@@ -456,7 +456,7 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
 
 
 def members(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return columns of a quantity's median, low and high curve, or its only one; "": endings."""
+    """Return the columns of a quantity: median, low and high, or one; endings for the name ""."""
     if f"{name or 'closure_net_since_seating_mm'}_median" in curves:
         return [f"{name}_{member}" for member in ("median", "low", "high")]
     return [name]
