@@ -24,7 +24,7 @@ from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit
-from jointclosure.plotting.joint import fit_figure
+from jointclosure.plotting.measured import fit_figure
 from jointclosure.storage.files import write, write_csv
 from jointclosure.walls.synthesis import ROLL_OFF
 from studies.measured_joints.observables import digitised_curve

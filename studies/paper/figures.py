@@ -147,8 +147,8 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
     titles = ("upper wall", "lower wall", "opening at first touch (circle)")
     for axes, name in zip(panels, titles, strict=True):
-        axes.set(title=name, xlabel="x (mm)")
-    panels[0].set_ylabel("y (mm)")
+        axes.set_title(name)
+        axes.label_outer()
     figure.suptitle(title)
     return figure
 

@@ -17,15 +17,10 @@ from jointclosure.measured.calibration import (
     readings_of_curve,
     readings_of_history,
 )
-from jointclosure.measured.closing import (
-    Closing,
-    Joints,
-    numerical_sentence,
-    stresses_of,
-)
+from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
-from jointclosure.plotting.joint import fit_figure
+from jointclosure.plotting.measured import fit_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING
@@ -49,14 +44,13 @@ walls = Walls().pair
 
 def closures_of(asked, wavelengths, surfaces, workers=1):
     """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
-    stresses = stresses_of(asked)
-    strength, strides = (GRANITE.compressive_strength,), (surfaces, 0, 1)
-    closing = Closing(CONDITIONS, asked.cycles, strength, stresses, strides)
     given = SimpleNamespace(
-        joint=SimpleNamespace(surfaces=surfaces), wavelengths=wavelengths, walls=Walls(), scans=None
-    )
-    closed = Joints(closing, given, None, workers, lambda line: None).closures()
-    return closed[0, :, 0], np.array(stresses)
+        joint=SimpleNamespace(surfaces=surfaces), measured=asked, wavelengths=wavelengths,
+        walls=Walls(), scans=None,
+    )  # fmt: skip
+    made = CONDITIONS, (GRANITE.compressive_strength,), (surfaces, 0, 1), (Later(),)
+    joints = Joints(given, *made, None, workers, lambda line: None)
+    return joints.closures()[0, :, 0], joints.stresses
 
 
 def curve_of(history):

@@ -13,7 +13,7 @@ from jointclosure.measured.closing import CHECKED, FINER, Later
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
-from jointclosure.plotting.region import region_figure
+from jointclosure.plotting.measured import region_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import SPACING
@@ -178,7 +178,7 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, pair,
         walls = placed.pair(number, 0.0, (pair.upper, pair.lower))
         curve = measured_curve(pair, *later, strength, walls)
         region = validate(curve, **asked | tried)
-        (joints,) = (one.likelihood for one in region.compared if one.later == later)
+        joints = region.compared[later]
         place = np.abs(np.log(joints.strengths / strength)).argmin()
         inside.append(joints.p_values[:, place].max() >= 0.05)
         if later != Later():

@@ -13,11 +13,10 @@ The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; oth
 """
 
 import argparse
-from typing import Any
 
 from jointclosure.cli import options, results
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.measured.fit import Fit, fit
+from jointclosure.measured.fit import fit
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -26,25 +25,18 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Fit the joint, and print and write the result."""
+    """Fit the joint, and print and write the result; null in its file means infinity."""
     if arguments.output:
-        from jointclosure.plotting.joint import fit_figure
+        from jointclosure.plotting.measured import fit_figure
     stated = options.measured_joint_of(arguments, fit, RESOLVED)
     cache = arguments.output / "joints" if arguments.output else None
     result = fit(**stated, cache=cache, progress=True)
-    print("\n".join(f"- {line}" for line in result.sentences()))
-    if arguments.output:
-        record = _record(result) | {"provenance": results.attributes(stated)}
-        files = {"fit.json": record, "fit.png": fit_figure(result, arguments.curve.name)}
-        print(results.write_folder(arguments.output, "fit", files))
-    return 0
-
-
-def _record(result: Fit) -> dict[str, Any]:
-    """Return the results with units in their names; null means infinity."""
-    strength = result.compressive_strength
-    return {
-        "found": result.sentences(),
+    found, strength = result.sentences(), result.compressive_strength
+    print("\n".join(f"- {line}" for line in found))
+    if not arguments.output:
+        return 0
+    record = {
+        "found": found,
         "mismatch_wavelength_mm": results.scaled(result.mismatch_wavelength, 1e3),
         "compressive_strength_MPa": None if strength is None else results.scaled(strength, 1e-6),
         "p_value": result.p_value,
@@ -60,4 +52,8 @@ def _record(result: Fit) -> dict[str, Any]:
             "strength_MPa": (1e-6 * result.likelihood.strengths).tolist(),
             "log": result.likelihood.log.tolist(),
         },
+        "provenance": results.attributes(stated),
     }
+    files = {"fit.json": record, "fit.png": fit_figure(result, arguments.curve.name)}
+    print(results.write_folder(arguments.output, "fit", files))
+    return 0

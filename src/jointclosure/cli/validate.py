@@ -27,7 +27,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print and write what is compatible with the curve."""
     if arguments.output:
-        from jointclosure.plotting.region import region_figure
+        from jointclosure.plotting.measured import region_figure
     stated = options.measured_joint_of(arguments, validate, NUMERICS)
     cache = arguments.output / "joints" if arguments.output else None
     region = validate(**stated, cache=cache, report=lambda line: print(f"- {line}", flush=True))

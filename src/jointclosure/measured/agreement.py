@@ -78,8 +78,7 @@ def agreements(
     """Compare each reading with the 95 % interval of a single simulated joint, by wavelength."""
     axis = 0 if likelihood.wavelengths.size > 1 else 1
     fine = (likelihood.wavelengths, likelihood.strengths)[axis]
-    best = np.unravel_index(int(likelihood.log.argmax()), likelihood.log.shape)[1 - axis]
-    other = round(best / max(likelihood.log.shape[1 - axis] - 1, 1) * (logs.shape[1 - axis] - 1))
+    other = likelihood.nodes(likelihood.best, logs.shape[:2])[1 - axis]
     joints = np.exp(logs.take(other, axis=1 - axis))
     nodes, at = np.linspace(0.0, 1.0, len(joints)), np.linspace(0.0, 1.0, fine.size)
     both = (quantities_of(values, measured, error) for values in (joints, measured.values))

@@ -94,6 +94,20 @@ class Likelihood(NamedTuple):
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
     @property
+    def best(self) -> tuple[int, int]:
+        """Place of the most likely wavelength and strength."""
+        i, j = np.unravel_index(int(self.log.argmax()), self.log.shape)
+        return int(i), int(j)
+
+    def nodes(self, place: Sequence[int], counts: Sequence[int]) -> tuple[int, int]:
+        """Return the place, of so many closed wavelengths and strengths, next to a fine one."""
+        i, j = (
+            round(at / max(fine - 1, 1) * (count - 1))
+            for at, fine, count in zip(place, self.log.shape, counts, strict=True)
+        )
+        return i, j
+
+    @property
     def p_value(self) -> float:
         """P-value at the most likely wavelength and strength."""
         return float(self.p_values.flat[self.log.argmax()])
@@ -124,8 +138,10 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
     levels = seating_stress + np.array(PARTS) * (min(largest) - seating_stress)
     lowest = {c: curve.branches(c)[UNLOADING][0].min(initial=np.inf) for c in cycles}
     unloaded = tuple(cycle for cycle in cycles if lowest[cycle] <= seating_stress)
-    loadings = (curve.branches(cycle)[LOADING][0] for cycle in cycles)
-    read = tuple(_levels_read(stress, seating_stress) for stress in loadings)
+    read: tuple[tuple[int, ...], ...] = ()
+    for loading in (curve.branches(cycle)[LOADING][0] for cycle in cycles):
+        between = int(((loading > seating_stress) & (loading < loading.max())).sum())
+        read += (tuple(range(max(len(PARTS) - 1 - between, 0), len(PARTS))),)
     asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0), read)
     values = readings_of_history(_as_history(curve), asked)
     if not np.all(values > 0.0):
@@ -135,32 +151,21 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
     return asked._replace(values=values)
 
 
-def _levels_read(stress: np.ndarray, seating_stress: float) -> tuple[int, ...]:
-    """Return the numbers of the levels for which a loading has points enough."""
-    between = int(((stress > seating_stress) & (stress < stress.max())).sum())
-    return tuple(range(max(len(PARTS) - 1 - between, 0), len(PARTS)))
-
-
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
     """Convert a measured curve to a history, to be read like that of a simulated joint."""
-    branches: list[tuple[int, str, np.ndarray, np.ndarray]] = []
-    cycles_read = [curve.branches(cycle) for cycle in curve.cycles]
-    for of_cycle, following in itertools.pairwise(cycles_read):
-        if not of_cycle[UNLOADING][0].size:
-            stress, closure = following[LOADING]
-            of_cycle[UNLOADING] = stress[:1], closure[:1]
-    for cycle, of_cycle in zip(curve.cycles, cycles_read, strict=True):
-        first, zero = (points[0] for points in of_cycle[LOADING])
-        offset = 0.0
-        if branches and branches[-1][2].size:
-            before, end = branches[-1][2][-1], branches[-1][3][-1]
-            again = abs(before - first) <= _SAME_STRESS * curve.stress.max()
-            offset = end - zero if again else 0.0
-        branches += [(cycle, name, x, y + offset) for name, (x, y) in of_cycle.items()]
-    parts = [
-        (stress, closure, 0.0 * stress, np.full(stress.size, cycle), [branch] * stress.size)
-        for cycle, branch, stress, closure in branches
-    ]
+    cycles, parts = [curve.branches(cycle) for cycle in curve.cycles], []
+    end = np.inf, 0.0  # last stress and closure of the cycle before
+    for number, (here, later) in enumerate(itertools.zip_longest(cycles, cycles[1:]), start=1):
+        if later and not here[UNLOADING][0].size:
+            stress, closure = later[LOADING]
+            here[UNLOADING] = stress[:1], closure[:1]
+        first, zero = (points[0] for points in here[LOADING])
+        again = abs(end[0] - first) <= _SAME_STRESS * curve.stress.max()
+        offset = end[1] - zero if again else 0.0
+        for branch, (x, y) in here.items():
+            about = np.full(x.size, number), np.full(x.size, branch)
+            parts.append((x, y + offset, 0.0 * x, *about))
+            end = (x[-1], y[-1] + offset) if x.size else end
     names = ("normal_stress", "closure", "bulk_indentation", "load_cycle", "branch")
     columns = zip(names, map(np.concatenate, zip(*parts, strict=True)), strict=True)
     return xr.Dataset({name: ("step", values) for name, values in columns})
@@ -174,11 +179,8 @@ def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
 
 def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
     """Return readings (..., n) of closures (..., cycles, 2, stresses) on loading and unloading."""
-    at, values = np.searchsorted(stresses, asked.levels), []
-    levels, seat = (
-        dict(zip(asked.levels, at, strict=True)),
-        int(stresses.searchsorted(asked.seating)),
-    )
+    at, seat = stresses.searchsorted(asked.levels), int(stresses.searchsorted(asked.seating))
+    levels, values = dict(zip(asked.levels, at, strict=True)), []
     for cycle, level in asked.places():
         loading, unloading = np.moveaxis(closures[..., cycle - 1, :, :], -2, 0)
         recovered = loading[..., at[-1]] - unloading[..., seat]
@@ -249,17 +251,6 @@ def likelihood_of(
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
     fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
     return Likelihood(*fine, log, means, covariance, distances)
-
-
-def tried_places(
-    places: Sequence[int], likelihood: Likelihood, tried: Sequence[int]
-) -> tuple[int, int]:
-    """Return the places, of so many wavelengths and strengths, next to fine ones."""
-    i, j = (
-        round(at / max(count - 1, 1) * (nodes - 1))
-        for at, count, nodes in zip(places, likelihood.log.shape, tried, strict=True)
-    )
-    return i, j
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:

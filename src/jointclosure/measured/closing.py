@@ -1,5 +1,6 @@
 """Joints that are closed beside a measured curve, and kept in a folder."""
 
+import math
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
@@ -14,15 +15,20 @@ from jointclosure.engine.cache import Entry, make_missing
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.engine.uncertainty import coarser
 from jointclosure.engine.workers import number_of_workers
+from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.measured.agreement import quantities
-from jointclosure.measured.calibration import CURVE_POINTS, Readings, readings_of_closures
+from jointclosure.measured.calibration import (
+    CURVE_POINTS,
+    joints_needed,
+    logs_of,
+    readings_of_closures,
+)
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
-from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls import shifted
@@ -38,88 +44,73 @@ class Later(NamedTuple):
     crushed_strength_ratio: float = 1.0
 
 
-class Closing(NamedTuple):
-    """How joints are closed: at strengths [Pa], read at stresses [Pa], and after the first loading.
+class Joints(NamedTuple):
+    """Joints of all wavelengths, ``strengths`` [Pa] and ``laters`` beside a curve.
 
     ``conditions`` are those of the first cycle. Joints of neighbouring wavelengths, strengths and
-    surfaces are ``strides`` numbers apart.
+    surfaces are ``strides`` numbers apart, on which their walls depend.
     """
 
-    conditions: Conditions
-    cycles: int
-    strengths: tuple[float, ...]
-    stresses: tuple[float, ...]
-    strides: tuple[int, int, int]
-    laters: tuple[Later, ...] = (Later(),)
-
-    def number(self, wavelength: int, strength: int, surface: int) -> int:
-        """Return the number of a joint, on which its walls depend."""
-        places = wavelength, strength, surface
-        return 1 + sum(n * stride for n, stride in zip(places, self.strides, strict=True))
-
-
-def stresses_of(measured: Readings) -> tuple[float, ...]:
-    """Return the stresses [Pa] at which joints are read: those of a curve, and those read of it."""
-    even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
-    return tuple(np.unique(np.concatenate([even, measured.levels])).tolist())
-
-
-def changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
-    """Return the conditions of a strength, and of loadings after the first."""
-    rock = conditions.rock._replace(compressive_strength=strength)
-    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
-    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
-    return conditions._replace(rock=rock, choices=choices)
-
-
-def first_conditions(asked: AskedJoints, numerics: Numerics) -> Conditions:
-    """Return the conditions of the first cycle."""
-    measured, joint = asked.measured, asked.joint
-    return Conditions(
-        asked.walls.spacing, asked.rock, float(measured.levels[-1]), 1, measured.seating,
-        joint.effects, joint.choices, numerics,
-    )  # fmt: skip
-
-
-class Joints(NamedTuple):
-    """Joints beside a measured curve, kept in a folder (``cache``) and closed by ``workers``."""
-
-    closing: Closing
     asked: AskedJoints
+    conditions: Conditions
+    strengths: tuple[float, ...]
+    strides: tuple[int, int, int]
+    laters: tuple[Later, ...]
     cache: str | Path | None
     workers: int | None
     report: Callable[[str], None]
 
+    @property
+    def stresses(self) -> np.ndarray:
+        """Stresses [Pa] at which joints are read: those of a curve, and those read of it."""
+        measured = self.asked.measured
+        even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
+        return np.unique(np.concatenate([even, measured.levels]))
+
+    def check(self, strengths: Sequence[float]) -> None:
+        """Raise `InputError` for conditions of strengths, walls, and fewer joints than needed."""
+        asked = self.asked
+        for strength in strengths:
+            for later in self.laters:
+                changed(self.conditions, strength, later).checked()
+        asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
+        nodes, surfaces = (asked.wavelengths.size, len(self.strengths)), asked.joint.surfaces
+        needed, count = joints_needed(nodes, asked.measured.values.size), math.prod(nodes)
+        if surfaces * count < needed:
+            least = math.ceil(needed / count)
+            raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
+
     def closures(self) -> np.ndarray:
         """Close all; (laters, wavelengths, strengths, surfaces, cycles, 2, stresses) [m]."""
         surfaces, wavelengths = self.asked.joint.surfaces, self.asked.wavelengths.size
-        places = [(i, k) for k in range(surfaces) for i in range(wavelengths)]
-        closures = self._closed(self.closing, places)
+        closures = self._closed([(i, k) for k in range(surfaces) for i in range(wavelengths)])
         closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
-    def _closed(
-        self, closing: Closing, places: Sequence[tuple[int, int]], strength: int = 0
-    ) -> np.ndarray:
+    def logs(self, closures: np.ndarray) -> np.ndarray:
+        """Return logarithms of the readings (..., n) of closures (..., cycles, 2, stresses) [m]."""
+        return logs_of(closures, self.stresses, self.asked.measured)
+
+    def _closed(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
         """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
 
         ``places`` are those of wavelength and surface, ``strength`` is that of the first strength.
         A joint that failed has NaN.
         """
-        given, numerics, asked = closing.conditions, closing.conditions.numerics, self.asked
-        workers = number_of_workers(self.workers)
-        entries = [
-            Entry(
+        asked, conditions = self.asked, self.conditions
+        numerics, stresses = conditions.numerics, tuple(self.stresses.tolist())
+        entries = []
+        for i, k in places:
+            first = 1 + int(np.dot((i, strength, k), self.strides))
+            numbered = {first + j * self.strides[1]: s for j, s in enumerate(self.strengths)}
+            of_joint = asked.walls, float(asked.wavelengths[i]), numbered, self.laters
+            entries.append(Entry(
                 f"wavelength_{i}_surface_{k}_{numerics.breakage}_{numerics.tolerance:.4g}",
-                close_surface,
-                (closing, asked.walls, closing.number(i, strength, k), float(asked.wavelengths[i])),
-                {"scans": asked.scans}, joints=len(closing.strengths),
-            )
-            for i, k in places
-        ]  # fmt: skip
-        compile_first = partial(
-            compile_kernels, given.effects, given.choices, numerics.solver, numerics.breakage
-        )
+                close_surface, (conditions, asked.measured.cycles, stresses, *of_joint),
+                {"scans": asked.scans}, joints=len(numbered),
+            ))  # fmt: skip
+        model = conditions.effects, conditions.choices, numerics.solver, numerics.breakage
+        compile_first, workers = partial(compile_kernels, *model), number_of_workers(self.workers)
         kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
         with kept as name:
             folder = Path(name)
@@ -134,19 +125,18 @@ class Joints(NamedTuple):
         They are of `CHECKED` joints at a place (later, wavelength, strength) of ``closures``.
         Without breakage there is no tolerance, and none are returned.
         """
-        closing, measured = self.closing, self.asked.measured
-        conditions, (kind, i, j) = closing.conditions, place
+        conditions, measured, (kind, i, j) = self.conditions, self.asked.measured, place
         if not conditions.effects.breakage:
             return {}
         resolved = conditions.numerics.breakage == "resolved"
         numerics = coarser(conditions.numerics, 1.0 / FINER) if resolved else RESOLVED
-        nearest = closing._replace(
+        nearest = self._replace(
             conditions=conditions._replace(numerics=numerics),
-            strengths=(closing.strengths[j],), laters=(closing.laters[kind],),
+            strengths=self.strengths[j : j + 1], laters=self.laters[kind : kind + 1],
         )  # fmt: skip
-        fine = self._closed(nearest, [(i, k) for k in range(CHECKED)], j)[:, 0, 0]
+        fine = nearest._closed([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
         given, finer = (
-            quantities(readings_of_closures(each, np.array(closing.stresses), measured), measured)
+            quantities(readings_of_closures(each, self.stresses, measured), measured)
             for each in (closures[kind, i, j, :CHECKED], fine)
         )
         changes: dict[str, tuple[float, float]] = {}
@@ -170,41 +160,47 @@ def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
     return [f"numerical error, {checked}: {'; '.join(texts)}"]
 
 
+def changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
+    """Return the conditions of a strength, and of loadings after the first."""
+    rock = conditions.rock._replace(compressive_strength=strength)
+    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
+    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
+    return conditions._replace(rock=rock, choices=choices)
+
+
 def close_surface(
-    closing: Closing,
+    first: Conditions,
+    cycles: int,
+    stresses: Sequence[float],
     walls: SimulatedWalls,
-    first: int,
     wavelength: float,
+    numbered: Mapping[int, float],
+    laters: Sequence[Later],
     *,
     scans: Any,
     report: Any,
 ) -> xr.Dataset:
-    """Close a surface at each strength, and all that may follow its first loading.
+    """Close a surface at each strength, by number, and all that may follow its first loading.
 
     If nothing differs after it, all loadings are of one history.
     """
-    stresses = np.array(closing.stresses)
-    shape = len(closing.laters), len(closing.strengths), closing.cycles, 2, stresses.size
-    closures = np.full(shape, np.nan)
-    several = closing.laters != (Later(),)
-    for place, strength in enumerate(closing.strengths):
-        number = first + closing.strides[1] * place
-        conditions = changed(closing.conditions, strength, Later())
+    levels, once_cycles = np.array(stresses), 1 if tuple(laters) != (Later(),) else cycles
+    closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
+    for place, (number, strength) in enumerate(numbered.items()):
+        conditions = changed(first, strength, Later())
         pair = walls.pair(number, wavelength, scans)
-        cycles = 1 if several else closing.cycles
-        once = close_walls(*pair, conditions._replace(cycles=cycles))
+        once = close_walls(*pair, conditions._replace(cycles=once_cycles))
         if once.status >= FAILURE:
             report(f"joint {number}: status {int(once.status)}")
             continue
-        closures[:, place, :cycles] = closures_at(once, stresses)
+        closures[:, place, :once_cycles] = closures_at(once, levels)
         crushed = once.upper_final.values, once.lower_final.values
-        for kind, later in enumerate(closing.laters if cycles < closing.cycles else ()):
-            conditions = changed(closing.conditions, strength, later)
-            conditions = conditions._replace(cycles=closing.cycles - 1)
+        for kind, later in enumerate(laters if once_cycles < cycles else ()):
+            conditions = changed(first, strength, later)._replace(cycles=cycles - 1)
             seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
             again = close_walls(*seated, conditions, pristine=pristine)
             if again.status < FAILURE:
-                closures[kind, place, 1:] = closures_at(again, stresses)
+                closures[kind, place, 1:] = closures_at(again, levels)
         report(f"joint {number} of {strength:.3g} Pa closed")
     dims = ("later", "strength", "cycle", "branch", "stress")
     return xr.Dataset({"closure": (dims, closures, {"units": "m"})})

@@ -26,8 +26,6 @@ _ALLOWED: dict[str, tuple[str, ...]] = {
     "cycle": ("",),
 }
 _FACTORS = SI_FACTORS | {"kPa": 1e3}
-_HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-zµμ]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
-"""Heading of a column: a name, and a unit at its end or in brackets."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
 
@@ -99,21 +97,24 @@ def parsed_curve(
     if body and any(_unit(cell) in STRESS_UNITS for cell in body[0][1]):
         below = [_unit(cell) for cell in body.pop(0)[1]] + [""] * len(header)
     units = {"stress": stress_unit, "closure": closure_unit, "cycle": None}
-    quantities = _named(header, where, names)
     columns: dict[str, tuple[int, str]] = {}
-    for position, quantity in enumerate(quantities):
+    for position, quantity in enumerate(_named(header, where, names)):
         if quantity not in _ALLOWED:
             continue
         what = f"{where}: column {header[position]!r}"
         if quantity in columns:
             raise InputError(f"{what}: must be the only one of {quantity}")
-        stated = _stated_unit(header[position])
+        stated = _heading(header[position])[1]
         if names is not None and stated not in _ALLOWED[quantity]:
             stated = ""  # part of another heading, such as sigma_n
         unit = stated or (below[position] if below else "") or units[quantity] or ""
         unit = "" if quantity == "cycle" else unit
         if unit not in _ALLOWED[quantity]:
-            wrong = f"unit {unit!r} must be" if unit else _without_unit(quantity, cycle is None)
+            usual = {"stress": "MPa", "closure": "mm"}[quantity]
+            key = f"--{quantity}-unit ({quantity}_unit= in Python)"
+            key = f"the key {quantity}_unit" if cycle is None else key  # of a study
+            lacks = f"has no unit; write it in the heading ({quantity}_{usual}), or state {key}:"
+            wrong = f"unit {unit!r} must be" if unit else lacks
             raise InputError(f"{what}: {wrong} one of {', '.join(_ALLOWED[quantity])}")
         columns[quantity] = position, unit
     missing = [n for n in _ALLOWED if n not in columns and (n != "cycle" or cycle is None)]
@@ -146,8 +147,7 @@ def parsed_curve(
 def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
     """Return the quantity of every column, by its heading or by names or numbers of columns."""
     if names is None:
-        headings = [re.fullmatch(_HEADING, cell) for cell in header]
-        named = [heading["name"].lower() if heading else "" for heading in headings]
+        named = [_heading(cell)[0] for cell in header]
         return [_ALIASES.get(name, name) for name in named]
     numbers = [str(1 + position) for position in range(len(header))]
     places = [next((each.index(n) for each in (header, numbers) if n in each), -1) for n in names]
@@ -160,23 +160,16 @@ def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[s
     return [by_place.get(position, "") for position in range(len(header))]
 
 
-def _stated_unit(heading: str) -> str:
-    """Return the unit in a heading, or an empty text."""
-    parts = re.fullmatch(_HEADING, heading)
-    return _unit(parts["ending"] or parts["within"] or "") if parts else ""
+def _heading(cell: str) -> tuple[str, str]:
+    """Return the name, and the unit at its end or in brackets, of a heading; or empty texts."""
+    parts = re.fullmatch(r"(.*?)(?:_([A-Za-zµμ]+)|\s*[(\[]([^)\]]+)[)\]])?", cell)
+    return (parts[1].lower(), _unit(parts[2] or parts[3] or "")) if parts else ("", "")
 
 
 def _unit(cell: str) -> str:
     """Return a unit without brackets, and micrometres as um."""
     bare = cell.strip("()[]")
     return SPELT.get(bare, bare)
-
-
-def _without_unit(quantity: str, of_study: bool) -> str:
-    """Return the start of the message on a column without a unit, with the key or option for it."""
-    key, usual = f"{quantity}_unit", {"stress": "MPa", "closure": "mm"}[quantity]
-    where = f"the key {key}" if of_study else f"--{quantity}-unit ({key}= in Python)"
-    return f"has no unit; write it in the heading ({quantity}_{usual}), or state {where}:"
 
 
 def _is_number(cell: str) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
+from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
 from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (
@@ -18,23 +19,10 @@ from jointclosure.measured.calibration import (
     Readings,
     Simulated,
     likelihood_of,
-    logs_of,
-    tried_places,
 )
-from jointclosure.measured.closing import (
-    Closing,
-    Joints,
-    first_conditions,
-    numerical_sentence,
-    stresses_of,
-)
+from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.joints import (
-    JointKeywords,
-    asked_joints,
-    check_joints,
-    takes_joint,
-)
+from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
 
@@ -48,29 +36,19 @@ _CHECK = "check rock, roughness, roll-off, size and units"
 
 
 class Fit(NamedTuple):
-    """Fit of a joint to a measured curve.
+    """Fit of a joint to a measured curve; intervals are valid only for the joint ``assumed``."""
 
-    ``mismatch_wavelength`` [m], with the ends of its 95 % interval: 0 if mated walls are not
-    excluded, infinite if independent walls are not; of scanned walls it is the measured one.
-    ``compressive_strength`` [Pa]: None if it was not fitted. ``p_value``: probability that such a
-    joint is at least as far from their mean as the measured one. ``measured`` and ``simulated``:
-    readings of the curve and of the joints. ``assumed``: description of the joints, for which alone
-    intervals are valid. ``closure_error``: relative error of measured closures. ``scanned``:
-    whether the walls are scanned. ``numerical``: relative changes by a finer tolerance, with
-    standard errors, of quantities of the nearest joints; empty if the joints were given.
-    """
-
-    mismatch_wavelength: Interval
-    compressive_strength: Interval | None
-    p_value: float
+    mismatch_wavelength: Interval  # [m], 95 %: from 0 mates, to infinity independent, are allowed
+    compressive_strength: Interval | None  # [Pa]
+    p_value: float  # probability that such a joint is as far from their mean as the measured one
     measured: Readings
     simulated: Simulated
     likelihood: Likelihood
     assumed: str
-    closure_error: float = 0.02
+    closure_error: float = 0.02  # relative
     curve: MeasuredCurve | None = None
     scanned: bool = False
-    numerical: Mapping[str, tuple[float, float]] = {}
+    numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
 
     @property
     def interval_holds(self) -> bool:
@@ -85,30 +63,27 @@ class Fit(NamedTuple):
     def sentences(self) -> list[str]:
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         wavelength, strength = self.mismatch_wavelength, self.compressive_strength
+        compared = [*self._compared(), *numerical_sentence(self.numerical)]
+        missed = self._missed_first_loading()
         if not self.interval_holds:
             ends = {0.0: "mates", math.inf: "independent walls"}
             between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
             nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
-            compared = [*self._compared(), *numerical_sentence(self.numerical)]
-            return [self._unexplained(), *nearest, *compared, f"assumed: {self.assumed}"]
+            return [self._unexplained(missed), *nearest, *compared, f"assumed: {self.assumed}"]
         lines: list[str] = []
-        if missed := self._missed_first_loading():
-            text = (
-                f"no simulated joint has the measured {' or the '.join(missed)}: the interval is "
-            )
-            lines.append(caution(f"{text}that of the nearest joints; {_CHECK}"))
+        if missed:
+            which = f"no simulated joint has the measured {' or the '.join(missed)}"
+            lines.append(caution(f"{which}: the interval is that of the nearest joints; {_CHECK}"))
         if not self.scanned:
             lines.append(f"mismatch wavelength {_stated(wavelength, 1e3, 'mm')}")
         if strength is not None:
             tried = self.likelihood.strengths[[0, -1]]
             lines.append(f"compressive strength {_stated(strength, 1e-6, 'MPa', *tried)}")
-        if math.isinf(wavelength.high) and not self.scanned:
-            lines.append("independent walls are not excluded")
-        if wavelength.low == 0.0 and not self.scanned:
-            lines.append("mated walls are not excluded")
+        if not self.scanned:
+            lines += ["independent walls are not excluded"] * math.isinf(wavelength.high)
+            lines += ["mated walls are not excluded"] * (wavelength.low == 0.0)
         far = "of such joints are at least as far from their mean as the measured one"
-        lines += [f"{percent(self.p_value)} {far}", *self._compared()]
-        lines += numerical_sentence(self.numerical)
+        lines += [f"{percent(self.p_value)} {far}", *compared]
         return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def agreements(self) -> list[Agreement]:
@@ -121,10 +96,10 @@ class Fit(NamedTuple):
 
     def _compared(self) -> list[str]:
         """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
-        tried = self.likelihood.strengths if self.scanned else self.likelihood.wavelengths
-        scale, unit, what = 1e3, "mm", "mismatch wavelengths"
+        tried, scale, unit = self.likelihood.wavelengths, 1e3, "mm"
         if self.scanned:
-            scale, unit, what = 1e-6, "MPa", "strengths"
+            tried, scale, unit = self.likelihood.strengths, 1e-6, "MPa"
+        what = "strengths" if self.scanned else "mismatch wavelengths"
         lines = []
         for one in self.agreements():
             value, least, most = (significant(x, 3) for x in (one.measured, one.least, one.most))
@@ -137,7 +112,7 @@ class Fit(NamedTuple):
             lines.append(f"{one.name}, measured {value} {one.unit}: {where}")
         return lines
 
-    def _unexplained(self) -> str:
+    def _unexplained(self, missed: list[str]) -> str:
         """Warn that the model does not explain the curve."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
@@ -145,8 +120,7 @@ class Fit(NamedTuple):
             f"the model does not explain this curve: {seldom} of its joints are as far "
             f"from their mean, and no interval is valid; {_CHECK}"
         )
-        others = any(not one.first_loading for one in self.agreements())
-        if others and not self._missed_first_loading():
+        if not missed and not all(one.first_loading for one in self.agreements()):
             text += (
                 "; joints have each reading of the first loading, which first_loading=True "
                 "(--first-loading) fits alone"
@@ -157,7 +131,7 @@ class Fit(NamedTuple):
         return f"<Fit: {'; '.join(self.sentences())}>"
 
 
-@takes_joint
+@takes(MeasuredJoint)
 def fit(
     curve: str | Path | MeasuredCurve,
     *,
@@ -215,42 +189,38 @@ def fit(
     given = asked_joints(curve, joint, "fit", WAVELENGTHS, first_loading)
     measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
     fit_strength = fit_strength or pair is not None
-    usual = given.rock.compressive_strength
+    usual, surfaces = given.rock.compressive_strength, given.joint.surfaces
     ends = [factor * usual for factor in (STRENGTH_RANGE if fit_strength else (1.0,))]
     assumed = given.assumed(ends) + ("; only the first loading is fitted" if first_loading else "")
     if progress and pair is not None:
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    conditions = first_conditions(given, numerics)
-    conditions.checked()
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = usual * factors
-    surfaces, closure_error = given.joint.surfaces, given.joint.closure_error
-    check_joints(given, strengths.size)
-    closing = Closing(
-        conditions, measured.cycles, tuple(strengths.tolist()), stresses_of(measured),
-        (surfaces * strengths.size, surfaces, 1),
+    joints = Joints(
+        given, given.conditions(numerics), tuple(strengths.tolist()),
+        (surfaces * strengths.size, surfaces, 1), (Later(),), cache, workers,
+        partial(print, flush=True) if progress else lambda line: None,
     )  # fmt: skip
-    report = partial(print, flush=True) if progress else lambda line: None
-    joints = Joints(closing, given, cache, workers, report)
-    closures, stresses = None, np.array(closing.stresses)
+    joints.check([usual])
+    closures = None
     if simulated is None:
         closures = joints.closures()
-        logs = logs_of(closures[0], stresses, measured)
-        simulated = Simulated(logs, (closures - closures[..., :1, :1])[0], stresses)
+        net = (closures - closures[..., :1, :1])[0]
+        simulated = Simulated(joints.logs(closures[0]), net, joints.stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
-    likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
+    error = given.joint.closure_error
+    likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, error)
     wavelength = likelihood.interval(0) if pair is None else Interval(*pair.mismatch)
     strength = likelihood.interval(1) if fit_strength else None
     changes: Mapping[str, tuple[float, float]] = {}
     if closures is not None:
-        nearest = divmod(int(likelihood.log.argmax()), likelihood.strengths.size)
-        place = 0, *tried_places(nearest, likelihood, expected[:2])
-        changes = joints.numerical_changes(place, closures)
-    of_joints = measured, simulated, likelihood, assumed, closure_error, given.curve
+        place = likelihood.nodes(likelihood.best, expected[:2])
+        changes = joints.numerical_changes((0, *place), closures)
+    of_joints = measured, simulated, likelihood, assumed, error, given.curve
     return Fit(wavelength, strength, likelihood.p_value, *of_joints, bool(pair), changes)
 
 

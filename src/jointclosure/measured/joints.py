@@ -1,7 +1,6 @@
 """Joints that are closed beside a measured curve, as `fit` and `validate` are asked for them."""
 
 import hashlib
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Required, TypedDict
@@ -10,12 +9,20 @@ import numpy as np
 
 from jointclosure.engine.scanned_joint import Wall, registered_walls
 from jointclosure.inputs import InputError, check_count, check_number, check_positive, naming
-from jointclosure.inputs.keywords import check_keywords, takes
-from jointclosure.joint.conditions import usual_seating
+from jointclosure.inputs.keywords import check_keywords
+from jointclosure.joint.conditions import Conditions, usual_seating
 from jointclosure.joint.rocks import named_rock
-from jointclosure.measured.calibration import Readings, joints_needed, readings_of_curve
+from jointclosure.measured.calibration import Readings, readings_of_curve
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from jointclosure.parameters import PROPERTIES, Choices, Effects, Rock, check_rock, check_usual
+from jointclosure.parameters import (
+    PROPERTIES,
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    check_rock,
+    check_usual,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
 from jointclosure.walls import shifted
@@ -145,10 +152,6 @@ class JointKeywords(TypedDict, total=False):
     choices: Choices
 
 
-takes_joint = takes(MeasuredJoint)
-"""Decorator of functions with the fields of `MeasuredJoint` as keywords."""
-
-
 class AskedJoints(NamedTuple):
     """A measured curve, and the joints that are closed beside it.
 
@@ -183,6 +186,14 @@ class AskedJoints(NamedTuple):
             f" strength {strength} MPa; measured closures net of the intact rock's deformation"
         )
 
+    def conditions(self, numerics: Numerics) -> Conditions:
+        """Return the conditions of the first cycle."""
+        measured, joint = self.measured, self.joint
+        return Conditions(
+            self.walls.spacing, self.rock, float(measured.levels[-1]), 1, measured.seating,
+            joint.effects, joint.choices, numerics,
+        )  # fmt: skip
+
 
 def asked_joints(
     curve: str | Path | MeasuredCurve,
@@ -197,8 +208,7 @@ def asked_joints(
     pair, shape, spacing = given.pair, given.shape, given.spacing
     intact = named_rock(given.rock)
     check_rock(intact)
-    name, curve = _curve(curve, given)
-    curve = curve.first_loading() if first_loading else curve
+    points, measured = _read(curve, given, first_loading)
     if given.scans is not None:
         for keyword in ("jrc", "size", "shape", "pair"):
             if (value := getattr(given, keyword)) is not None:
@@ -217,27 +227,16 @@ def asked_joints(
     if not 0.0 < error <= 1.0:
         wrong = f"closure_error = {error!r} ({100.0 * error:g} %)"
         raise InputError(f"{wrong}: must be above 0 and at most 1 (100 %)")
-    measured = _readings(curve, name, given.seating_stress)
     check_usual((), roll_off=given.roll_off)
     check_roll_off(given.roll_off, max(ny, nx) * spacing)
     lengths = np.geomspace(2.0 * spacing, min(ny, nx) * spacing, wavelengths)
     walls = SimulatedWalls(jrcs, (ny, nx), spacing, given.seed, given.hurst, given.roll_off)
     if pair is None:
-        return AskedJoints(given, intact, curve, measured, walls, lengths, None, None)
+        return AskedJoints(given, intact, points, measured, walls, lengths, None, None)
     lengths = np.array([np.clip(pair.mismatch.wavelength, *lengths[[0, -1]])])
     arrays = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
     walls = walls._replace(digest=hashlib.sha256(b"".join(w.tobytes() for w in arrays)).hexdigest())
-    return AskedJoints(given, intact, curve, measured, walls, lengths, pair, arrays)
-
-
-def check_joints(asked: AskedJoints, strengths: int) -> None:
-    """Raise `InputError` for walls that cannot be made, and fewer joints than readings take."""
-    asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
-    nodes, surfaces = (asked.wavelengths.size, strengths), asked.joint.surfaces
-    needed, count = joints_needed(nodes, asked.measured.values.size), math.prod(nodes)
-    if surfaces * count < needed:
-        least = math.ceil(needed / count)
-        raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
+    return AskedJoints(given, intact, points, measured, walls, lengths, pair, arrays)
 
 
 def _jrc_range(jrc: Any) -> tuple[float, float]:
@@ -253,27 +252,26 @@ def _jrc_range(jrc: Any) -> tuple[float, float]:
     return lowest, highest
 
 
-def _curve(curve: str | Path | MeasuredCurve, given: MeasuredJoint) -> tuple[str, MeasuredCurve]:
-    """Return a curve, which may have to be read from its file, and its name in messages."""
-    if isinstance(curve, MeasuredCurve):
-        return "curve", curve
-    if not Path(curve).is_file():
-        raise InputError(f"{curve}: file not found")
-    units = given.stress_unit, given.closure_unit
-    return str(curve), parsed_curve(
-        read_text(curve), str(curve), *units, cycle=1, names=given.columns
-    )
-
-
-def _readings(curve: MeasuredCurve, name: str, seating_stress: float | None) -> Readings:
-    """Check a curve, and read it."""
-    if seating_stress is None:
-        maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
-        seating_stress = usual_seating(float(min(maxima)))
-    check_positive("seating_stress", seating_stress, "Pa")
-    check_loadings(curve, name, seating_stress)
+def _read(
+    curve: str | Path | MeasuredCurve, given: MeasuredJoint, first_loading: bool
+) -> tuple[MeasuredCurve, Readings]:
+    """Return a checked curve, which may have to be read from its file, and its readings."""
+    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+    if not isinstance(curve, MeasuredCurve):
+        if not Path(curve).is_file():
+            raise InputError(f"{name}: file not found")
+        units = given.stress_unit, given.closure_unit
+        curve = parsed_curve(read_text(curve), name, *units, cycle=1, names=given.columns)
+    curve = curve.first_loading() if first_loading else curve
+    seating = given.seating_stress
+    if seating is None:
+        seating = usual_seating(
+            min(float(curve.stress[curve.cycle == c].max()) for c in curve.cycles)
+        )
+    check_positive("seating_stress", seating, "Pa")
+    check_loadings(curve, name, seating)
     with naming(name):
-        return readings_of_curve(curve, seating_stress)
+        return curve, readings_of_curve(curve, seating)
 
 
 def _shape(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:

@@ -8,7 +8,6 @@ of the surfaces, of the measurement and of the numerical error
 (`jointclosure.measured.calibration.likelihood_of`).
 """
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -19,33 +18,13 @@ import pandas as pd
 
 from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
+from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
 from jointclosure.measured.agreement import quantities
-from jointclosure.measured.calibration import (
-    CONFIDENCE,
-    Likelihood,
-    Readings,
-    likelihood_of,
-    logs_of,
-    tried_places,
-)
-from jointclosure.measured.closing import (
-    Closing,
-    Joints,
-    Later,
-    changed,
-    first_conditions,
-    numerical_sentence,
-    stresses_of,
-)
+from jointclosure.measured.calibration import CONFIDENCE, Likelihood, Readings, likelihood_of
+from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.joints import (
-    AskedJoints,
-    JointKeywords,
-    asked_joints,
-    check_joints,
-    takes_joint,
-)
+from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
@@ -63,89 +42,89 @@ _CHECK = "check rock, roughness, roll-off, size and units"
 
 
 class Mechanism(NamedTuple):
-    """Mechanism in words, the field of `Later` of its constant, and name and unit of that."""
+    """Field of `Later` of a constant, its value without the mechanism, its name and unit."""
 
-    title: str
     field: str
+    none: float
     constant: str
     unit: str
 
 
-MECHANISMS = (
-    Mechanism("walls seated anew", "shift", "shift of reseating", "cells"),
-    Mechanism(
-        "weaker crushed rock", "crushed_strength_ratio", "strength of crushed rock over rock", "1"
+MECHANISMS = {
+    "walls seated anew": Mechanism("shift", 0, "shift of reseating", "cells"),
+    "weaker crushed rock": Mechanism(
+        "crushed_strength_ratio", 1.0, "strength of crushed rock over rock", "1"
     ),
-)
-"""Mechanisms that are tried."""
+}
+"""Mechanisms that are tried, by their name in words."""
 
 
-class Compared(NamedTuple):
-    """Constants of one kind of joint, tried between (low, high) in a number of points."""
-
-    mechanism: str
-    later: Later
-    likelihood: Likelihood
+def mechanism_of(later: Later) -> str:
+    """Return the name of the mechanism of what follows the first loading."""
+    acts = (name for name, one in MECHANISMS.items() if getattr(later, one.field) != one.none)
+    return next(acts, NEITHER)
 
 
 class Region(NamedTuple):
-    """Comparison of a measured curve with simulated joints of all tried constants.
+    """Comparison of a measured curve with joints of all tried constants.
 
-    ``compared`` has the p-values by mechanism and its constant, over fine wavelengths and
-    strengths; ``closures`` (laters, wavelengths, strengths, joints, cycles, 2, stresses) [m] are
-    net since seating. ``assumed`` describes the joints, for which alone the region is valid.
-    ``numerical`` are the relative changes by a finer tolerance, with standard errors, of quantities
-    of nearest joints.
+    It is valid only for the joint ``assumed``.
     """
 
     measured: Readings
     curve: MeasuredCurve
-    compared: list[Compared]
-    closures: np.ndarray
-    stresses: np.ndarray
+    compared: dict[Later, Likelihood]
+    closures: np.ndarray  # [m] since seating, net, of axes as from `Joints.closures`
+    stresses: np.ndarray  # [Pa]
     assumed: str
     scanned: bool
-    left_out: list[str]
-    numerical: Mapping[str, tuple[float, float]] = {}
+    left_out: list[str]  # sentences
+    numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
 
-    def of(self, mechanism: str) -> list[Compared]:
+    def of(self, mechanism: str) -> dict[Later, Likelihood]:
         """Return the joints of a mechanism, by its constant: first those without any."""
         wanted = NEITHER, mechanism
-        return [one for one in self.compared if one.mechanism in wanted]
+        return {
+            later: self.compared[later] for later in self.compared if mechanism_of(later) in wanted
+        }
 
     @property
     def mechanisms(self) -> list[str]:
         """Names of what was compared, first that without a mechanism."""
-        return list(dict.fromkeys(one.mechanism for one in self.compared))
+        return list(dict.fromkeys(map(mechanism_of, self.compared)))
 
     def nearest(self, mechanism: str) -> tuple[int, int, int]:
         """Return the place of least distance: number in `of`, of the wavelength and strength."""
-        p_values = np.stack([one.likelihood.p_values for one in self.of(mechanism)])
+        p_values = self.p_values(mechanism)
         number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
         return int(number), int(i), int(j)
+
+    def p_values(self, mechanism: str) -> np.ndarray:
+        """Return the p-values (constants, wavelengths, strengths) of a mechanism."""
+        return np.stack([joints.p_values for joints in self.of(mechanism).values()])
 
     def table(self) -> pd.DataFrame:
         """Return the compatible range of each constant by mechanism, NaN where none is."""
         rows: list[dict[str, Any]] = []
         for mechanism in self.mechanisms:
             kinds, nearest = self.of(mechanism), self.nearest(mechanism)
-            p_values = np.stack([one.likelihood.p_values for one in kinds])
-            fine = kinds[0].likelihood
+            p_values, fine = self.p_values(mechanism), next(iter(kinds.values()))
             grids = [("strength", "MPa", 1e-6 * fine.strengths, 2)]
             if not self.scanned:
                 grids.append(("mismatch wavelength", "mm", 1e3 * fine.wavelengths, 1))
-            about = next((one for one in MECHANISMS if one.title == mechanism), None)
-            if about is not None:
-                tried = np.array([getattr(one.later, about.field) for one in kinds], float)
-                grids.append((about.constant, about.unit, tried, 0))
+            if mechanism in MECHANISMS:
+                field, _, constant, unit = MECHANISMS[mechanism]
+                tried = np.array([getattr(later, field) for later in kinds], float)
+                grids.append((constant, unit, tried, 0))
             for constant, unit, tried, axis in grids:
                 others = tuple(other for other in range(3) if other != axis)
                 allowed = tried[(p_values >= 1.0 - CONFIDENCE).any(axis=others)]
-                ends = (allowed.min(), allowed.max()) if allowed.size else (np.nan, np.nan)
-                row = {"mechanism": mechanism, "constant": constant, "unit": unit}
-                range_of = {"low": ends[0], "high": ends[1], "tried_low": tried.min()}
-                range_of |= {"tried_high": tried.max(), "nearest": tried[nearest[axis]]}
-                rows.append({**row, **range_of, "p_value": p_values[nearest]})
+                low, high = (allowed.min(), allowed.max()) if allowed.size else (np.nan, np.nan)
+                rows.append({
+                    "mechanism": mechanism, "constant": constant, "unit": unit,
+                    "low": low, "high": high, "tried_low": tried.min(), "tried_high": tried.max(),
+                    "nearest": tried[nearest[axis]], "p_value": p_values[nearest],
+                })  # fmt: skip
         return pd.DataFrame(rows)
 
     def quantities(self) -> pd.DataFrame:
@@ -155,7 +134,7 @@ class Region(NamedTuple):
         known = quantities(self.measured.values, self.measured)
         for mechanism in self.mechanisms:
             number, i, j = self.nearest(mechanism)
-            nearest = self.of(mechanism)[number].likelihood
+            nearest = list(self.of(mechanism).values())[number]
             mean, covariance = nearest.means[i, j], nearest.covariance[i]
             draws = generator(seed_of(1, mechanism)).standard_normal((SAMPLES, mean.size))
             logs = mean + draws @ np.linalg.cholesky(covariance).T
@@ -168,7 +147,7 @@ class Region(NamedTuple):
 
     def p_value(self, mechanism: str) -> float:
         """Return the probability that a nearest joint is as far from the mean as the measured."""
-        return max(float(one.likelihood.p_values.max()) for one in self.of(mechanism))
+        return float(self.p_values(mechanism).max())
 
     def compatible(self, mechanism: str) -> bool:
         """Return whether any tried constants of a mechanism are compatible with the curve."""
@@ -177,10 +156,9 @@ class Region(NamedTuple):
     def place(self, mechanism: str) -> tuple[int, int, int]:
         """Return the tried constants next to `nearest`: place in `closures` of the first axes."""
         number, *places = self.nearest(mechanism)
-        wanted = self.of(mechanism)[number].later
-        kind = [one.later for one in self.compared].index(wanted)
-        i, j = tried_places(places, self.compared[0].likelihood, self.closures.shape[1:3])
-        return kind, i, j
+        later, joints = list(self.of(mechanism).items())[number]
+        kind = list(self.compared).index(later)
+        return kind, *joints.nodes(places, self.closures.shape[1:3])
 
     def sentences(self) -> list[str]:
         """Describe what is compatible, by mechanism, what is not, and what was assumed."""
@@ -189,27 +167,24 @@ class Region(NamedTuple):
             lines.append(caution(f"none is compatible with all loadings of this curve; {_CHECK}"))
         rows, quantities = self.table(), self.quantities()
         for mechanism in self.mechanisms:
-            here = rows[rows.mechanism == mechanism]
             title = "no mechanism between loadings" if mechanism == NEITHER else mechanism
-            p_value = here.p_value.iloc[0]
-            often = percent(p_value) if p_value > 1e-3 else "fewer than 0.1 %"
             if self.compatible(mechanism):
-                ranges = "; ".join(_range(row) for row in here.itertuples())
-                lines.append(f"{title}: compatible with {ranges}")
+                ranges = map(_range, rows[rows.mechanism == mechanism].itertuples())
+                lines.append(f"{title}: compatible with {'; '.join(ranges)}")
                 continue
-            text = f"{title}: not compatible, {often} of the nearest joints are as far"
-            missed = quantities[
-                (quantities.mechanism == mechanism)
-                & ((quantities.measured < quantities.low) | (quantities.measured > quantities.high))
-            ]
-            texts = (
+            p_value = self.p_value(mechanism)
+            often = percent(p_value) if p_value > 1e-3 else "fewer than 0.1 %"
+            missed = (
                 f"{row.quantity} {significant(row.measured, 3)} {row.unit}".removesuffix(" 1")
                 + f" is measured, joints have {significant(row.low, 3)} to "
                 f"{significant(row.high, 3)}"
-                for row in missed.itertuples()
+                for row in quantities[quantities.mechanism == mechanism].itertuples()
+                if row.measured < row.low or row.measured > row.high
             )
-            where = "; ".join(texts) or "each quantity is met by itself, but not all together"
-            lines.append(f"{text}: {where}")
+            where = "; ".join(missed) or "each quantity is met by itself, but not all together"
+            lines.append(
+                f"{title}: not compatible, {often} of the nearest joints are as far: {where}"
+            )
         lines += numerical_sentence(self.numerical)
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
 
@@ -228,7 +203,7 @@ def _range(row: Any) -> str:
     return f"{row.constant} {low}{less} to {high}{more}{unit}"
 
 
-@takes_joint
+@takes(MeasuredJoint)
 def validate(
     curve: str | Path | MeasuredCurve,
     *,
@@ -286,65 +261,46 @@ def validate(
     tried_later = shifts or (), crushed_strength_ratios or ()
     laters = _laters(*tried_later, given.walls.shape[1], measured.cycles)
     ends = _strengths(strengths, given.rock)
-    tried = np.geomspace(*ends, STRENGTHS)
-    conditions = first_conditions(given, numerics)
-    for strength, (_, later) in itertools.product(ends, laters):
-        changed(conditions, strength, later).checked()
-    check_joints(given, tried.size)
+    tried, wavelengths = np.geomspace(*ends, STRENGTHS), given.wavelengths
+    joints = Joints(
+        given, given.conditions(numerics), tuple(tried.tolist()),
+        (tried.size, 1, wavelengths.size * tried.size), laters, cache, workers, report,
+    )  # fmt: skip
+    joints.check(ends)
     assumed = given.assumed(ends)
     assumed += f"; closures measured to {percent(given.joint.closure_error)}, 95 % confidence"
     for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
         report(line)
     again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
-    count = given.joint.surfaces * given.wavelengths.size * tried.size
+    count = given.joint.surfaces * wavelengths.size * tried.size
     report(f"{count} joints are closed{again}, as far as they are not kept")
-    closing = Closing(
-        conditions, measured.cycles, tuple(tried.tolist()), stresses_of(measured),
-        (tried.size, 1, given.wavelengths.size * tried.size), tuple(later for _, later in laters),
-    )  # fmt: skip
-    joints = Joints(closing, given, cache, workers, report)
     closures = joints.closures()
-    compared, left_out = _compared(given, closures, closing, laters)
-    if not compared or compared[0].mechanism != NEITHER:
-        name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-        raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
-    kept = [laters.index((one.mechanism, one.later)) for one in compared]
-    seated = (closures - closures[..., :1, :1])[kept]
-    stresses = np.array(closing.stresses)
-    region = Region(
-        measured, given.curve, compared, seated, stresses, assumed, pair is not None, left_out
-    )
-    kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
-    place = kept[kind], i, j
-    changes = joints.numerical_changes(place, closures)
-    return region._replace(numerical=changes)
-
-
-def _compared(
-    given: AskedJoints, closures: np.ndarray, closing: Closing, laters: list[tuple[str, Later]]
-) -> tuple[list[Compared], list[str]]:
-    """Compare a curve with joints of each kind; sentences on those that are left out."""
-    numerics = closing.conditions.numerics
     numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
     error = math.hypot(given.joint.closure_error, numerical)
-    logs = logs_of(closures, np.array(closing.stresses), given.measured)
-    tried = given.wavelengths, np.array(closing.strengths)
-    compared: list[Compared] = []
+    compared: dict[Later, Likelihood] = {}
     left_out: list[str] = []
-    for (mechanism, later), read in zip(laters, logs, strict=True):
+    for later, logs in zip(laters, joints.logs(closures), strict=True):
         try:
-            found = likelihood_of(given.measured, read, *tried, error)
+            compared[later] = likelihood_of(measured, logs, wavelengths, tried, error)
         except InputError as reason:
-            left_out.append(caution(f"{mechanism}, {later}: left out, {reason}"))
-        else:
-            compared.append(Compared(mechanism, later, found))
-    return compared, left_out
+            left_out.append(caution(f"{mechanism_of(later)}, {later}: left out, {reason}"))
+    if Later() not in compared:
+        name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+        raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
+    kept = [laters.index(later) for later in compared]
+    region = Region(
+        measured, given.curve, compared, (closures - closures[..., :1, :1])[kept],
+        joints.stresses, assumed, pair is not None, left_out,
+    )  # fmt: skip
+    kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
+    changes = joints.numerical_changes((kept[kind], i, j), closures)
+    return region._replace(numerical=changes)
 
 
 def _laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
-) -> list[tuple[str, Later]]:
-    """Return all that is tried after the first loading with its mechanism, first none."""
+) -> tuple[Later, ...]:
+    """Return all that is tried after the first loading, first nothing."""
     for shift in shifts:
         check_number("shifts", shift)
         if not (float(shift).is_integer() and 1 <= shift <= columns - 8):
@@ -354,15 +310,12 @@ def _laters(
             )
     for ratio in ratios:
         check_below("crushed_strength_ratios", ratio, 1.0)
-    laters = [(NEITHER, Later())]
     if cycles == 1:
-        return laters
-    seated_anew, weaker = (one.title for one in MECHANISMS)
-    laters += [(seated_anew, Later(shift=int(shift))) for shift in sorted(set(shifts))]
-    return laters + [
-        (weaker, Later(crushed_strength_ratio=float(ratio)))
-        for ratio in sorted(set(ratios), reverse=True)
-    ]
+        return (Later(),)
+    seated_anew = [Later(shift=int(shift)) for shift in sorted(set(shifts))]
+    weaker = sorted(set(ratios), reverse=True)
+    crushed = [Later(crushed_strength_ratio=float(ratio)) for ratio in weaker]
+    return Later(), *seated_anew, *crushed
 
 
 def _strengths(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:

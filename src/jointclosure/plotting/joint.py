@@ -1,4 +1,4 @@
-"""Figures of a joint: closure, stiffness, laws and apertures, and the fit to a measured curve."""
+"""Figures of a joint: closure, stiffness, laws and apertures."""
 
 from collections.abc import Mapping
 
@@ -25,40 +25,32 @@ from jointclosure.joint.curves import (
 )
 from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
 from jointclosure.joint.protocol import LOADING
-from jointclosure.measured.fit import Fit
-from jointclosure.measured.region import Region
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = None) -> Figure:
-    """Draw stress against gross and against net closure since seating, before which none counts."""
-    figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
+    """Draw stress against gross and net closure [mm] since seating, with ranges at the maximum."""
+    figure, panels = subplots(1, 2, figsize=(10.4, 4.8), title=title, sharex=True, sharey=True)
     columns = {GROSS: CLOSURE_GROSS, NET: CLOSURE_NET}
     for axes, (of, column) in zip(panels, columns.items(), strict=True):
         if ranges is not None:
-            _draw_ranges(axes, ranges.xs(column, level=1), closed)
+            # at the largest stress, each cycle above the one before
+            for row, (cycle, ends) in enumerate(ranges.xs(column, level=1).iterrows(), start=1):
+                median, stress = ends["median"], 1e-6 * float(closed.normal_stress.max())
+                axes.errorbar(
+                    median, stress * (1.0 + 0.03 * row),
+                    xerr=[[median - ends.low], [ends.high - median]], fmt="o", ms=4, capsize=3,
+                    color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
+                )  # fmt: skip
         draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
     if panels[0].get_legend():  # below the panels, where no curve is
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         for axes in panels:
             axes.get_legend().remove()
-    figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
-
-
-def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
-    """Draw ranges [mm] of the closure at the largest stress by cycle, each above the one before."""
-    largest = 1e-6 * float(closed.normal_stress.max())
-    for row, (cycle, ends) in enumerate(ranges.iterrows(), start=1):
-        first = ends["median"]
-        widths = [[first - ends.low], [ends.high - first]]
-        axes.errorbar(
-            first, largest * (1.0 + 0.03 * row), xerr=widths,
-            fmt="o", ms=4, capsize=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
-        )  # fmt: skip
 
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
@@ -132,7 +124,9 @@ def engineering_figure(
     """
     curves = stress_table(history) if curves is None else curves
     shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
-    figure, panels = subplots(*shape, figsize=size)
+    if members(curves, "")[0]:
+        title += ": medians, and nine in ten of the joints that inputs allow"
+    _, panels = subplots(*shape, figsize=size, title=title)
     panels = panels.ravel()
     _draw_closure(panels[0], history, curves, laws)
     draw_stiffness(panels[1], curves)
@@ -141,13 +135,10 @@ def engineering_figure(
     panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow(history):
         _draw_flow(panels[3], curves)
-    banded = members(curves, "")[0] != ""
-    about = f"{title}: medians, and nine in ten of the joints that inputs allow"
-    figure.suptitle(about if banded else title, parse_math=False)
     for axes in panels:
         sns.despine(ax=axes)
         axes.legend(frameon=False, fontsize=8)
-    return figure
+    return panels[0].figure
 
 
 def _draw_closure(
@@ -186,105 +177,3 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
     if (known > 0.0).any():
         top = 3.0 * known.max()
         axes.set(yscale="log", ylim=(1e-9 * top, None))
-
-
-@styled
-def fit_figure(result: Fit, title: str) -> Figure:
-    """Draw the curve on the band of the fitted joints; readings and likelihood by the parameter."""
-    figure, panels = subplots(2, 2, figsize=(12.5, 6.4), height_ratios=(2, 1), sharex="col")
-    above, below = panels[:, 1]
-    grid = panels[0, 0].get_gridspec()
-    for axes in panels[:, 0]:
-        axes.remove()
-    curve = figure.add_subplot(grid[:, 0])
-    closures, kind = result.simulated.closures[_fitted(result)], ("nearest", "fitted")
-    draw_measured(curve, result, closures, result.simulated.stresses, kind[result.reached])
-    axis, scale = (1, 1e-6) if result.scanned else (0, 1e3)
-    tried = scale * (result.likelihood.wavelengths, result.likelihood.strengths)[axis]
-    logs = np.moveaxis(result.simulated.logs, axis, 0)
-    nodes = np.geomspace(tried[0], tried[-1], len(logs))
-    _draw_readings(above, result, nodes, logs)
-    profile = result.likelihood.log.max(axis=1 - axis)
-    below.plot(tried, profile - profile.max(), color="C0")
-    interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
-    if result.interval_holds and interval is not None:
-        low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
-        below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
-        below.legend(frameon=False)
-    elif not result.interval_holds:
-        title += ": the model does not explain this curve, and no interval is valid"
-    below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
-    below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
-    decimal_ticks(below.xaxis)
-    decimal_ticks(above.yaxis)
-    figure.suptitle(title, parse_math=False)
-    return figure
-
-
-def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray) -> None:
-    """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
-    known = np.isfinite(logs).reshape(len(nodes), -1).any(axis=1)
-    nodes, logs = nodes[known], logs[known]
-    places, names = result.measured.places(), result.measured.names()
-    markers = dict(zip(dict.fromkeys(level for _, level in places), "osDv", strict=False))
-    for number, ((cycle, level), name) in enumerate(zip(places, names, strict=True)):
-        ratios = np.exp(logs[..., number]).reshape(len(nodes), -1) / result.measured.values[number]
-        low, middle, high = np.nanpercentile(ratios, (5.0, 50.0, 95.0), axis=1)
-        axes.errorbar(
-            nodes * 1.02 ** (number - 0.5 * (len(places) - 1)), middle,
-            yerr=(middle - low, high - middle), lw=0.8, ms=4, color=f"C{cycle - 1}",
-            marker=markers[level], mfc=None if level is None else "none", label=name,
-        )  # fmt: skip
-    axes.axhline(1.0, color="0.4", lw=0.8, zorder=0)
-    axes.set(xscale="log", yscale="log", ylabel="simulated over measured")
-    axes.legend(
-        frameon=False, fontsize=8, title="median, 90 % of joints",
-        loc="upper left", bbox_to_anchor=(1.0, 1.0),
-    )  # fmt: skip
-
-
-def draw_measured(
-    axes: Axes, result: Fit | Region, closures: np.ndarray, stresses: np.ndarray, kind: str
-) -> None:
-    """Draw the measured curve since seating on the band of joints of a kind, by cycle.
-
-    ``closures`` (joints, cycles, 2, stresses) [m] are those of the joints at ``stresses`` [Pa].
-    """
-    for cycle in range(1, result.measured.cycles + 1):
-        colour = f"C{cycle - 1}"
-        for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
-            ends = np.nanpercentile(1e3 * closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
-            label = f"cycle {cycle}: nine in ten {kind} joints" if branch == 0 else None
-            axes.fill_betweenx(
-                1e-6 * stresses, *ends, color=colour, alpha=0.25, lw=0.0, label=label
-            )
-        if result.curve is None:
-            continue
-        seating = result.measured.seating
-        for branch, stress, closure in result.curve.since_seating(cycle, seating):
-            if branch == LOADING:
-                stress, closure = np.append(seating, stress), np.append(0.0, closure)
-            axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
-        axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
-    axes.set(xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)")
-    axes.set(xlim=(min(0.0, axes.get_xlim()[0]), None))
-    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
-
-
-def _fitted(result: Fit) -> np.ndarray:
-    """Return which joints (wavelengths, strengths, joints) are nearest to the most likely values.
-
-    With them are all others within both intervals if these are valid.
-    """
-    kept = np.ones(result.simulated.logs.shape[:3], bool)
-    best = np.unravel_index(int(result.likelihood.log.argmax()), result.likelihood.log.shape)
-    fine = (result.likelihood.wavelengths, result.likelihood.strengths)
-    for axis, values in enumerate(fine):
-        count: int = kept.shape[axis]
-        nodes = np.geomspace(values[0], values[-1], count)
-        near = np.arange(count) == int(np.abs(np.log(nodes / values[best[axis]])).argmin())
-        if result.interval_holds and values.size > 1:
-            low, high = result.likelihood.interval(axis)[1:]
-            near |= (nodes >= low) & (nodes <= high)
-        kept &= np.expand_dims(near, [other for other in range(3) if other != axis])
-    return kept & np.isfinite(result.simulated.logs).all(axis=-1)

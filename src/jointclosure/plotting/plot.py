@@ -13,7 +13,7 @@ from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.curves import GROSS, NET, stress_table
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
-from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map, state_map
+from jointclosure.plotting.snapshots import MAPS, describe_state, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
 from jointclosure.plotting.walls import draw_heights, draw_section
 
@@ -94,7 +94,8 @@ def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
     axes, heights = _axes(axes), np.asarray(heights)
     image = draw_heights(axes, heights, spacing, float(np.nanmax(np.abs(heights))))
     image.set_interpolation("nearest")
-    return _finish_map(axes, image, "height (mm)")
+    axes.figure.colorbar(image, ax=axes, label="height (mm)")
+    return axes
 
 
 @styled
@@ -130,9 +131,7 @@ def aperture(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes
 
     ``joint`` was closed with ``snapshots``; ``snapshot`` is the index of one, by default the last.
     """
-    axes = _state_map(axes, joint, snapshot, "aperture")
-    draw_contacts(axes, _history(joint), snapshot)
-    return axes
+    return _state_map(axes, joint, snapshot, "aperture")
 
 
 @styled
@@ -155,16 +154,9 @@ def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axe
             f"snapshot = {snapshot!r}: the joint has {count}; simulate(..., snapshots=[...]) and "
             "close(..., snapshots=[...]) store them"
         )
-    drawn = state_map(history, name)
     titles = dict(zip(MAPS, describe_state(history.isel(snapshot=snapshot)), strict=True))
     axes.set_title(titles["aperture"] + ("" if name == "aperture" else f", {titles[name]}"))
-    image = draw_map(axes, history, drawn, snapshot)
-    return _finish_map(axes, image, drawn.label, drawn.beyond)
-
-
-def _finish_map(axes: Axes, image, label: str, beyond: str = "neither") -> Axes:
-    axes.figure.colorbar(image, ax=axes, label=label, extend=beyond)
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    axes.figure.colorbar(draw_map(axes, history, name, snapshot), ax=axes, **MAPS[name])
     return axes
 
 

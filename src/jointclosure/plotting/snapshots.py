@@ -1,7 +1,7 @@
 """Figures of a joint at stresses: aperture, contact forces, damage; and an animation of them."""
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import seaborn as sns
@@ -35,76 +35,55 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     rows = math.ceil(number / blocks)
     size = max(3.5 / blocks, 2.2)
     figure, panels = panel_grid(
-        rows, 3 * blocks, (size, size - 0.1), (0.0, 1.3), sharex=True, sharey=True
+        rows, 3 * blocks, (size, size - 0.1), (0.0, 1.3), title=title, sharex=True, sharey=True
     )
     titles = [describe_state(closed.isel(snapshot=k)) for k in range(number)]
-    for group, name in enumerate(MAPS):
-        drawn, columns = state_map(closed, name), panels[:, group * blocks : (group + 1) * blocks]
+    for group, (name, about) in enumerate(MAPS.items()):
+        columns = panels[:, group * blocks : (group + 1) * blocks]
         for k, axes in enumerate(columns.T.flat):
             if k >= number:
                 axes.set_axis_off()
                 continue
-            image = draw_map(axes, closed, drawn, k)
-            if group == 0:
-                draw_contacts(axes, closed, k)
+            image = draw_map(axes, closed, name, k)
             words = [titles[k][0]] * (blocks > 1 and group > 0) + [titles[k][group]]
             axes.set_title("\n".join(words), fontsize=9.0)
-        figure.colorbar(
-            image, ax=columns, label=drawn.label, location="top", aspect=30, pad=0.01,
-            extend=drawn.beyond,
-        )  # fmt: skip
-    for axes in panels[:, 0]:
-        axes.set_ylabel("y (mm)")
-    for axes in panels[-1]:
-        axes.set_xlabel("x (mm)")
-    figure.suptitle(title, parse_math=False)
+        figure.colorbar(image, ax=columns, location="top", aspect=30, pad=0.01, **about)
+    for axes in panels.flat:
+        axes.label_outer()
     return figure
 
 
-class StateMap(NamedTuple):
-    """Maps (snapshot, y, x) of a joint's states, their label, colours, scale, and open ends."""
-
-    label: str
-    fields: np.ndarray
-    colours: str
-    norm: Normalize
-    beyond: str
-
-
-MAPS = {
-    "aperture": "aperture (mm), contacts red",
-    "stress": "stress of cells in contact (MPa)",
-    "change": "change of both walls' height (mm)",
+MAPS: dict[str, dict[str, Any]] = {
+    "aperture": {"label": "aperture (mm), contacts red", "extend": "max"},
+    "stress": {"label": "stress of cells in contact (MPa)", "extend": "min"},
+    "change": {"label": "change of both walls' height (mm)", "extend": "both"},
 }
-"""Labels of the maps of a joint's states."""
+"""Maps of a joint's states: label and open ends of their colours."""
 
 
-def state_map(closed: xr.Dataset, name: str) -> StateMap:
-    """Return maps of one of `MAPS`: distance of the deformed walls, stress, or change of height."""
+def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesImage:
+    """Draw one of `MAPS` of a snapshot, with colours for all snapshots."""
+    force, spacing = closed.snapshot_force.values, spacing_of(closed)
+    norm: Normalize
     if name == "aperture":
-        gap = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
-        return StateMap(MAPS[name], gap, "mako", Normalize(0.0, reach_of(gap)), "max")
-    if name == "stress":
-        stresses = 1e-6 * closed.snapshot_force.values / spacing_of(closed) ** 2
-        largest = float(stresses.max()) or 1.0
-        scale = LogNorm(1e-4 * largest, largest)
-        return StateMap(MAPS[name], np.ma.masked_equal(stresses, 0.0), "rocket_r", scale, "min")
-    change = 1e3 * change_of_height(closed)
-    reach = reach_of(np.abs(change))
-    return StateMap(MAPS[name], change, "vlag_r", Normalize(-reach, reach), "both")
-
-
-def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:
-    """Draw a map of one snapshot on axes in millimetres."""
-    style = {"cmap": drawn.colours, "norm": drawn.norm, "interpolation": "nearest"}
-    return draw_field(axes, drawn.fields[snapshot], spacing_of(closed), **style)
-
-
-def draw_contacts(axes: Axes, closed: xr.Dataset, snapshot: int) -> None:
-    """Draw the cells in contact in red."""
-    force = closed.snapshot_force.values[snapshot]
-    contacts = np.ma.masked_where(force == 0.0, np.ones_like(force))
-    draw_field(axes, contacts, spacing_of(closed), cmap="autumn", interpolation="nearest")
+        fields = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
+        colours, norm = "mako", Normalize(0.0, reach_of(fields))
+    elif name == "stress":
+        fields = 1e-6 * force / spacing**2
+        largest = float(fields.max()) or 1.0
+        colours, norm = "rocket_r", LogNorm(1e-4 * largest, largest)
+        fields = np.ma.masked_equal(fields, 0.0)
+    else:
+        fields = 1e3 * change_of_height(closed)
+        reach = reach_of(np.abs(fields))
+        colours, norm = "vlag_r", Normalize(-reach, reach)
+    style = {"interpolation": "nearest"}
+    image = draw_field(axes, fields[snapshot], spacing, cmap=colours, norm=norm, **style)
+    if name == "aperture":
+        touching = force[snapshot]
+        contacts = np.ma.masked_where(touching == 0.0, np.ones_like(touching))
+        draw_field(axes, contacts, spacing, cmap="autumn", **style)
+    return image
 
 
 def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
@@ -175,17 +154,16 @@ def _curve(axes, closed: xr.Dataset):
 
 def _map(axes, closed: xr.Dataset):
     """Draw the change of height of both walls, with contacts in black."""
-    change = state_map(closed, "change")
-    image, none = draw_map(axes, closed, change, 0), np.ma.masked_all(change.fields[0].shape)
+    change = 1e3 * change_of_height(closed)
+    image, none = draw_map(axes, closed, "change", 0), np.ma.masked_all(change[0].shape)
     style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
     contacts = draw_field(axes, none, spacing_of(closed), **style)
     label = "change of height (mm)"
     axes.figure.colorbar(image, ax=axes, label=label, extend="both", shrink=0.85)
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
 
     def draw(frame: int) -> None:
         touching = closed.snapshot_force.values[frame] > 0.0
-        image.set_data(change.fields[frame])
+        image.set_data(change[frame])
         contacts.set_data(np.ma.masked_where(~touching, np.zeros(touching.shape)))
         axes.set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
 

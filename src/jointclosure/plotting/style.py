@@ -53,10 +53,12 @@ class StyledFigure(Figure):
 
 
 def subplots(
-    rows: int = 1, columns: int = 1, *, figsize, layout="constrained", **settings
+    rows: int = 1, columns: int = 1, *, figsize, layout="constrained", title="", **settings
 ) -> tuple:
     """Return a figure and its axes like ``pyplot.subplots``, but unknown to pyplot."""
     figure = StyledFigure(figsize=figsize, layout=layout)
+    if title:
+        figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     return figure, figure.subplots(rows, columns, **settings)
 
 

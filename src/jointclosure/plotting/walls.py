@@ -16,20 +16,15 @@ from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
 
 
-def map_extent(shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
-    """Return edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
-    ny, nx = shape
-    return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
-
-
 def draw_field(axes: Axes, field: np.ndarray, spacing: float, **style: Any) -> AxesImage:
     """Draw a map of a field (y, x) on a grid of a spacing [m]."""
-    return axes.imshow(field, origin="lower", extent=map_extent(field.shape, spacing), **style)
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    height, width = (1e3 * cells * spacing for cells in field.shape)
+    return axes.imshow(field, origin="lower", extent=(0.0, width, 0.0, height), **style)
 
 
 def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) -> AxesImage:
     """Draw a map of heights (y, x) [m], with colours from minus to plus a reach [m]."""
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
     limits = {"vmin": -1e3 * reach, "vmax": 1e3 * reach}
     return draw_field(axes, 1e3 * heights, spacing, cmap="vlag", **limits)
 
@@ -38,18 +33,31 @@ def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) 
 def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     """Draw both walls, aperture and section at first touch; unless one is flat, their mating."""
     columns = 3 if pair.fits else 2
-    figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2))
+    figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2), title=title)
     panels = grid.ravel()
-    # z upwards on both, so that mated walls look equal
-    _draw_wall(panels[0], -pair.upper, pair, "upper wall, seen from above")
-    _draw_wall(panels[1], pair.lower, pair, "lower wall, seen from above")
-    _draw_aperture(panels[2], pair)
+    reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
+    walls = {"upper": -pair.upper, "lower": pair.lower}  # z upwards: mated walls look equal
+    for axes, (side, heights) in zip(panels, walls.items(), strict=False):
+        _add_bar(axes, draw_heights(axes, heights, pair.spacing, reach), "height (mm)")
+        axes.set_title(f"{side} wall, seen from above")
+    limits = {"vmin": 0.0, "vmax": 1e3 * np.percentile(pair.aperture, 99.0)}
+    image = draw_field(panels[2], 1e3 * pair.aperture, pair.spacing, cmap="viridis", **limits)
+    _add_bar(panels[2], image, "aperture (mm)", "max")
+    y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
+    panels[2].plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
+    panels[2].set_title("aperture at first touch (in the circle)")
     draw_section(panels[3], pair.upper, pair.lower, pair.spacing)
     panels[3].legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     if pair.fits:
         _draw_mating(panels[4], pair)
-        _draw_orientations(panels[5], pair)
-    figure.suptitle(title, parse_math=False)  # a file's name is not a formula
+        fits, axes = pair.fits[::-1], panels[5]
+        colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
+        names = [fit.orientation.replace("_", " ") for fit in fits]
+        axes.barh(names, [fit.correlation for fit in fits], color=colours)
+        if (second := pair.fits[1].correlation) > 0.0:
+            axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
+        axes.set(title="orientation of the upper scan")
+        axes.set(xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)")
     for axes in panels[3:]:
         sns.despine(ax=axes)
     return figure
@@ -60,7 +68,9 @@ def range_figure(budget: Budget, title: str) -> Figure:
     """Draw the net closure of the first and the last cycle, and how far each source moves it."""
     ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
     cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
-    figure, panels = subplots(1, len(cycles), figsize=(5.2 * len(cycles), 3.6), squeeze=False)
+    figure, panels = subplots(
+        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
+    )
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
         shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
@@ -82,16 +92,8 @@ def range_figure(budget: Budget, title: str) -> Figure:
         axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
     named = panels[0, 0].get_legend_handles_labels()
     figure.legend(*named, loc="outside lower center", ncols=2, frameon=False)
-    figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
-
-
-def _draw_wall(axes: Axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
-    reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
-    image = draw_heights(axes, heights, pair.spacing, reach)
-    _add_bar(axes, image, "height (mm)")
-    axes.set_title(title)
 
 
 def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") -> None:
@@ -100,15 +102,6 @@ def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") 
     axes.figure.colorbar(
         image, ax=axes, label=label, shrink=0.85 * min(ny / nx, 1.0), extend=extend
     )
-
-
-def _draw_aperture(axes, pair: RegisteredPair) -> None:
-    limits = {"vmin": 0.0, "vmax": 1e3 * np.percentile(pair.aperture, 99.0)}
-    image = draw_field(axes, 1e3 * pair.aperture, pair.spacing, cmap="viridis", **limits)
-    _add_bar(axes, image, "aperture (mm)", "max")
-    y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
-    axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
-    axes.set(title="aperture at first touch (in the circle)", xlabel="x (mm)", ylabel="y (mm)")
 
 
 def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
@@ -147,51 +140,32 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
     decimal_ticks(axes.xaxis)
 
 
-def _draw_orientations(axes, pair: RegisteredPair) -> None:
-    """Draw the correlation of slopes in each orientation, with the one used in colour."""
-    fits = pair.fits[::-1]
-    colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
-    names = [fit.orientation.replace("_", " ") for fit in fits]
-    axes.barh(names, [fit.correlation for fit in fits], color=colours)
-    second = pair.fits[1].correlation
-    if second > 0.0:
-        axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
-    axes.set(title="orientation of the upper scan")
-    axes.set(xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)")
-
-
 @styled
 def roughness_figure(
     heights: np.ndarray, spacing: float, increments: Increments, title: str
 ) -> Figure:
     """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance."""
-    figure, panels = subplots(1, 3, figsize=(13.0, 4.3), width_ratios=(1.1, 1.0, 1.0))
+    figure, panels = subplots(1, 3, figsize=(13.0, 4.3), title=title, width_ratios=(1.1, 1.0, 1.0))
     image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
     figure.colorbar(image, ax=panels[0], label="height (mm)", shrink=0.85)
     panels[0].set_title("heights, mean plane removed")
-    _draw_profiles(panels[1], heights, spacing)
+    gap, colours = 4e3 * np.nanstd(heights), {"x": "C0", "y": "C1"}
+    for number, part in enumerate((0.25, 0.5, 0.75)):  # at the scale of the heights
+        for colour, along, first in (("C0", heights, 0), ("C1", heights.T, 3)):
+            profile = 1e3 * along[int(part * len(along))]
+            place = 1e3 * spacing * np.arange(profile.size)
+            panels[1].plot(place, profile + gap * (number + first), color=colour, lw=0.9)
+    for axis, colour in colours.items():
+        panels[1].plot([], [], color=colour, label=f"along {axis}, at 1/4, 1/2, 3/4")
+    panels[1].set(title="profiles", xlabel="distance (mm)", ylabel="height, shifted (mm)")
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18)}
+    panels[1].legend(frameon=False, fontsize=8, **below)
     _draw_increments(panels[2], increments)
-    figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     sns.despine(figure)
     layout = figure.get_layout_engine()
     if isinstance(layout, ConstrainedLayoutEngine):
         layout.set(wspace=0.06)
     return figure
-
-
-def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
-    """Draw three profiles along each axis, shifted, at the scale of the heights."""
-    gap = 4e3 * np.nanstd(heights)
-    ways = (("x", "C0", heights, 0), ("y", "C1", heights.T, 3))
-    for number, part in enumerate((0.25, 0.5, 0.75)):
-        for _, colour, along, first in ways:
-            profile = 1e3 * along[int(part * len(along))]
-            place = 1e3 * spacing * np.arange(profile.size)
-            axes.plot(place, profile + gap * (number + first), color=colour, lw=0.9)
-    for axis, colour, *_ in ways:
-        axes.plot([], [], color=colour, label=f"along {axis}, at 1/4, 1/2, 3/4")
-    axes.set(title="profiles", xlabel="distance (mm)", ylabel="height, shifted (mm)")
-    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=8)
 
 
 def _draw_increments(axes, increments: Increments) -> None:
