@@ -26,9 +26,6 @@ _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotl
 _MEMORY_OF_A_JOB, _DISK_OF_A_STUDY = 0.5e9, 1e9
 """Memory of a job and disk space of the paper's study in bytes: at most 415 MB, and 0.2 GB."""
 
-Finding = tuple[str, str, str]
-"""Item checked, its state, and advice if it is not in order."""
-
 
 def declare(command: argparse.ArgumentParser) -> None:
     """There are no arguments."""
@@ -45,8 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     return int(unwell > 0)
 
 
-def findings(folder: Path) -> Iterator[Finding]:
-    """Generate all findings for a study that is run in a folder."""
+def findings(folder: Path) -> Iterator[tuple[str, str, str]]:
+    """Generate items of a study in a folder, their state, and advice if it is not in order."""
     fits = (3, 11) <= sys.version_info[:2] <= (3, 13)
     advice = "" if fits else "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12"
     yield "python", f"{platform.python_version()} at {sys.executable}", advice
@@ -58,8 +55,18 @@ def findings(folder: Path) -> Iterator[Finding]:
     yield "extras", state + without, ""
     cores = number_of_workers(None)
     yield "cores", f"{cores} for this process, {os.cpu_count()} of the machine", ""
-    yield _threads(cores)
-    yield _memory(cores)
+    settings = {name: os.environ.get(name) for name in THREADS}
+    state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
+    # unset as in any shell, or all 1 as make sets them
+    fits = cores == 1 or set(settings.values()) == {"1"} or not any(settings.values())
+    slow = "jobs that run side by side slow each other down unless each has one thread: set all to "
+    slow += "1 (make does this; .ci/environment has the line for a shell)"
+    yield "threads", state, "" if fits else slow
+    memory = psutil.virtual_memory()
+    jobs = int(memory.available / _MEMORY_OF_A_JOB)
+    takes = f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}"
+    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
+    yield "memory", state, takes if jobs < cores else ""
     cache = cache_folder()
     kernels = len(list(cache.rglob("*.nbi")))
     state = f"warm, {kernels} kernels" if kernels else "cold; the first joint takes a minute more"
@@ -73,23 +80,6 @@ def findings(folder: Path) -> Iterator[Finding]:
     yield _snakemake(folder)
 
 
-def _threads(cores: int) -> Finding:
-    settings = {name: os.environ.get(name) for name in THREADS}
-    state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
-    if cores == 1 or set(settings.values()) == {"1"} or not any(settings.values()):
-        return "threads", state, ""  # unset as in any shell: make sets all to 1
-    slow = "jobs that run side by side slow each other down unless each has one thread: set all to "
-    return "threads", state, f"{slow}1 (make does this; .ci/environment has the line for a shell)"
-
-
-def _memory(cores: int) -> Finding:
-    memory = psutil.virtual_memory()
-    jobs = int(memory.available / _MEMORY_OF_A_JOB)
-    takes = f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}"
-    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
-    return "memory", state, takes if jobs < cores else ""
-
-
 def _writable(folder: Path) -> bool:
     """Return whether a file can be made in a folder, or in the parent that will hold it."""
     place = next(path for path in (folder, *folder.parents) if path.exists())
@@ -100,7 +90,7 @@ def _writable(folder: Path) -> bool:
         return False
 
 
-def _snakemake(folder: Path) -> Finding:
+def _snakemake(folder: Path) -> tuple[str, str, str]:
     """Check whether Snakemake starts, and plans the smoke study if a Snakefile is here."""
     here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if importlib.util.find_spec("snakemake") is None:

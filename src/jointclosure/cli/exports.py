@@ -82,27 +82,26 @@ def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[st
     loading = curves[curves.branch == LOADING]
     known = loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
     seating, stress = float(history.attrs["seating_stress_Pa"]), history.normal_stress.values
-    begins = {cycle: branch_of(history, cycle, LOADING) for cycle in known.cycle.unique()}
-    cycles = [c for c, here in begins.items() if here.size > 1 and stress[here].min() <= seating]
+    cycles = [
+        cycle
+        for cycle in known.cycle.unique()
+        if (here := branch_of(history, cycle, LOADING)).size > 1 and stress[here].min() <= seating
+    ]
     if not cycles:
         must = f"no loading begins at or below the seating stress, {seating:g} Pa"
         raise InputError(f"{program}: {must}")
-    rows = known[known.cycle == cycles[-1]]
-    of_all = {name: rows[name] for name in ("cycle", "normal_stress_MPa")}
-    return {
-        ending: pd.DataFrame(
-            {name.removesuffix(end): rows[name] for name in rows if name.endswith(end)} | of_all
-        )
-        for ending, end in zip(("", "_low", "_high"), members(curves, ""), strict=False)
-    }
+    rows, last = known[known.cycle == cycles[-1]], {}
+    for ending, end in zip(("", "_low", "_high"), members(curves, ""), strict=False):
+        of_end = {str(n).removesuffix(end): rows[n] for n in rows if str(n).endswith(end)}
+        about = rows[["cycle", "normal_stress_MPa"]]
+        last[ending] = pd.DataFrame(of_end | dict(about))
+    return last
 
 
 def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Return the solid constants of PorePy's Barton-Bandis fracture for the last loading.
+    """Return the constants of PorePy's Barton-Bandis fracture [Pa/m, m, m] for the last loading.
 
-    ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m], Vm; and
-    ``residual_aperture`` [m], the mean aperture at seating less Vm, at least 0. They refer to the
-    net closure, because PorePy computes the deformation of the rock itself.
+    They are of the net closure, because PorePy computes the deformation of the rock itself.
     """
     seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
     files, loadings = {}, _loading(history, curves, "PorePy")
@@ -135,11 +134,9 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
 
 
 def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return gaps and apertures of the last loading from seating on as GEOS reads them.
+    """Return gaps and apertures [m] of the last loading from seating on as GEOS reads them.
 
-    Gaps [m] are the negative net closure since seating, ascending to 0. Apertures [m] are hydraulic
-    (the geometric mean of both directions; where flow is blocked, its upper bound), or mean ones of
-    a history without flow.
+    Apertures are hydraulic, where flow is blocked its upper bound, or mean ones without flow.
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
@@ -212,9 +209,8 @@ def itasca_tables(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
 def fracture_mesh(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     """Triangulate the midplane of the joint at its end, where the walls just touch.
 
-    The file has points (n, 3) [m], triangles (m, 3), two between four neighbouring cells, and
-    fields of triangles: ``aperture`` [m], the mean of the corners, ``contact``, 1 if one of them is
-    in contact, otherwise 0, and ``MaterialIDs``, 0.
+    Fields of triangles, two between four cells: ``aperture`` [m], the mean of the corners,
+    ``contact``, 1 if one of them is in contact, and ``MaterialIDs``, 0.
     """
     upper, lower = history.upper_final.values, history.lower_final.values
     opening, spacing = float((upper + lower).max()), spacing_of(history)

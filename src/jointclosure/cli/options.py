@@ -161,9 +161,9 @@ def add_file(
     group: argparse._ActionsContainer, option: str, text: str, *suffixes: str, **changes: Any
 ) -> None:
     """Declare a file of results with one of some suffixes; without any it is a folder."""
-    kind = partial(read, writable, suffixes)
+    form = {"type": partial(read, writable, suffixes)} | changes
     metavar = f"FILE{suffixes[0]}" if suffixes else "FOLDER"
-    group.add_argument(option, help=text, type=kind, metavar=metavar, **changes)
+    group.add_argument(option, help=text, metavar=metavar, **form)
 
 
 SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
@@ -198,13 +198,13 @@ def add_conditions(
 
         loads = command.add_argument_group("load")
         add_keywords(loads, Conditions, "max_normal_stress", "cycles", "seating_stress")
-        add_keywords(loads, simulate, *(["snapshots"] if states else []))
     if load and states:
+        add_keywords(loads, simulate, snapshots={"default": ()})
         add_file(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
-    names = ", ".join(Effects._fields)
+    what = f"effects to leave out, of {', '.join(Effects._fields)}"
     model.add_argument("--without", nargs="+", action="extend", choices=Effects._fields, default=[],
-                       metavar="EFFECT", help=f"effects to leave out, of {names}")  # fmt: skip
+                       metavar="EFFECT", help=what)  # fmt: skip
     add_keywords(model, Conditions, *(("flow", "unusual_values")[not states :] if load else ()))
     add_keywords(model, Choices, *Choices._fields)
     numerics = command.add_argument_group("numerics")

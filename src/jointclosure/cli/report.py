@@ -31,16 +31,14 @@ with needs("report", "a page"):
 LIBRARY = "jointclosure.cli"
 """Package with the style and the frame of all pages."""
 
-_TITLES = (
-    HEADINGS
-    | {
-        "normal_stress_MPa": "normal stress (MPa)",
-        "rms_mm": "error (mm rms)",
-        "holds_from_MPa": "valid from (MPa)",
-        "holds_to_MPa": "to (MPa)",
-    }
-    | {name: title for name, (title, _) in CURVES.items()}
-)
+_TITLES = {
+    **HEADINGS,
+    "normal_stress_MPa": "normal stress (MPa)",
+    "rms_mm": "error (mm rms)",
+    "holds_from_MPa": "valid from (MPa)",
+    "holds_to_MPa": "to (MPa)",
+    **{name: title for name, (title, _) in CURVES.items()},
+}
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -78,9 +76,11 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         """Return a result with its range, if that is known; "" if there is none."""
         return first.loc[QUANTITIES[name], f"cycle {cycle}"].removeprefix(ABSENT)
 
+    loading = curves[curves.branch == LOADING]
+    bands = {name: with_bands(loading, name, 3) for name in CURVES if name in loading}
     tables = {
         "results": first.rename_axis("result").reset_index(),
-        "curves": _curves(curves[curves.branch == LOADING]),
+        "curves": loading[["cycle", "normal_stress_MPa"]].assign(**bands),
         "laws": laws[["cycle", "branch", "law", "parameter", "value", "standard_error", "rms_mm",
                       "holds_from_MPa", "holds_to_MPa"]],
     }  # fmt: skip
@@ -94,14 +94,6 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         "tables": {name: _html(table) for name, table in tables.items()},
         "provenance": provenance_rows(history.attrs),
     }
-
-
-def _curves(curves: pd.DataFrame) -> pd.DataFrame:
-    """Return curves over stress as text, each with the band of its values."""
-    shown = curves[["cycle", "normal_stress_MPa"]].copy()
-    for name in filter(curves.columns.__contains__, CURVES):
-        shown[name] = with_bands(curves, name, 3)
-    return shown
 
 
 def _html(table: pd.DataFrame) -> str:
@@ -119,18 +111,12 @@ def source(png: bytes) -> str:
 
 
 def render(content: dict, template: str, package: str = LIBRARY) -> str:
-    """Render a page as HTML from its content and a template of the library or of a package.
-
-    The page has no external parts or scripts: its content security policy forbids them.
-    """
+    """Render a page as HTML from its content and a template of the library or of a package."""
     loaders = [jinja2.PackageLoader(name) for name in dict.fromkeys((package, LIBRARY))]
     environment = jinja2.Environment(
-        loader=jinja2.ChoiceLoader(loaders),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+        loader=jinja2.ChoiceLoader(loaders), undefined=jinja2.StrictUndefined,
+        autoescape=True, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
     style = resources.files(LIBRARY).joinpath("templates/style.css").read_text(encoding="utf-8")
     return environment.get_template(template).render(content, style=style)
 

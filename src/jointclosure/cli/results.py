@@ -47,12 +47,11 @@ def summary(
     """Format the results of each cycle with remarks on them; return them for JSON too."""
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
     for cycle, aperture in cycle_table(closed)[["cycle", "mean_aperture_at_max_mm"]].to_numpy():
-        if aperture <= 0.0:
-            remarks.append(caution(
-                f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle:g}: the "
-                "walls overlap by more than the void that is left, and the model does not hold "
-                "there"
-            ))  # fmt: skip
+        overlap = (
+            f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle:g}: the walls "
+            "overlap by more than the void that is left, and the model does not hold there"
+        )
+        remarks += [caution(overlap)] if aperture <= 0.0 else []
     remarks += _flow_remarks(closed) if has_flow(closed) else []
     table = result_table(closed, laws, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
@@ -95,17 +94,14 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
-    largest = closed.normal_stress.groupby(closed.load_cycle).max()
-    return {
-        f"Barton-Bandis, cycle {cycle}": {
-            column: scale * value
-            for name, value in law.results(
-                float(largest.sel(load_cycle=cycle)), laws.seating
-            ).items()
-            for column, scale in [shown_as(name, QUANTITIES[name].unit)]
+    largest, values = closed.normal_stress.groupby(closed.load_cycle).max(), {}
+    for cycle, law in laws.by_cycle.items():
+        results = law.results(float(largest.sel(load_cycle=cycle)), laws.seating)
+        shown = {name: shown_as(name, QUANTITIES[name].unit) for name in results}
+        values[f"Barton-Bandis, cycle {cycle}"] = {
+            column: scale * results[name] for name, (column, scale) in shown.items()
         }
-        for cycle, law in laws.by_cycle.items()
-    }
+    return values
 
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:
@@ -155,12 +151,11 @@ def scaled(values: Any, scale: float = 1.0) -> Any:
 
 def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ...]:
     """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
-    asked = getattr(arguments, "snapshots", ())
     if arguments.animation is None:
-        return asked
+        return arguments.snapshots
     from jointclosure.plotting.snapshots import animated_stresses
 
-    return (*asked, *animated_stresses(largest_stress(stress)))
+    return (*arguments.snapshots, *animated_stresses(largest_stress(stress)))
 
 
 def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: str) -> xr.Dataset:
@@ -172,7 +167,7 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
     if closed.sizes["snapshot"]:
         write(crushing_animation(closed, title), arguments.animation)
         print(f"wrote {arguments.animation}")
-    return with_snapshots(closed, getattr(arguments, "snapshots", ()))
+    return with_snapshots(closed, arguments.snapshots)
 
 
 def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:

@@ -51,7 +51,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Close the joint; return 1 if the simulation failed."""
-    snapshots = getattr(arguments, "snapshots", ())
+    snapshots = arguments.snapshots
     if snapshots and not arguments.output:
         raise InputError("--snapshots: needs --output FILE.nc, which stores them")
     if snapshots or arguments.picture:  # drawing takes a second to load, and needs an extra
