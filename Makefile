@@ -132,7 +132,7 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 
 docs: $(STAMP) ## Write the pages made of templates, and build the site, without a network, to build/docs/index.html
 	@$(BIN)/python docs/site/templates.py
-	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
 	@$(BIN)/python docs/site/publish.py "$$STUDY"

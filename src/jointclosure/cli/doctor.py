@@ -16,7 +16,7 @@ from pathlib import Path
 
 import psutil
 
-from jointclosure.compilation.kernels import cache_folder
+from jointclosure.compilation.kernels import SHIPPED, cache_folder
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
@@ -68,7 +68,7 @@ def findings(folder: Path) -> Iterator[tuple[str, str, str]]:
     state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
     yield "memory", state, takes if jobs < cores else ""
     cache = cache_folder()
-    kernels = len(list(cache.rglob("*.nbi")))
+    kernels = sum(len(list(of.rglob("*.nbi"))) for of in (cache, SHIPPED / cache.name))
     state = f"warm, {kernels} kernels" if kernels else "cold; the first joint takes a minute more"
     advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
     yield "compiled kernels", f"{cache}: {state}", "" if _writable(cache) else advice

@@ -87,7 +87,11 @@ class Property(NamedTuple):
 def properties_of(fields: type) -> dict[str, Property]:
     """Return the properties of the fields of a named tuple, by name."""
     hints = get_type_hints(fields, include_extras=True)
-    return {name: hint.__metadata__[0] for name, hint in hints.items()}
+    properties = {name: hint.__metadata__[0] for name, hint in hints.items()}
+    for name, about in properties.items():
+        if about.unit not in ("1", *SI_FACTORS):
+            raise ValueError(f"{name}: unit {about.unit!r}: must be 1 or in SI_FACTORS")
+    return properties
 
 
 def ends_of(interval: str) -> list[float]:
