@@ -4,7 +4,7 @@ import numpy as np
 
 from jointclosure.engine import oracle
 from jointclosure.engine.judging import limits_of
-from jointclosure.solvers.joint import CONVERGED, CRUSHED, Joint, Settled
+from jointclosure.solvers.joint import CRUSHED, Joint, Outcome, Settled
 
 LARGEST_JUDGED = 2500
 """Number of contacts above which only every tenth state is judged, because the oracle is dense."""
@@ -74,7 +74,7 @@ class JudgedSolver:
 
     def _judge(self, joint: Joint, settled: Settled) -> None:
         self._seen += 1
-        if settled.outcome != CONVERGED or (
+        if settled.outcome != Outcome.CONVERGED or (
             settled.contacts > LARGEST_JUDGED and self._seen % 10 != 1
         ):
             return

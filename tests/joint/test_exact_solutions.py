@@ -15,7 +15,6 @@ import scipy
 
 from jointclosure.joint.simulation import equilibrium
 from jointclosure.parameters import Effects, Rock
-from jointclosure.solvers.joint import CONVERGED
 
 ELASTIC = Effects(substrate=True, interaction=True, breakage=False, gouge=False, soft_peaks=False)
 ROCK = Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
@@ -69,7 +68,7 @@ def errors_of(name: str, cells: int) -> tuple[float, float]:
         *walls, spacing=spacing, rock=ROCK, closure=solution.closure, effects=ELASTIC,
         unusual_values=True,
     )  # fmt: skip
-    assert int(result.status) == CONVERGED
+    assert int(result.status) == 0
     force, inside = result.force.values, distance < RADIUS
     exact = np.zeros(force.shape)
     exact[inside] = spacing**2 * solution.pressure(distance[inside])

@@ -16,7 +16,7 @@ from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
-from jointclosure.solvers.joint import CONVERGED, Joint
+from jointclosure.solvers.joint import Joint, Outcome
 from jointclosure.solvers.registry import solver_named
 from tests.joints import DOLERITE, SPACING, closed, pair
 
@@ -37,7 +37,7 @@ def settled(name, walls, effects=Effects(), choices=Choices(), closures=CLOSURES
     broken = 0
     for closure in closures:
         outcome = solver.settle(joint, float(closure), 5e-6)
-        assert outcome.outcome == CONVERGED
+        assert outcome.outcome == Outcome.CONVERGED
         broken += outcome.effort.breakage_steps
     return joint, broken
 

@@ -432,11 +432,9 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
     columns["mean_aperture_mm"] = 1e3 * closures_at(history, levels, "mean_aperture")
     if has_flow(history):
-        means = {"largest_hydraulic": mean_hydraulic(history, "largest_hydraulic")}
-        known = mean_hydraulic(history)
-        means["hydraulic_aperture"] = np.where(
-            np.isfinite(known), known, means["largest_hydraulic"]
-        )
+        known, most = mean_hydraulic(history), mean_hydraulic(history, "largest_hydraulic")
+        known = np.where(np.isfinite(known), known, most)
+        means = {"largest_hydraulic": most, "hydraulic_aperture": known}
         flows = history.assign({f"{name}_mean": ("step", mean) for name, mean in means.items()})
         read = {n: np.maximum(closures_at(flows, levels, f"{n}_mean"), 0.0) for n in means}
         columns |= {f"{name}_mm": 1e3 * values for name, values in read.items()}

@@ -14,13 +14,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.joint.curves import (
-    branch_of,
-    closures_at,
-    former_maximum,
-    read_along,
-    stress_levels,
-)
+from jointclosure.joint import curves
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
@@ -66,12 +60,9 @@ def _guess_power(stress, closure, seating) -> tuple[float, ...]:
     return float(np.exp(c)), m
 
 
-_HYPERBOLIC = {
-    "kni_MPa_per_mm": ("initial stiffness kni", "MPa/mm"),
-    "vm_mm": ("largest closure Vm", "mm"),
-}
+_KNI, _VM = ("initial stiffness kni", "MPa/mm"), ("largest closure Vm", "mm")
 LAWS = {
-    "hyperbolic": Law(_HYPERBOLIC, _hyperbola, _guess_hyperbola),
+    "hyperbolic": Law({"kni_MPa_per_mm": _KNI, "vm_mm": _VM}, _hyperbola, _guess_hyperbola),
     "semi_logarithmic": Law(
         {"p": ("p", "log10 MPa"), "q_per_mm": ("q", "1/mm")},
         lambda stress, seating, p, q: (np.log10(stress) - p) / q,
@@ -88,19 +79,20 @@ LAWS = {
 def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
     """Read stress [MPa], closure since seating [mm] by cycle and branch, none beyond a maximum."""
     seating = float(history.attrs["seating_stress_Pa"])
-    curves = {}
+    read = {}
     for index in range(int(history.load_cycle.max())):
-        levels = stress_levels(history, POINTS, index + 1)
-        branches = closures_at(history, levels)[index]
+        levels = curves.stress_levels(history, POINTS, index + 1)
+        branches = curves.closures_at(history, levels)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
-            beyond = name == LOADING and former_maximum(history, index + 1) > 0.0
+            beyond = name == LOADING and curves.former_maximum(history, index + 1) > 0.0
             if beyond or not np.isfinite(closure).all():
                 continue
             # without seating from where the branch begins, or where it ends on unloading
-            ends = read_along(history)[branch_of(history, index + 1, name)[[0, -1]]]
+            here = curves.branch_of(history, index + 1, name)
+            ends = curves.read_along(history)[here[[0, -1]]]
             start = closure[0] if seating > 0.0 else ends[0 if name == LOADING else 1]
-            curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
-    return curves
+            read[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
+    return read
 
 
 def fitted_laws(

@@ -8,16 +8,7 @@ import numpy as np
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.step_control import StepControl
 from jointclosure.parameters import Numerics
-from jointclosure.solvers.joint import (
-    CONVERGED,
-    NOT_AT_REST,
-    NOT_CONVERGED,
-    RIGID_CONTACT,
-    Effort,
-    Joint,
-    Settled,
-    Solver,
-)
+from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled, Solver
 
 TARGET_JUMPED = 1
 OUTSIDE_MODEL_RANGE = 2
@@ -34,7 +25,11 @@ FLAGS = {
 }
 """Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
 
-FLAG_OF_OUTCOME = {NOT_CONVERGED: FAILURE, NOT_AT_REST: 2 * FAILURE, RIGID_CONTACT: 4 * FAILURE}
+FLAG_OF_OUTCOME = {
+    Outcome.NOT_CONVERGED: FAILURE,
+    Outcome.NOT_AT_REST: 2 * FAILURE,
+    Outcome.RIGID_CONTACT: 4 * FAILURE,
+}
 LARGEST_UNBREAKABLE_SHARE = 0.1
 """Largest share of the force on contacts that cannot break for which the model is valid."""
 
@@ -107,10 +102,10 @@ class _Run:
         """Bring the joint to rest at a closure [m] and record a failure in the status."""
         settled = self.solver.settle(self.joint, closure, breakage_step)
         self.effort = self.effort.plus(settled.effort)
-        if settled.outcome != CONVERGED:
+        if settled.outcome != Outcome.CONVERGED:
             self.status |= FLAG_OF_OUTCOME[settled.outcome]
         elif self.effort.breakage_steps > self.numerics.most_breakage_steps * self.joint.upper.size:
-            self.status |= FLAG_OF_OUTCOME[NOT_AT_REST]
+            self.status |= FLAG_OF_OUTCOME[Outcome.NOT_AT_REST]
         elif self.effort.settled > self.numerics.most_steps:
             self.status |= TOO_MANY_STEPS
         return settled
@@ -197,7 +192,7 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
     start = _untouched(joint)
     forces = _elastic_forces(numerics, cycles, extra_force)
     curve = solver.elastic_curve(joint, forces[1:])
-    failed = curve[-1].outcome != CONVERGED
+    failed = curve[-1].outcome != Outcome.CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
     known = [start, *(curve[:-1] if failed else curve)]
     height = _mean_height(joint)
@@ -440,7 +435,7 @@ def _repeat_elastic(run: _Run, cycle: int) -> None:
 
 def _untouched(joint: Joint) -> Settled:
     nowhere = np.zeros(joint.upper.shape, dtype=bool)
-    return joint.describe(0.0, CONVERGED, nowhere, Effort())
+    return joint.describe(0.0, Outcome.CONVERGED, nowhere, Effort())
 
 
 def _mean_height(joint: Joint) -> float:

@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.inputs import LENGTHS, InputError, check_length, check_number, naming
+from jointclosure.joint import curves, protocol
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -17,22 +18,7 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.curves import (
-    ATTRIBUTES,
-    GROSS,
-    branch_of,
-    cycle_closures,
-    unloading_excess,
-)
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.protocol import (
-    FLAG_OF_OUTCOME,
-    UNLOADING,
-    History,
-    Report,
-    closure_limit,
-    run_cycles,
-)
 from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.step_control import check_foreseen
@@ -59,7 +45,7 @@ def simulate(
     lower: ArrayLike,
     *,
     conditions: Conditions | None = None,
-    report: Report | None = None,
+    report: protocol.Report | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     **changes: Unpack[Changes],
@@ -138,7 +124,7 @@ def close_walls(
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
-    report: Report | None = None,
+    report: protocol.Report | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
@@ -168,7 +154,7 @@ def close_walls(
         observers.append(Snapshots(snapshots, numerics.stress_tolerance, datums))
     forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in load]
     seating_force = cast(float, conditions.seating_stress) * area
-    history = run_cycles(joint, solver, numerics, forces, seating_force, report, observers)
+    history = protocol.run_cycles(joint, solver, numerics, forces, seating_force, report, observers)
     joint.upper += datums[0]
     joint.lower += datums[1]
     closed = _history_dataset(joint, history, area, conditions)
@@ -264,7 +250,7 @@ def equilibrium(
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
-    most = closure_limit(joint, largest_stress * upper.size * spacing**2)
+    most = protocol.closure_limit(joint, largest_stress * upper.size * spacing**2)
     if not unusual_values and closure > most:
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
@@ -272,7 +258,7 @@ def equilibrium(
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)
-    status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
+    status = np.int16(protocol.FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / (upper.size * spacing**2)
     if not unusual_values and stress > largest_stress:
         raise InputError(
@@ -295,7 +281,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: History, area: float, conditions: Conditions
+    joint: Joint, history: protocol.History, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
     settled = [step.settled for step in history.steps]
@@ -321,10 +307,12 @@ def _history_dataset(
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    unloading = (branch_of(closed, number + 1, UNLOADING) for number in range(len(load)))
+    unloading = (
+        curves.branch_of(closed, number + 1, protocol.UNLOADING) for number in range(len(load))
+    )
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
-    along_cycle = cycle_closures(closed, GROSS, reached)
-    along_cycle["unloading_excess"] = unloading_excess(closed, reached)
+    along_cycle = curves.cycle_closures(closed, curves.GROSS, reached)
+    along_cycle["unloading_excess"] = curves.unloading_excess(closed, reached)
     fields = {name: name for name in ("locked_share", "flat_share")}
     for name, field in ({"max_bulk_indentation": "mean_interaction"} | fields).items():
         along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
@@ -352,7 +340,7 @@ def _history_dataset(
 def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, ...]]:
     """Return values by name with the dimensions of their group, and their attributes."""
     return {
-        name: (dimensions, value, ATTRIBUTES[name])
+        name: (dimensions, value, curves.ATTRIBUTES[name])
         for dimensions, values in groups
         for name, value in values.items()
     }

@@ -7,14 +7,7 @@ import numpy as np
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium, separate_shift
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import dense_influence, dense_limit, influence_matrix
-from jointclosure.solvers.joint import (
-    CONVERGED,
-    NOT_CONVERGED,
-    RIGID_CONTACT,
-    Effort,
-    Joint,
-    Settled,
-)
+from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
@@ -122,7 +115,7 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
         solved = [*solved[-1:], point]
         joint.force[:] = point.force.reshape(joint.force.shape)
         settled.append(_settled(joint, candidates, solution))
-        if settled[-1].outcome != CONVERGED:
+        if settled[-1].outcome != Outcome.CONVERGED:
             break
     return settled
 
@@ -162,9 +155,11 @@ def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: in
 
 def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
     total = float(solution.force.sum())
-    outcome = CONVERGED if solution.residual <= candidates.tolerance else NOT_CONVERGED
+    outcome = (
+        Outcome.CONVERGED if solution.residual <= candidates.tolerance else Outcome.NOT_CONVERGED
+    )
     if solution.residual == np.inf:
-        outcome = RIGID_CONTACT
+        outcome = Outcome.RIGID_CONTACT
     flat = joint.force_on_flats(candidates.curvature, solution.force)
     return Settled(
         outcome=outcome,

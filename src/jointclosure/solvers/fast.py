@@ -21,15 +21,7 @@ from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
 from jointclosure.solvers.interaction_operator import interaction_field
-from jointclosure.solvers.joint import (
-    CONVERGED,
-    NOT_AT_REST,
-    NOT_CONVERGED,
-    RIGID_CONTACT,
-    Effort,
-    Joint,
-    Settled,
-)
+from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 from jointclosure.solvers.newton import ROUNDING
 from jointclosure.solvers.pair_batch import batch_memory
 
@@ -63,11 +55,11 @@ class FastSolver:
             else:
                 path.begin_extrapolated(step, asked)
                 path.alternate(asked)
-            settled = path.described(CONVERGED)
+            settled = path.described(Outcome.CONVERGED)
             while not settled.residual <= asked:
                 finest *= 0.5 * asked / settled.residual
                 path.tighten(finest)
-                settled = path.described(CONVERGED)
+                settled = path.described(Outcome.CONVERGED)
         except _GivenUp as given_up:
             settled = path.described(given_up.outcome)
         if step != 0.0:
@@ -96,7 +88,7 @@ class FastSolver:
 class _GivenUp(Exception):
     """Raised if a joint does not come to rest, with the outcome that states the reason."""
 
-    def __init__(self, outcome: int):
+    def __init__(self, outcome: Outcome):
         self.outcome = outcome
 
 
@@ -114,7 +106,7 @@ class _PathToRest:
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None
 
-    def described(self, outcome: int) -> Settled:
+    def described(self, outcome: Outcome) -> Settled:
         """Describe the present state of the joint."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
         if self._overlapping is None:
@@ -159,7 +151,7 @@ class _PathToRest:
     def tighten(self, finer: float) -> None:
         """Solve to a smaller residual than before, and break what exceeds its strength."""
         if not finer >= ROUNDING:
-            raise _GivenUp(NOT_CONVERGED)
+            raise _GivenUp(Outcome.NOT_CONVERGED)
         self.solve(finer)
         if self.joint.effects.breakage:
             self.alternate(finer)
@@ -179,13 +171,13 @@ class _PathToRest:
         if steps > 0:
             self._overlapping = self._may_carry = None
         if self.breakage_steps >= most:
-            raise _GivenUp(NOT_AT_REST)
+            raise _GivenUp(Outcome.NOT_AT_REST)
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
         """Solve the equilibrium of the present walls; set forces and interaction of the joint."""
         if self.rounds >= MOST_ROUNDS:
-            raise _GivenUp(NOT_AT_REST)
+            raise _GivenUp(Outcome.NOT_AT_REST)
         joint = self.joint
         contacts, matrix = joint.with_matrix(self._contacts())
         cells = contacts.cells
@@ -213,7 +205,9 @@ class _PathToRest:
         self.newton_steps += answer.newton_steps
         self.products += answer.products
         if not answer.residual <= tolerance:
-            raise _GivenUp(RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED)
+            raise _GivenUp(
+                Outcome.RIGID_CONTACT if answer.residual == np.inf else Outcome.NOT_CONVERGED
+            )
         self.solved_to = tolerance
         return answer
 

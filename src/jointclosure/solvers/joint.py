@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from enum import IntEnum
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -30,8 +31,15 @@ _LEAST_DROP = float(np.finfo(float).tiny)
 """Difference in height [m] that makes no cell lower: of denormal heights the tolerance is 0."""
 CRUSHED = 4
 """Summand of the state of a pair whose rock was crushed, see `ContactLaw`."""
-CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
-"""Outcomes of `Solver.settle`."""
+
+
+class Outcome(IntEnum):
+    """Outcomes of `Solver.settle`."""
+
+    CONVERGED = 0
+    NOT_CONVERGED = 1
+    NOT_AT_REST = 2
+    RIGID_CONTACT = 3
 
 
 _RATES = 2
@@ -65,7 +73,7 @@ class Settled(NamedTuple):
     step's error.
     """
 
-    outcome: int
+    outcome: Outcome
     closure: float
     total_force: float
     least_force: float
@@ -221,7 +229,7 @@ class Joint:
     def describe(
         self,
         closure: float,
-        outcome: int,
+        outcome: Outcome,
         locked: np.ndarray,
         effort: Effort,
         overlapping: tuple | None = None,

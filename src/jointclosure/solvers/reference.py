@@ -12,14 +12,7 @@ from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import curvature_among, is_peak, neighbourhood, overlapping_cells
-from jointclosure.solvers.joint import (
-    CONVERGED,
-    NOT_CONVERGED,
-    RIGID_CONTACT,
-    Effort,
-    Joint,
-    Settled,
-)
+from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 
 MOST_SWEEPS = 100_000
 
@@ -182,8 +175,8 @@ class ReferenceSolver:
         sweeps, broken, converged, locked = sweep_to_rest(
             *walls, *state, float(breakage_step), *tolerances, MOST_SWEEPS
         )
-        outcome = CONVERGED if converged else NOT_CONVERGED
+        outcome = Outcome.CONVERGED if converged else Outcome.NOT_CONVERGED
         if not np.all(np.isfinite(joint.force)):
-            outcome = RIGID_CONTACT
+            outcome = Outcome.RIGID_CONTACT
         effort = Effort(settled=1, rounds=sweeps, products=sweeps, breakage_steps=broken)
         return joint.describe(closure, outcome, locked, effort)

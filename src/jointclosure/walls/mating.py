@@ -141,9 +141,7 @@ def slope_correlations(
     fixed: np.ndarray, shape: tuple[int, int], least_overlap: float
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Return a function of a field (y, x): correlation of slopes by shift, as transforms."""
-    size = [
-        scipy.fft.next_fast_len(a + b - 2, True) for a, b in zip(fixed.shape, shape, strict=True)
-    ]
+    size = [scipy.fft.next_fast_len(n - 2, True) for n in np.add(fixed.shape, shape).tolist()]
 
     def waves(field: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """Transform slopes, their squares, and which are known."""

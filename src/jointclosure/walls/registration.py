@@ -104,13 +104,6 @@ class RegisteredPair(NamedTuple):
         noise = noise_of(self.upper, self.lower)
         return ScanErrors(offset, covariance, middle, noise, self.holes)
 
-    def __repr__(self) -> str:
-        (ny, nx), step = self.upper.shape, 1e3 * self.spacing
-        return (
-            f"<RegisteredPair: {nx} x {ny} cells of {step:.4g} mm, {self.orientation}, correlation "
-            f"{self.correlation:.3g}, mean aperture {1e3 * self.aperture.mean():.4g} mm>"
-        )
-
 
 def registered(
     upper: Scan | Cloud | str,

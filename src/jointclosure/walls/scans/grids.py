@@ -68,18 +68,13 @@ def grid_of(
     if heights.ndim != 2:
         raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
     beside = {key: array for key, array in arrays.items() if key != name}
+    size = {key: math.prod(array.shape) for key, array in beside.items()}
     places = [
-        {
-            key: array
-            for key, array in beside.items()
-            if kinds[key] == axis and math.prod(array.shape) > 1
-        }
+        {key: each for key, each in beside.items() if kinds[key] == axis and size[key] > 1}
         for axis in "yx"
     ]
     contents, statements = _placed(name, heights, places)
-    numbers = [
-        key for key in beside if kinds[key] in _NUMBERS and math.prod(beside[key].shape) <= 2
-    ]
+    numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
     remarks = contents.remarks
     if contents.points is not None:
         remarks += tuple(f"{key} was not used: the points are on no grid" for key in numbers)
@@ -103,9 +98,7 @@ def _placed(
         return Contents(heights), []
     turned = not _fit(places, heights.shape)
     if turned and not _fit(places, heights.T.shape):
-        shapes = [
-            f"{key} ({_words(each.shape)})" for along in places for key, each in along.items()
-        ]
+        shapes = [f"{key} ({_words(of.shape)})" for along in places for key, of in along.items()]
         raise InputError(f"{', '.join(shapes)}: must be places of {name} ({_words(heights.shape)})")
     heights = heights.T if turned else heights
     units = next((each.units for along in places for each in along.values() if each.units), None)

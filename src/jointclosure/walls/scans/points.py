@@ -174,9 +174,8 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
     if len(middles) < 3:
         return None
     step, first = _step_of(middles), float(middles[0])
-    first += (
-        float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean())) / 2 / np.pi * step
-    )
+    phase = float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean()))
+    first += phase / 2 / np.pi * step
     for _ in range(3):
         offset = (values - first) / step - (node := np.round((values - first) / step))
         on = np.abs(offset) <= max(_OUTLYING * np.median(np.abs(offset)), 1e-6)
