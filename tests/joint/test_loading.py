@@ -196,7 +196,7 @@ def test_what_an_observer_is_shown_is_the_joint_at_that_step(flows):
     closed, shown = flows[1], []
 
     def observe(joint, step):
-        overlap = fields_of(joint, step.settled.closure).overlap
+        overlap = fields_of(joint, step.settled.closure)[0]
         means = step.settled.closure, -overlap.mean(), (overlap > 0.0).mean()
         shown.append((*means, *passage(overlap)))
 

@@ -19,7 +19,7 @@ from jointclosure.walls.measured import (
     point_distance,
     wall_on_grid,
 )
-from jointclosure.walls.measures import Measure, increments, measure_wall
+from jointclosure.walls.measures import Measure, measure_wall
 from jointclosure.walls.outliers import without_plateaus, without_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.registration import registered
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         columns = ["measure", *Measure._fields[1:]]
         results.write(pd.DataFrame(measures, columns=columns), arguments.table)
     if arguments.picture:
-        figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
+        figure = roughness_figure(wall, step, arguments.file.name)
         results.write(figure, arguments.picture)
     return 0
 

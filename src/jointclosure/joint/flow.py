@@ -241,7 +241,7 @@ class FlowAlongHistory:
             self._of_walls.clear()
         closure = step.settled.closure
         if closure not in self._of_walls:
-            aperture = np.maximum(-fields_of(joint, closure).overlap, 0.0)
+            aperture = np.maximum(-fields_of(joint, closure)[0], 0.0)
             flows = (flow_along(aperture, direction) for direction in DIRECTIONS)
             kept = [flow._replace(pressure=np.empty(0)) for flow in flows]
             bounds = [largest_hydraulic(aperture, direction) for direction in DIRECTIONS]

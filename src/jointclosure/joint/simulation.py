@@ -257,7 +257,7 @@ def equilibrium(
             f"most {most:.3g} m; is the unit right? {AS_IT_IS}"
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
-    fields = fields_of(joint, closure)
+    overlap, displacement = fields_of(joint, closure)
     status = np.int16(protocol.FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / (upper.size * spacing**2)
     if not unusual_values and stress > largest_stress:
@@ -265,11 +265,8 @@ def equilibrium(
             f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "
             f"usual {largest_stress:g} Pa; is the unit right? {AS_IT_IS}"
         )
-    on_cells = {
-        "force": joint.force,
-        "overlap": fields.overlap,
-        "interaction_displacement": fields.displacement,
-    }
+    on_cells = {"force": joint.force, "overlap": overlap}
+    on_cells["interaction_displacement"] = displacement
     once = {"normal_stress": stress, "equilibrium_residual": run.residual, "status": status}
     attributes = model_attributes(pair, spacing, effects, choices, numerics)
     variables = _variables((("y", "x"), on_cells), ((), once))

@@ -11,21 +11,14 @@ from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 
 
-class Fields(NamedTuple):
-    """Displacement by all other contacts, and overlap delta_S, negative if apart: (y, x) [m]."""
-
-    displacement: np.ndarray
-    overlap: np.ndarray
-
-
-def fields_of(joint: Joint, closure: float) -> Fields:
-    """Compute the fields of a joint at rest at a closure [m] from its walls and forces."""
+def fields_of(joint: Joint, closure: float) -> tuple[np.ndarray, np.ndarray]:
+    """Compute overlap delta_S, negative if apart, and displacement by the others: (y, x) [m]."""
     if joint.interaction_acts:
         displacement = interaction_field(joint.influence, joint.force)
     else:
         displacement = np.zeros(joint.upper.shape)
     overlap = joint.upper + joint.lower + (closure - joint.first_touch) - displacement
-    return Fields(displacement, overlap)
+    return overlap, displacement
 
 
 _FIELDS = {
@@ -81,7 +74,7 @@ class Snapshots:
         pristine = self._first.fields if self._first else fields
         for name in ("upper", "lower"):
             lost += cell * float(np.maximum(pristine[name] - fields[name], 0.0).sum())
-        fields |= {"gap": -fields_of(joint, step.settled.closure).overlap, "broken_volume": lost}
+        fields |= {"gap": -fields_of(joint, step.settled.closure)[0], "broken_volume": lost}
         stress = step.settled.total_force / (joint.upper.size * cell)
         return _State(self._last.step + 1 if self._last else 0, stress, fields)
 

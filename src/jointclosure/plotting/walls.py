@@ -11,7 +11,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.walls.measures import Increments
+from jointclosure.walls.measures import increments
 from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
 
@@ -141,9 +141,7 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
 
 
 @styled
-def roughness_figure(
-    heights: np.ndarray, spacing: float, increments: Increments, title: str
-) -> Figure:
+def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance."""
     figure, panels = subplots(1, 3, figsize=(13.0, 4.3), title=title, width_ratios=(1.1, 1.0, 1.0))
     image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
@@ -160,7 +158,7 @@ def roughness_figure(
     panels[1].set(title="profiles", xlabel="distance (mm)", ylabel="height, shifted (mm)")
     below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18)}
     panels[1].legend(frameon=False, fontsize=8, **below)
-    _draw_increments(panels[2], increments)
+    _draw_increments(panels[2], *increments(heights, spacing))
     sns.despine(figure)
     layout = figure.get_layout_engine()
     if isinstance(layout, ConstrainedLayoutEngine):
@@ -168,17 +166,17 @@ def roughness_figure(
     return figure
 
 
-def _draw_increments(axes, increments: Increments) -> None:
-    distances = 1e3 * increments.distances
+def _draw_increments(axes, distances: np.ndarray, rms: dict[str, np.ndarray]) -> None:
+    distances = 1e3 * distances
     for marker, prefix, words in (
         ("o", "", "of two heights"),
         ("^", "second_", "second differences"),
     ):
         for axis, colour in (("x", "C0"), ("y", "C1")):
-            values, label = getattr(increments, prefix + axis), f"{words} along {axis}"
+            values, label = rms[prefix + axis], f"{words} along {axis}"
             style = {"color": colour, "ms": 4, "mfc": "none", "label": label}
             axes.loglog(distances, 1e3 * values, marker, **style)
-    both = 1e3 * np.sqrt(0.5 * (increments.second_x**2 + increments.second_y**2))
+    both = 1e3 * np.sqrt(0.5 * (rms["second_x"] ** 2 + rms["second_y"] ** 2))
     slope, offset = np.polyfit(np.log(distances[1:]), np.log(both[1:]), 1)
     line = np.exp(offset) * distances[1:] ** slope
     axes.loglog(distances[1:], line, color="0.3", lw=1.2, label=f"H = {slope:.2f}")

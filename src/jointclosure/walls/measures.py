@@ -34,16 +34,6 @@ class Measure(NamedTuple):
     remark: str = ""
 
 
-class Increments(NamedTuple):
-    """RMS first and second height differences along x and y over distances [m]."""
-
-    distances: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    second_x: np.ndarray
-    second_y: np.ndarray
-
-
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
     """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
     if min(heights.shape) < SMALLEST_WALL:
@@ -94,15 +84,17 @@ def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.n
     return along.T if axis == "x" else along
 
 
-def increments(heights: np.ndarray, spacing: float) -> Increments:
-    """Compute RMS height differences of a wall (y, x) [m] over all of `lags_of`."""
+def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return distances [m], and RMS first and second height differences over them along x and y."""
     lags = lags_of(min(heights.shape))
-    rms = [
-        np.array([np.sqrt(np.nanmean(difference(heights, axis, lag, order) ** 2)) for lag in lags])
-        for order in (1, 2)
+    rms = {
+        prefix + axis: np.array(
+            [np.sqrt(np.nanmean(difference(heights, axis, lag, order) ** 2)) for lag in lags]
+        )
+        for order, prefix in ((1, ""), (2, "second_"))
         for axis in "xy"
-    ]
-    return Increments(lags * spacing, *rms)
+    }
+    return lags * spacing, rms
 
 
 def hurst_of(heights: np.ndarray) -> float:
@@ -112,18 +104,20 @@ def hurst_of(heights: np.ndarray) -> float:
 
 def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return measures that depend on the longest waves: rms height [m], slopes, Hurst exponents."""
-    rms = increments(heights, spacing)
-    slopes = np.array([rms.x[0], rms.y[0], np.hypot(rms.x[0], rms.y[0]) / np.sqrt(2.0)])
+    distances, rms = increments(heights, spacing)
+    both = np.hypot(rms["x"][0], rms["y"][0]) / np.sqrt(2.0)
+    slopes = np.array([rms["x"][0], rms["y"][0], both])
     scaling = {"rms height": float(np.nanstd(heights))}
     scaling |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
     for lag in sorted({_lag(relation, spacing) for relation in RELATIONS.values()}):
         if 0 < lag <= lags_of(min(heights.shape))[-1]:
             both = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
             scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(both))) / (lag * spacing)
-    squares = (rms.second_x**2, rms.second_y**2, rms.second_x**2 + rms.second_y**2)
-    for name, values in zip(_EXPONENTS, squares, strict=True):
-        scaling[name] = _hurst(rms.distances, values)
-    return scaling | {"H by first differences": _hurst(rms.distances, rms.x**2 + rms.y**2)}
+    along_x, along_y = rms["second_x"] ** 2, rms["second_y"] ** 2
+    for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
+        scaling[name] = _hurst(distances, values)
+    first = rms["x"] ** 2 + rms["y"] ** 2
+    return scaling | {"H by first differences": _hurst(distances, first)}
 
 
 def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
