@@ -181,9 +181,8 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dic
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
-    drawn = generator(seed_of(_SEED, "tiles")).multinomial(
-        tiles, np.full(tiles, 1.0 / tiles), resamples
-    )
+    random, share = generator(seed_of(_SEED, "tiles")), np.full(tiles, 1.0 / tiles)
+    drawn = random.multinomial(tiles, share, resamples)
     weights = np.vstack([np.ones(tiles), drawn])
     means = {}
     for name, values in _fields(heights, spacing):

@@ -370,9 +370,7 @@ def _described(
     if fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
         holes = overlap.holes.any(axis=0)  # filled by the other wall, which they fit
-        one, other = (
-            filled(np.where(holes, np.nan, wall), "linear", 1.0) for wall in (upper, lower)
-        )
+        one, other = (filled(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower))
         mismatch, fit = measured_mismatch(one, other, spacing), mating(one, other, spacing)
         report += [
             f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",

@@ -111,7 +111,13 @@ def read_scan(
     files = files_of(path)
     for file in files:
         with naming(str(file)):
-            _check_file(file)
+            if not file.is_file():
+                raise InputError("file not found")
+            if not (size := file.stat().st_size):
+                raise InputError("the file is empty")
+            if size > LARGEST_FILE and not _format_of(file).in_parts:
+                most = f"must be at most {LARGEST_FILE / 1e9:g} GB for its format"
+                raise InputError(f"{size / 1e9:.3g} GB: {most}, which is read as a whole")
     with naming(", ".join(map(str, files))):
         try:
             several = len(files) > 1
@@ -133,20 +139,6 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
             "as in x.txt,y.txt,z.txt"
         )
     return tuple(map(Path, path))
-
-
-def _check_file(file: Path) -> None:
-    """Raise `InputError` if a file does not exist, is empty, or too large for its format."""
-    if not file.is_file():
-        raise InputError("file not found")
-    size = file.stat().st_size
-    if not size:
-        raise InputError("the file is empty")
-    if size > LARGEST_FILE and not _format_of(file).in_parts:
-        raise InputError(
-            f"{size / 1e9:.3g} GB: must be at most {LARGEST_FILE / 1e9:g} GB for its format, which "
-            "is read as a whole"
-        )
 
 
 def _by_start(path: Path, marks: dict) -> Any:
