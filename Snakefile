@@ -17,10 +17,10 @@ configfile: DEFAULT
 
 for file in workflow.configfiles:
     read_plain(file)
-CONFIGURED = configured(config)
-config.update(CONFIGURED.keys)
+STUDY = configured(config)
+config.update(STUDY.stated)
 PIPELINE = Pipeline(
-    CONFIGURED, apart=not workflow.local_exec, check=workflow.is_main_process
+    STUDY, apart=not workflow.local_exec, check=workflow.is_main_process
 )
 RESULTS = PIPELINE.folder
 KINDS = [*PIPELINE.ensembles, *PIPELINE.designs]

@@ -95,7 +95,7 @@ def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
     Changes that cannot be end the benchmark, with a message that names the key.
     """
     try:
-        configuration = configured(merged(merged_study(), *changes)).typed
+        configuration = configured(merged(merged_study(), *changes))
     except ConfigurationError as error:
         raise SystemExit(str(error)) from None
     return configuration, [case for case in cases_of(configuration) if case.parameter == BASE]

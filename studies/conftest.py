@@ -5,12 +5,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import experiment_named
 from studies.frame.plan import inputs_of, settings_of
 from studies.frame.points import close_points
 from studies.frame.products import products_of
-from tests.studied import checked_study, tiny
+from tests.studied import study_of, tiny
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def section(request):
 
 @pytest.fixture(scope="module")
 def design(section):
-    return experiment_named(section).design(checked_study(tiny(section)))
+    return experiment_named(section).design(study_of(tiny(section)))
 
 
 @pytest.fixture(scope="module")
@@ -32,16 +32,16 @@ def joints(section, design):
 @pytest.fixture(scope="module")
 def tables(section, joints):
     """Tables by name, of which all figures were drawn."""
-    return tables_of(section, checked_study(tiny(section)), joints)
+    return tables_of(section, study_of(tiny(section)), joints)
 
 
-def tables_of(folder: str, configured: Configured, joints: pd.DataFrame) -> dict:
+def tables_of(folder: str, study: Configuration, joints: pd.DataFrame) -> dict:
     """Make all products of an experiment; its tables by name."""
-    study, known = configured.typed, {f"{folder}.nc": joints}
+    known = {f"{folder}.nc": joints}
     products = sorted(products_of(folder).values(), key=lambda one: "joints" not in one.reads)
     for product in products:
         read = {n: known[Path(file).name] for n, file in inputs_of(product, study).items()}
-        made = product.make(**read, **settings_of(product, configured))
+        made = product.make(**read, **settings_of(product, study))
         parts = made if isinstance(made, tuple) else (made,)
         files = [Path(file) for file in product.files(study)]
         if files[0].suffix == ".png":

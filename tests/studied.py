@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from studies.frame import files
-from studies.frame.configuration import Configuration, Configured, configured, merged
+from studies.frame.configuration import Configuration, configured, merged
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = files.read_plain(files.DEFAULT)
@@ -14,16 +14,11 @@ def keys_of(*changes: dict) -> dict:
     return merged(DEFAULT, *changes)
 
 
-def checked_study(*changes: dict) -> Configured:
-    """The paper's study with changes, checked."""
-    return configured(keys_of(*changes))
-
-
 def tiny(experiment: str) -> dict:
     """Keys of an experiment of seconds."""
     return files.read_plain(ROOT / f"tests/workflow/tiny_{experiment}.yaml")
 
 
 def study_of(*changes: dict) -> Configuration:
-    """The paper's study with changes, as the library has it."""
-    return checked_study(*changes).typed
+    """The paper's study with changes, checked."""
+    return configured(keys_of(*changes))

@@ -28,12 +28,11 @@ from jointclosure.storage.files import read_csv
 from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
-from studies.frame.configuration import Configuration, Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, settings_of
-from studies.frame.points import Joints, Point
+from studies.frame.points import Joints, Point, grouped
 from studies.frame.products import product
 from studies.frame.settings import Case, ClosureSettings, walls_of
-from studies.frame.summary import grouped
 from studies.frame.walls import cut_walls, walls_of_files
 
 _COLUMNS = 4
@@ -126,18 +125,17 @@ _CONDITION = ("rock", "jrc", "stress_MPa")
 _VALUES = ["value", "low", "high"]
 
 
-def assessment_jobs(configured: Configured) -> dict[str, list[Point]]:
+def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
-    configuration = configured.typed
-    section, jobs = configuration.section(Assessment), {}
-    for number, case in enumerate(_conditions(configuration, section)):
-        settings = settings_of(configuration, case)
+    section, jobs = study.section(Assessment), {}
+    for number, case in enumerate(_conditions(study, section)):
+        settings = settings_of(study, case)
         count = section.joints
         if settings.walls:  # a scan has room for a number of joints
-            count = min(count, configuration.study.realizations)
+            count = min(count, study.study.realizations)
         settings = settings._replace(realizations=count)
         stated, _, variants = variants_of(settings.conditions)
-        options = {"unusual_values": configuration.study.unusual_values == "allow"}
+        options = {"unusual_values": study.study.unusual_values == "allow"}
         for name, conditions in variants.items():
             varied = settings.under(numerics=conditions.numerics, effects=conditions.effects)
             at = {"rock": case.rock, "jrc": case.jrc, "stress": case.max_normal_stress}
@@ -153,9 +151,8 @@ def assessment_jobs(configured: Configured) -> dict[str, list[Point]]:
     return jobs
 
 
-def ladders_of(configured: Configured) -> dict[str, tuple]:
+def ladders_of(study: Configuration) -> dict[str, tuple]:
     """Return the setting as stated, and those of the numerics by their accuracy, of each rock."""
-    study = configured.typed
     return {name: variants_of(base_case(study, name).conditions)[:2] for name in study.rocks}
 
 

@@ -10,13 +10,13 @@ from studies.conftest import tables_of
 from studies.frame.files import read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import walls_of
-from tests.studied import ROOT, checked_study, tiny
+from tests.studied import ROOT, study_of, tiny
 
 TINY = tiny("assessment")
 
 
 def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
-    stated, ladder = ladders_of(checked_study(TINY))["slate"]
+    stated, ladder = ladders_of(study_of(TINY))["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
     settings = next(iter(design.jobs().values()))[0].settings
     conditions = settings.conditions._replace(flow=False)
@@ -35,7 +35,7 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     monkeypatch.chdir(ROOT)
     section = {"joints": 8, "within": 0.05, "jrc": [5, 9]}
     small = {"study": {"realizations": 2}, "grid": TINY["grid"], "assessment": section}
-    study = checked_study(read_plain("config/measured_wall.yaml"), small)
+    study = study_of(read_plain("config/measured_wall.yaml"), small)
     points = EXPERIMENT.design(study).points()
     made = tables_of("assessment", study, close_points(points, EXPERIMENT.quantities))
     assert len(made["hardness"]) == 2
@@ -51,7 +51,7 @@ def test_the_worst_joint_is_first(tables):
 
 
 def test_a_study_without_the_section_is_assessed_by_the_usual_one():
-    study = checked_study(read_plain(ROOT / "workflow/usual_assessment.yaml"))
+    study = study_of(read_plain(ROOT / "workflow/usual_assessment.yaml"))
     points = EXPERIMENT.design(study).points()
-    assert {point.coordinates["rock"] for point in points} == set(study.typed.rocks)
+    assert {point.coordinates["rock"] for point in points} == set(study.rocks)
     assert {point.settings.realizations for point in points} == {8}

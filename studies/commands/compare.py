@@ -37,12 +37,14 @@ def run(arguments: argparse.Namespace) -> int:
     print("\nMean closures, over the cases of each rock")
     print(by_rock(changes).round(4).to_string(index=False))
     tables = (read_csv(existing(folder / "tables/table_3_indifference.csv")) for folder in folders)
-    intervals = interval_changes(*tables)
-    if len(intervals):
-        print("\nLength of the indifference intervals, with bootstrap confidence intervals")
-        print(intervals.round(3).to_string(index=False, na_rep="–"))
-    else:
-        print("\nNo indifference interval in common")
+    one, two = (table[[*INTERVAL, "length", "length_low", "length_high"]] for table in tables)
+    intervals = one.merge(two, on=INTERVAL, suffixes=("_first", "_second"))
+    intervals["ratio"] = intervals.length_second / intervals.length_first
+    intervals["unit"] = [PROPERTIES[name].unit for name in intervals.parameter]
+    print(
+        "\nLengths of indifference intervals, with bootstrap confidence intervals, and their ratio"
+    )
+    print(intervals.to_string(index=False, na_rep="–", float_format="{:.3g}".format))
     claims = (read_csv(existing(folder / "tables/claims.csv")) for folder in folders)
     both = (table.set_index("number").verdict for table in claims)
     verdicts = pd.DataFrame(dict(zip(("first", "second"), both, strict=True))).fillna("not judged")
@@ -52,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
+INTERVAL = ["rock", "parameter", "cycle"]
 MAY_DIFFER = ("provenance_", "timing_")
 """Prefixes of names whose values may differ between two runs of one study."""
 
@@ -70,30 +73,30 @@ def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     rows = []
     for name, cycle, target in itertools.product(shared, cycles, TARGETS):
         one, two = first.sel(case=name), second.sel(case=name)
+        a, b = (1e3 * part[target].sel(cycle=cycle).values for part in (one, two))
+        good = [succeeded(part).values for part in (one, two)]
+        paired = one.sizes == two.sizes and np.array_equal(one.seed.values, two.seed.values)
+        if paired:
+            good = [good[0] & good[1]] * 2
+        a, b = a[good[0]], b[good[1]]
+        alone = np.hypot(_standard_error(a), _standard_error(b))
+        error = _standard_error(b - a) if paired else alone
+        base, other = (values.mean() if values.size else np.nan for values in (a, b))
         about = {"case": name} | {key: one[key].item() for key in ("rock", "parameter", "level")}
-        about |= {"cycle": cycle, "target": target}
-        rows.append(about | _change(one, two, target, cycle))
+        rows.append(
+            about
+            | {
+                "cycle": cycle,
+                "target": target,
+                "mean_first_mm": base,
+                "mean_second_mm": other,
+                "change_percent": 100.0 * (other - base) / base,
+                "standard_error_percent": 100.0 * error / base,
+                "samples": min(a.size, b.size),
+                "same_surfaces": paired,
+            }
+        )
     return pd.DataFrame(rows)
-
-
-def _change(one: xr.Dataset, two: xr.Dataset, target: str, cycle: int) -> dict:
-    a, b = (part[target].sel(cycle=cycle).values for part in (one, two))
-    good_a, good_b = succeeded(one).values, succeeded(two).values
-    paired = one.sizes == two.sizes and np.array_equal(one.seed.values, two.seed.values)
-    if paired:
-        good_a = good_b = good_a & good_b
-    a, b = 1e3 * a[good_a], 1e3 * b[good_b]
-    alone = np.hypot(_standard_error(a), _standard_error(b))
-    error = _standard_error(b - a) if paired else alone
-    base = a.mean() if a.size else np.nan
-    return {
-        "mean_first_mm": base,
-        "mean_second_mm": b.mean() if b.size else np.nan,
-        "change_percent": 100.0 * (b.mean() - base) / base if a.size and b.size else np.nan,
-        "standard_error_percent": 100.0 * error / base,
-        "samples": min(a.size, b.size),
-        "same_surfaces": paired,
-    }
 
 
 def _standard_error(values: np.ndarray) -> float:
@@ -126,23 +129,6 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
     ).reset_index()
 
 
-def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate lengths of the intervals of both tables of Table 3 with bounds, and their ratio."""
-
-    def shown(row) -> str:
-        values = row.length, row.length_low, row.length_high
-        return "–" if np.isnan(row.length) else "{:.3g} ({:.3g} to {:.3g})".format(*values)
-
-    keys = ["rock", "parameter", "cycle"]
-    both = first.merge(second, on=keys, suffixes=("_first", "_second"))
-    table = both[keys].assign(unit=[PROPERTIES[name].unit for name in both.parameter])
-    for which, intervals in (("first", first), ("second", second)):
-        of_keys = both[keys].merge(intervals, on=keys)
-        table[which] = [shown(row) for row in of_keys.itertuples()]
-        table[f"t test, {which}"] = of_keys.test
-    return table.assign(ratio=both.length_second / both.length_first)
-
-
 def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     """List all differences between two datasets except in provenance and timing."""
     messages = []
@@ -157,18 +143,17 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
                 messages.append(f"{kind} {name}: only in the {where}")
             elif kind == "attribute" and not np.array_equal(one[name], two[name]):
                 messages.append(f"attribute {name} differs")
-            elif kind == "variable" and not _same_bits(one[name], two[name]):
-                messages.append(f"variable {name} differs{_where(one[name], two[name])}")
+            elif kind == "variable" and (where := _difference(one[name], two[name])):
+                messages.append(f"variable {name} differs{where}")
     return messages
 
 
-def _same_bits(one: xr.Variable, two: xr.Variable) -> bool:
+def _difference(one: xr.Variable, two: xr.Variable) -> str:
+    """Return where two variables differ, empty if they have the same bits and attributes."""
     numbers = one.dtype.kind in "iuf"
-    return one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes())
-
-
-def _where(one: xr.Variable, two: xr.Variable) -> str:
-    if one.shape != two.shape or one.dtype.kind not in "iuf":
+    if one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes()):
+        return ""
+    if one.shape != two.shape or not numbers:
         return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
     unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
     if not unequal.any():

@@ -5,14 +5,23 @@ closed again.
 
 import argparse
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
 
 from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
+from jointclosure.joint.curves import KINDS, rising_slopes
+from jointclosure.joint.protocol import LOADING
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.commands import study_of
-from studies.frame.tables import QUANTILES, band_table
+from studies.frame.tables import over_stress, since_seating, succeeded
+
+QUANTILES = (0.05, 0.5, 0.95)
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -39,3 +48,55 @@ def run(arguments: argparse.Namespace) -> int:
     print(f"wrote {folder}: {', '.join(f'{name}.csv' for name in asked)}")
     print(f"bands are the {100 * low:g} and {100 * high:g} % quantiles of the joints")
     return 0
+
+
+def band_table(case: xr.Dataset) -> pd.DataFrame:
+    """Tabulate closure, stiffness, apertures of the joints of a case by cycle, branch, stress.
+
+    Each has a mean, that of stiffnesses harmonic, and quantiles (``<name>_mean``, ``<name>_q05``)
+    of ``samples`` joints. Stiffnesses are those of `stress_table`, NaN beyond ``landing_stress``.
+    """
+    good = case.where(succeeded(case))
+    landing = good.landing_stress.where(good.branch == LOADING, np.inf)
+    fields: dict[str, Any] = {}
+    for kind in KINDS:
+        net = kind == "net"
+        closure = good.closure - good.bulk_indentation if net else good.closure
+        fields[f"closure_{kind}_since_seating_mm"] = 1e3 * since_seating(good, net)
+        fields[f"closure_{kind}_mm"] = 1e3 * closure
+        fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _stiffness(closure, landing)
+    if "hydraulic_aperture" in good:
+        fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
+        for direction in good.direction.values:
+            along = 1e3 * good.hydraulic_aperture.sel(direction=direction, drop=True)
+            fields[f"hydraulic_aperture_{direction}_mm"] = along
+    columns = {"samples": np.isfinite(good.closure).sum("realization")}
+    for name, values in fields.items():
+        known = np.isfinite(values).any("realization")
+        filled = values.where(known, 0.0)  # a quantile of no numbers would warn
+        if name.startswith("normal_stiffness"):  # that of the mean curve
+            mean = 1.0 / (1.0 / values).mean("realization")
+        else:
+            mean = filled.mean("realization")
+        columns[f"{name}_mean"] = mean.where(known)
+        bounds = np.nanquantile(filled.values, QUANTILES, axis=values.get_axis_num("realization"))
+        for quantile, part in zip(QUANTILES, bounds, strict=True):
+            label = f"{name}_q{round(100.0 * quantile):02d}"
+            columns[label] = known.copy(data=part).where(known)
+    return over_stress(columns, case.stress, ["cycle", "branch"])
+
+
+def _stiffness(closure: xr.DataArray, end: xr.DataArray) -> xr.DataArray:
+    """Return the stiffness [MPa/mm] of curves of closure [m] over stress, up to an end [Pa]."""
+    stress = closure.stress.values
+
+    def slopes(curve: np.ndarray, end: float) -> np.ndarray:
+        known, found = np.isfinite(curve) & (stress <= end), np.full(stress.size, np.nan)
+        if known.sum() > 2:
+            found[known] = 1e-9 * rising_slopes(stress[known], curve[known], stress[known])
+        return found
+
+    return xr.apply_ufunc(
+        slopes, closure, end, input_core_dims=[["stress"], []], output_core_dims=[["stress"]],
+        vectorize=True,
+    ).transpose(*closure.dims)  # fmt: skip

@@ -34,7 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
     results, label, realization = arguments.results, arguments.case, arguments.realization
     name = arguments.ensemble
-    ensemble = Ensemble(resolved(_keys(results, name)), name, results)
+    log = results / f"logs/close_{Path(dataset_of(name)).stem}.log"
+    lines = read_text(log).splitlines() if log.is_file() else []
+    keys = [line.partition(_CONFIGURATION)[2] for line in lines if _CONFIGURATION in line]
+    if not keys:
+        raise InputError(f"{log}: has no configuration; was the study run here?")
+    ensemble = Ensemble(resolved(json.loads(keys[0])), name, results)
     block = next((block for block in ensemble.blocks if realization in block), None)
     if label not in ensemble.cases or block is None:
         raise InputError(f"{results}: has no realisation {realization} of {label!r} in {name}")
@@ -42,11 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     entry = entries[f"{name}/{label}.{block.start}"]
     (settings,) = entry.settings
     print(f"realisation {realization} of {label}", flush=True)
-    again = close_block(
-        settings._replace(first_realization=realization, realizations=1),
-        report=lambda line: None,
-        walls=entry.options.get("walls"),
-    )
+    alone = settings._replace(first_realization=realization, realizations=1)
+    again = close_block(alone, entry.options.get("walls"))
     for key, variable in again.data_vars.items():
         if variable.size <= max(8, again.sizes["cycle"]):
             values = ", ".join(f"{value:.8g}" for value in np.ravel(variable.values))
@@ -59,13 +61,3 @@ def run(arguments: argparse.Namespace) -> int:
     messages = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
     print("\n".join(messages) or "identical to the stored results")
     return 1 if messages else 0
-
-
-def _keys(results: Path, name: str) -> dict:
-    """Return the keys of a study from the log of the job that closes its joints."""
-    log = results / f"logs/close_{Path(dataset_of(name)).stem}.log"
-    lines = read_text(log).splitlines() if log.is_file() else []
-    keys = [line.partition(_CONFIGURATION)[2] for line in lines if _CONFIGURATION in line]
-    if not keys:
-        raise InputError(f"{log}: has no configuration; was the study run here?")
-    return json.loads(keys[0])

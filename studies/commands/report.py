@@ -4,9 +4,6 @@ computed again. Every file must be as it was written.
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
@@ -17,8 +14,7 @@ from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.jobs import check_folder
 from studies.frame.keys import json_schema
 
-if TYPE_CHECKING:  # not loaded by other commands
-    from studies.paper.report.content import Material
+_NEEDED = ("configuration.json", "max_closure.csv", "checks.csv")
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -39,34 +35,22 @@ def run(arguments: argparse.Namespace) -> int:
 def report_page(folder: Path) -> str:
     """Write the report as one page without further files."""
     with needs("report", "a report"):
-        from studies.paper.report.content import content
-        from studies.paper.report.page import render
+        from studies.paper.report.content import Material, content
+        from studies.paper.report.page import Picture, render
     sealed = check_folder(folder)
-    if folder / "study.nc" not in sealed:
-        raise InputError(f"{folder / 'study.nc'}: must exist with a seal; is the study finished?")
-    with reading_netcdf(folder / "study.nc") as study:
-        return render(content(_material(study, folder, sealed)))
-
-
-def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
-    """Collect the material of the page."""
-    from studies.paper.report.content import Material
-    from studies.paper.report.page import Picture
-
-    for name in ("configuration.json", "max_closure.csv", "checks.csv"):
-        if (path := folder / "tables" / name) not in sealed:
+    for name in ("study.nc", *(f"tables/{name}" for name in _NEEDED)):
+        if (path := folder / name) not in sealed:
             raise InputError(f"{path}: must exist with a seal; is the study finished?")
+    tables = [path for path in sealed if path.parent == folder / "tables"]
+    figures = [path for path in sealed if path.parent == folder / "figures"]
     stated = read_text(folder / "tables/configuration.json")
-    files = [path for path in sealed if path.parent == folder / "tables"]
-    return Material(
-        study=study.assign_attrs(configuration=stated),
-        tables={path.stem: read_csv(path) for path in files if path.suffix == ".csv"},
-        paper=read_csv(PAPER_TABLE_3),
-        default=read_plain(DEFAULT),
-        schema=json_schema(model()),
-        pictures={
-            path.stem: Picture(path.read_bytes())
-            for path in sealed
-            if path.parent == folder / "figures" and path.suffix == ".png"
-        },
-    )
+    with reading_netcdf(folder / "study.nc") as study:
+        material = Material(
+            study=study.assign_attrs(configuration=stated),
+            tables={path.stem: read_csv(path) for path in tables if path.suffix == ".csv"},
+            paper=read_csv(PAPER_TABLE_3),
+            default=read_plain(DEFAULT),
+            schema=json_schema(model()),
+            pictures={f.stem: Picture(f.read_bytes()) for f in figures if f.suffix == ".png"},
+        )
+        return render(content(material))

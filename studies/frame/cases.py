@@ -9,7 +9,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
-from studies.frame.keys import Accuracy, Study
+from studies.frame.keys import Study
 from studies.frame.rocks import ScannedWalls, wall_files
 from studies.frame.settings import BASE, Case, ClosureSettings
 
@@ -24,9 +24,9 @@ def level_names(levels: tuple[float, ...], base: float) -> list[str]:
     return [BASE if level == base else f"level_{i + 1}" for i, level in enumerate(levels)]
 
 
-def base_case(configuration: Configuration, name: str) -> Case:
+def base_case(study: Configuration, name: str) -> Case:
     """Return the case of a rock with its base values."""
-    rock, study = configuration.rocks[name], configuration
+    rock = study.rocks[name]
     conditions = Conditions(
         study.grid.spacing, rock.intact, rock.max_normal_stress, study.study.cycles,
         study.seating_stress, rock.effects, study.choices, study.numerics, study.flow,
@@ -34,27 +34,26 @@ def base_case(configuration: Configuration, name: str) -> Case:
     return Case(f"{name}-{BASE}", name, BASE, BASE, float("nan"), rock.jrc, conditions)
 
 
-def cases_of(configuration: Configuration) -> list[Case]:
+def cases_of(study: Configuration) -> list[Case]:
     """Return all cases by rock in the order of the study, with the base case of each rock first."""
     cases = []
-    for name, rock in configuration.rocks.items():
-        base = base_case(configuration, name)
-        cases.append(base)
+    for name, rock in study.rocks.items():
+        cases.append(base := base_case(study, name))
         for parameter in (name for name in PROPERTIES if name in rock.levels):
             levels = rock.levels[parameter]
             named = zip(level_names(levels, base.number(parameter)), levels, strict=True)
             for level, value in named:
-                if level == BASE:
-                    continue
-                case = base.changed(parameter, value)._replace(label=f"{name}-{parameter}-{level}")
-                cases.append(case._replace(parameter=parameter, level=level, value=value))
+                if level != BASE:
+                    label = f"{name}-{parameter}-{level}"
+                    case = base.changed(parameter, value)._replace(label=label, value=value)
+                    cases.append(case._replace(parameter=parameter, level=level))
     return cases
 
 
-def pool_of(configuration: Configuration) -> Configuration:
+def pool_of(whole: Configuration) -> Configuration:
     """Return the configuration of a pool: all cases of a study on common surfaces of its own."""
-    study = configuration.study
-    return configuration._replace(
+    study = whole.study
+    return whole._replace(
         study=study._replace(
             realizations=study.pool or study.realizations,
             realizations_per_job=study.realizations_per_job or study.realizations,
@@ -66,26 +65,19 @@ def pool_of(configuration: Configuration) -> Configuration:
     )
 
 
-def finest_of(configuration: Configuration, accuracy: Accuracy) -> Configuration:
-    """Return the configuration that closes a study's first surfaces by the finest numerics."""
-    study = configuration.study
-    count = min(accuracy.differences, study.realizations)
-    return configuration._replace(
-        study=study._replace(
-            realizations=count, realizations_per_job=FEW, pool=None, accuracy=None
-        ),
-        numerics=FINEST,
-        effects=configuration.effects._replace(auto=None),
-        flow=False,
-    )
-
-
-def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
-    """Return the ensembles of a study by folder of their files: its cases, finest, pool."""
-    study = configuration.study
-    finest = {"finest": finest_of(configuration, study.accuracy)} if study.accuracy else {}
-    pool = {"pool": pool_of(configuration)} if study.pool is not None else {}
-    return {"cases": configuration} | finest | pool
+def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
+    """Return the ensembles of a study by folder of their files: cases, finest numerics, pool."""
+    study, ensembles = whole.study, {"cases": whole}
+    if study.accuracy:
+        count = min(study.accuracy.differences, study.realizations)
+        few = {"realizations": count, "realizations_per_job": FEW, "pool": None, "accuracy": None}
+        ensembles["finest"] = whole._replace(
+            study=study._replace(**few),
+            numerics=FINEST,
+            effects=whole.effects._replace(auto=None),
+            flow=False,
+        )
+    return ensembles | ({"pool": pool_of(whole)} if study.pool is not None else {})
 
 
 def dataset_of(ensemble: str) -> str:
@@ -108,10 +100,9 @@ def blocks_of(study: Study) -> list[range]:
 
 def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
-    output = {key: value for key, value in keys["output"].items() if key != "wall_strength_ratio"}
-    study = {key: value for key, value in keys["study"].items() if key != "accuracy"}
-    closed = {key: value for key, value in keys.items() if key != "statistics"}
-    return closed | {"study": study, "output": output}
+    without = {"output": "wall_strength_ratio", "study": "accuracy"}
+    parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
+    return {key: value for key, value in keys.items() if key != "statistics"} | parts
 
 
 def wall_digests(walls: ScannedWalls) -> dict[str, str]:
@@ -119,20 +110,20 @@ def wall_digests(walls: ScannedWalls) -> dict[str, str]:
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
-def block_settings(configuration: Configuration, case: Case, block: range) -> ClosureSettings:
+def block_settings(study: Configuration, case: Case, block: range) -> ClosureSettings:
     """Settings of the closures of a case and a block of realisations."""
-    walls = configuration.rocks[case.rock].walls
+    walls = study.rocks[case.rock].walls
     return ClosureSettings(
         case=case,
         walls=walls,
         sha256=wall_digests(walls) if walls else {},
-        root_seed=configuration.study.root_seed,
-        seeds_named_by=wall_name(configuration.study, case),
+        root_seed=study.study.root_seed,
+        seeds_named_by=wall_name(study.study, case),
         first_realization=block.start,
         realizations=len(block),
-        grid=configuration.grid,
-        surface=configuration.surface,
-        stress_points=configuration.output.stress_points,
-        largest_stress=configuration.output.largest_stress,
-        effects_chosen_to=configuration.effects.auto,
+        grid=study.grid,
+        surface=study.surface,
+        stress_points=study.output.stress_points,
+        largest_stress=study.output.largest_stress,
+        effects_chosen_to=study.effects.auto,
     )

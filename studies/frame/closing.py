@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, make_missing
@@ -20,28 +19,18 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
-from jointclosure.storage.netcdf import (
-    read_netcdf,
-    reading_netcdf,
-    write_netcdf,
-)
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from jointclosure.walls import Walls
 from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.files import provenance
 from studies.frame.jobs import compile_all
-from studies.frame.settings import BASE, ClosureSettings, seeds_of, walls_of
+from studies.frame.settings import BASE, SIDES, ClosureSettings, seeds_of, walls_of
 from studies.frame.tables import join_cases, succeeded
 from studies.frame.walls import cut_walls, described
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""
-
-
-def reading_of_case(settings: ClosureSettings) -> Reading:
-    """Return what is stored of the joints of a case."""
-    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
-    return Reading(settings.conditions, names_of_case(settings.conditions.flow), stresses)
 
 
 def close_block(
@@ -55,25 +44,41 @@ def close_block(
     """Close the joints of a case's block, over (realization, cycle, branch, stress).
 
     Walls are made from their seeds unless given, or cut out of the file of scanned ones. ``pilot``
-    is the file of the choice of effects, with joints that are closed. ``report`` receives a line
-    for each realisation, in which ``again`` is the command that repeats a failed one, without its
-    number. A failed realisation has a status of 16 or more, counts, and otherwise NaN.
+    is the file of the choice of effects, with joints that are closed; ``again`` the command that
+    repeats a realisation, without its number. A failed one has a status of 16 or more, and NaN.
     """
-    reading, first = reading_of_case(settings), settings.first_realization
-    known = _rows_by_seed(pilot, settings.case.label) if pilot else {}
+    reading, known = _reading(settings), {}
     rows: list[Row] = []
-    pairs = zip(_seeds(settings), _pairs(settings, walls), strict=True)
-    for realization, (seed, pair) in enumerate(pairs, start=first):
+    if pilot is not None:
+        closed = read_netcdf(pilot)
+        if closed.attrs["case"] == settings.case.label:
+            seeds = enumerate(closed.seed.values.tolist())
+            known = {seed: closed.isel(realization=place) for place, seed in seeds}
+    for pair, seed in zip(_pairs(settings, walls), _seeds(settings), strict=True):
+        realization = settings.first_realization + len(rows)
         repeat = f"; to repeat it: {again} {realization}" if again else ""
         try:
-            row = known.get(seed) or close_joint(pair, reading)
+            if seed in known:
+                row = {str(name): array.values for name, array in known[seed].data_vars.items()}
+            else:
+                row = close_joint(pair, reading)
         except Exception as error:
             error.add_note(f"realisation {realization}{repeat}")
             raise
-        report(f"realisation {realization}: {_described(row, repeat)}")
+        what = f"failed{repeat}"
+        if row["status"] < FAILURE:
+            closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"])
+            what = f"maximum closure {closures} mm"
+        seconds = f"{row['timing_simulation']:.2f} s"
+        report(f"realisation {realization}: status {int(row['status'])}, {seconds}, {what}")
         rows.append(row)
-    closed = _joined(rows, settings)
-    return closed.assign_attrs(scene=scene_name(settings.conditions.effects))
+    return _joined(rows, settings).assign_attrs(scene=scene_name(settings.conditions.effects))
+
+
+def _reading(settings: ClosureSettings) -> Reading:
+    """Return what is stored of the joints of a case."""
+    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
+    return Reading(settings.conditions, names_of_case(settings.conditions.flow), stresses)
 
 
 def _seeds(settings: ClosureSettings) -> list[str]:
@@ -84,7 +89,7 @@ def _joined(rows: Sequence[Row], settings: ClosureSettings) -> xr.Dataset:
     """Join the rows of the first joints of a block, with their numbers and seeds."""
     numbers = settings.first_realization + np.arange(len(rows))
     seeds = np.array(_seeds(settings)[: len(rows)], dtype=object)
-    return stacked(rows, numbers, seeds, reading_of_case(settings))
+    return stacked(rows, numbers, seeds, _reading(settings))
 
 
 def _pairs(settings: ClosureSettings, walls: Path | Iterable[Walls] | None) -> Iterable[Walls]:
@@ -92,26 +97,6 @@ def _pairs(settings: ClosureSettings, walls: Path | Iterable[Walls] | None) -> I
     if walls is None:
         return walls_of(settings)
     return cut_walls(read_netcdf(walls), settings) if isinstance(walls, Path) else walls
-
-
-def _rows_by_seed(pilot: Path, label: str) -> dict[str, Row]:
-    """Return the quantities of joints that a pilot closed, if of this case, by their seeds."""
-    closed = read_netcdf(pilot)
-    if closed.attrs["case"] != label:
-        return {}
-    joints = (closed.isel(realization=number) for number in range(closed.sizes["realization"]))
-    return {
-        str(joint.seed.values): {str(name): array.values for name, array in joint.data_vars.items()}
-        for joint in joints
-    }
-
-
-def _described(row: Row, again: str) -> str:
-    words = [f"status {int(row['status'])}", f"{row['timing_simulation']:.2f} s"]
-    if row["status"] >= FAILURE:
-        return ", ".join([*words, f"failed{again}"])
-    closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"])
-    return ", ".join([words[0], f"maximum closure {closures} mm", words[1]])
 
 
 def choose_for_rock(
@@ -122,42 +107,34 @@ def choose_for_rock(
 ) -> xr.Dataset:
     """Select effects for all cases of a rock (settings by label), where they matter most.
 
-    That is the one of the largest maximum stress over the compressive strength. Joints closed with
-    these effects are returned as by `close_block`, with attributes ``case`` and ``chosen`` (JSON).
+    Joints closed with these effects are returned, with attributes ``case`` and ``chosen`` (JSON).
     """
 
     def order(label: str) -> tuple[float, bool]:
-        case = settings[label].case
+        case = settings[label].case  # of the largest stress over the strength
         ratio = case.max_normal_stress / case.number("compressive_strength")
         return (-round(ratio, 12), case.parameter != BASE)
 
     label = min(settings, key=order)
-    examined, tolerance = settings[label], settings[label].effects_chosen_to
-    joints = sum(one.realizations for one in settings.values())
+    examined, joints = settings[label], sum(one.realizations for one in settings.values())
     report(f"{label}, for {len(settings)} cases of {joints} joints together:")
     pairs = list(islice(_pairs(examined, walls), MOST_PAIRS))
     pilot = Pilot(pairs, examined.conditions.checked(), joints)
-    choice = choose_among(pilot, tolerance or 0.0, report)
-    reading = reading_of_case(examined.under(effects=choice.effects))
-    rows = [
-        read_joint(replace(closed, stresses=reading.stresses), reading.names)
-        for closed in choice.closed
-    ]
+    choice = choose_among(pilot, examined.effects_chosen_to or 0.0, report)
+    reading = _reading(examined.under(effects=choice.effects))
+    stored = (replace(closed, stresses=reading.stresses) for closed in choice.closed)
+    closed = _joined([read_joint(one, reading.names) for one in stored], examined)
     about = {"effects": choice.effects._asdict(), "error": choice.error}
     details = {"reasons": choice.reasons, "changes": choice.changes.to_dict("records")}
     chosen = about | {"cases": {label: about | details}}
-    closed = _joined(rows, examined)
     return closed.assign_attrs(case=label, chosen=json.dumps(chosen))
 
 
 class Ensemble:
-    """Cases of a whole study, its pool or its finest numerics, and files of their joints.
-
-    Without a ``folder`` no effects are chosen yet.
-    """
+    """Cases of a study, pool or finest numerics; without a ``folder`` no effects are chosen yet."""
 
     def __init__(self, study: Configuration, name: str = "cases", folder: Path | None = None):
-        self._study, self.name, self._folder = study, name, folder
+        self._study, self.name, self._started = study, name, folder is not None
         self.folder = folder or Path()
         self.configuration = ensembles_of(study)[name]
         self.cases = {case.label: case for case in cases_of(self.configuration)}
@@ -182,8 +159,8 @@ class Ensemble:
 
     def chosen(self) -> dict[str, dict]:
         """Choices by rock in the files of the pilots."""
-        pilots = self.pilots() if self._folder else {}
-        files = {rock: entry.file(self.folder) for rock, entry in pilots.items()}
+        pilots = self.pilots().items() if self._started else ()
+        files = {rock: entry.file(self.folder) for rock, entry in pilots}
         return {rock: json.loads(_attribute(file, "chosen")) for rock, file in files.items()}
 
     def _walls(self, rock: str) -> dict[str, Path]:
@@ -198,7 +175,9 @@ class Ensemble:
 
     def _entry(self, label: str, block: range, chosen: Mapping[str, dict]) -> Entry:
         rock, settings = self.cases[label].rock, self.settings(label, block)
-        options: dict = {"again": self.again(label)} | self._walls(rock)
+        ensemble = "" if self.name == "cases" else f"--{self.name} "
+        again = f"python -m studies repeat {ensemble}{self.folder} {label}"
+        options: dict = {"again": again} | self._walls(rock)
         if rock in chosen:
             settings = settings.under(effects=Effects(**chosen[rock]["effects"]))
             if self.name == "cases":
@@ -211,11 +190,6 @@ class Ensemble:
         bases = [label for label, case in self.cases.items() if case.parameter == BASE]
         return [self._entry(label, range(1), {}) for label in bases]
 
-    def again(self, label: str) -> str:
-        """Return the command that repeats a realisation of a case, without its number."""
-        option = "" if self.name == "cases" else f"--{self.name} "
-        return f"python -m studies repeat {option}{self.folder} {label}"
-
     def kernels(self) -> list[list[str]]:
         """Kernels of all scenes that may be closed."""
         given = self.configuration
@@ -223,24 +197,6 @@ class Ensemble:
             (scene, given.choices, given.numerics)
             for rock in given.rocks.values()
             for scene in possible_scenes(rock.effects, chosen=given.effects.auto is not None)
-        )
-
-    def close(self, workers: int, log: Logbook) -> None:
-        """Close what is missing in the folder, first by the pilots."""
-        prepare, pilots = partial(compile_all, self.kernels(), log), self.pilots().values()
-        make_missing(pilots, self.folder, workers, log.show, "effects chosen", prepare)
-        title = f"{self.name}: joints closed"
-        make_missing(self.entries(), self.folder, workers, log.show, title, prepare)
-
-    def first_walls(self) -> xr.Dataset:
-        """Return the first pair of walls (y, x) [m] of the first case."""
-        entry = self.entries()[0]
-        walls, settings = entry.options.get("walls"), entry.settings[0]
-        pair = zip(("upper", "lower"), next(iter(_pairs(settings, walls))), strict=True)
-        about = {"units": "m", "long_name": "height towards the other wall"}
-        return xr.Dataset(
-            {name: (("y", "x"), wall, about) for name, wall in pair},
-            attrs={"spacing_m": settings.grid.spacing},
         )
 
     def join(self, attributes: dict, report: Callable[[str], None], output: Path) -> None:
@@ -281,13 +237,13 @@ def close_ensemble(
     workers: int,
     log: Logbook,
 ) -> dict[str, Any]:
-    """Close the joints of an ensemble that are missing, and join all in one dataset.
-
-    The dataset has the keys that are ``stated``.
-    """
+    """Close the joints of an ensemble that are missing, and join all, with the keys ``stated``."""
     log(f"configuration: {json.dumps(config)}")
     ensemble = Ensemble(resolved(config), name, folder)
-    ensemble.close(workers, log)
+    prepare, pilots = partial(compile_all, ensemble.kernels(), log), ensemble.pilots().values()
+    make_missing(pilots, folder, workers, log.show, "effects chosen", prepare)
+    entries = ensemble.entries()
+    make_missing(entries, folder, workers, log.show, f"{name}: joints closed", prepare)
     attributes = {
         "title": f"closure of rough joints, study {ensemble.configuration.study.name}",
         "ensemble": name,
@@ -298,25 +254,14 @@ def close_ensemble(
         attributes["effects_chosen"] = json.dumps(chosen)
     if walls:
         attributes["walls"] = described({Path(path).stem: read_netcdf(path) for path in walls})
+    (settings,), scanned = entries[0].settings, entries[0].options.get("walls")
+    about = {"units": "m", "long_name": "height towards the other wall"}
+    pair = zip(SIDES, next(iter(_pairs(settings, scanned))), strict=True)
+    first = xr.Dataset({side: (("y", "x"), wall, about) for side, wall in pair})
     return {
         dataset_of(name): partial(ensemble.join, attributes, log),
-        "first_walls.nc": lambda path: write_netcdf(ensemble.first_walls(), path),
+        "first_walls.nc": first.assign_attrs(spacing_m=settings.grid.spacing),
     }
-
-
-def price_accuracy(config: dict, folder: Path, log: Logbook) -> pd.DataFrame:
-    """Measure what a joint of each rock takes by the study's numerics and by the finest ones."""
-    rows = []
-    for name in ("cases", "finest"):
-        ensemble = Ensemble(resolved(config), name, folder)
-        compile_all(ensemble.kernels(), log)
-        for first in ensemble.firsts():
-            rock = first.settings[0].case.rock
-            cases = sum(case.rock == rock for case in ensemble.cases.values())
-            closed = first.make(*first.settings, **first.options, report=log)
-            seconds = float(closed.timing_simulation.mean())
-            rows.append({"ensemble": name, "rock": rock, "cases": cases, "seconds": seconds})
-    return pd.DataFrame(rows)
 
 
 def _attribute(file: Path, name: str) -> str:

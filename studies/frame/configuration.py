@@ -5,50 +5,26 @@ import math
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, ClassVar, NamedTuple, Self, TypeVar
+from typing import Annotated, ClassVar, Self, TypeVar
 
-from pydantic import create_model, model_validator
+from pydantic import PrivateAttr, create_model, model_validator
 
+from jointclosure import parameters
 from jointclosure.engine.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
-from jointclosure.parameters import (
-    AUTO_TOLERANCE,
-    Choices,
-    Effects,
-    Numerics,
-    check_choices,
-    check_numerics,
-    check_scene,
-)
-from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
+from studies.frame import keys
 from studies.frame.files import DEFAULT, folder_of, merged, read_plain, refuse
-from studies.frame.keys import (
-    OR_NULL,
-    ChoiceKeys,
-    Grid,
-    Name,
-    NumericsKeys,
-    Output,
-    Section,
-    Statistics,
-    Study,
-    StudyEffects,
-    Surface,
-    did_you_mean,
-    entry,
-    made_of,
-    validated,
-)
-from studies.frame.rocks import CurveSettings, StudyRock
+from studies.frame.keys import entry
+from studies.frame.rocks import StudyRock
 
 _Section = TypeVar("_Section", bound="StudySection")
 
 
-class StudySection(Section):
+class StudySection(keys.Section):
     """Section of one experiment, in the module ``section`` of its folder, whose name it has."""
 
     mates: ClassVar[bool] = False
@@ -61,40 +37,42 @@ class StudySection(Section):
         yield from ()
 
 
-class Configuration(Section):
+class Configuration(keys.Section):
     """Configuration of a study."""
 
-    study: Study
-    rocks: dict[Name, StudyRock] = entry(
+    study: keys.Study
+    rocks: dict[keys.Name, StudyRock] = entry(
         "Rocks by name; a study's own file may add some.", min_length=1
     )
-    grid: Grid
-    surface: Surface
-    seating_stress: Annotated[float, OR_NULL] = entry(
+    grid: keys.Grid
+    surface: keys.Surface
+    seating_stress: Annotated[float, keys.OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",
         None,
         alias="seating_stress_MPa",
         ge=0,
     )
-    effects: StudyEffects
+    effects: keys.StudyEffects
     flow: bool = entry(
         "Whether hydraulic apertures are found too, by Reynolds' equation at every step "
         "(docs/export.md#flow); it changes nothing else.",
         False,
     )
-    choices: Annotated[Choices, made_of(ChoiceKeys)]
-    numerics: Annotated[Numerics, made_of(NumericsKeys)]
-    statistics: Statistics
-    output: Output
+    choices: Annotated[parameters.Choices, keys.made_of(keys.ChoiceKeys)]
+    numerics: Annotated[parameters.Numerics, keys.made_of(keys.NumericsKeys)]
+    statistics: keys.Statistics
+    output: keys.Output
+    _stated: dict = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
         """Take the rocks of the study in its order, and what other sections leave open."""
         if unknown := [name for name in self.study.rocks if name not in self.rocks]:
             allowed = f"must be one of rocks ({', '.join(self.rocks)})"
-            meant = (f"{name!r}: {allowed}{did_you_mean(name, self.rocks)}" for name in unknown)
-            raise ValueError("\n".join(f"study.rocks = {line}" for line in meant))
+            meant = {name: keys.did_you_mean(name, self.rocks) for name in unknown}
+            lines = (f"study.rocks = {name!r}: {allowed}{word}" for name, word in meant.items())
+            raise ValueError("\n".join(lines))
         usual = self.effects.acting
         rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
         output, numerics, seating = self.output, self.numerics, self.seating_stress
@@ -108,34 +86,13 @@ class Configuration(Section):
         return self._replace(rocks=rocks, output=output, numerics=numerics, seating_stress=seating)
 
     @property
-    def pooled(self) -> bool:
-        """Whether the study has a pool, by which the model is judged."""
-        return self.study.pool is not None
-
-    @property
-    def varied(self) -> bool:
-        """Whether a property is varied."""
-        return any(rock.levels for rock in self.rocks.values())
-
-    @property
-    def variates(self) -> bool:
-        """Whether means are adjusted by covariates; those of scanned walls are not known."""
-        synthetic = any(rock.walls is None for rock in self.rocks.values())
-        return self.statistics.control_variates is not None and synthetic
+    def stated(self) -> dict:
+        """Keys from which the configuration was read."""
+        return self._stated
 
     def file(self, name: str) -> str:
         """Return the path of a file of the study."""
         return f"results/{self.study.name}/{name}"
-
-    @property
-    def curves(self) -> dict[str, CurveSettings]:
-        """Settings of the measured curves by rock, for rocks of the study that have one."""
-        cycles, seating = self.study.cycles, self.seating_stress
-        return {
-            name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
-            for name, rock in self.rocks.items()
-            if rock.measured
-        }
 
     @property
     def study_sections(self) -> dict[str, StudySection]:
@@ -173,15 +130,8 @@ def model() -> type[Configuration]:
 
 OTHER_TARGETS = ("hard_cases",)
 """Folders of results of targets that are no studies."""
-USUAL = _OF_ROCK | {"stress": _OF_ROCK["max_normal_stress"]}
+USUAL = parameters.USUAL | {"stress": parameters.USUAL["max_normal_stress"]}
 """Least and largest values that are usual, and their unit, by name of a key without its unit."""
-
-
-class Configured(NamedTuple):
-    """A configuration as keys of a file, and in SI."""
-
-    keys: dict
-    typed: Configuration
 
 
 def merged_study(*paths: Path) -> dict:
@@ -189,114 +139,108 @@ def merged_study(*paths: Path) -> dict:
     return merged(*(written_out(read_plain(path)) for path in (DEFAULT, *paths)))
 
 
-def written_out(keys: dict) -> dict:
+def written_out(stated: dict) -> dict:
     """Keys whose ``effects: auto`` is written out: those of the full model, chosen to 2 %."""
-    if keys.get("effects") != "auto":
-        return keys
-    return keys | {"effects": Effects()._asdict() | {"auto": AUTO_TOLERANCE}}
+    if stated.get("effects") != "auto":
+        return stated
+    effects = parameters.Effects()._asdict() | {"auto": parameters.AUTO_TOLERANCE}
+    return stated | {"effects": effects}
 
 
-def configured(keys: dict) -> Configured:
+def configured(stated: dict) -> Configuration:
     """Check merged keys, and read them in SI; `ConfigurationError` names each that is wrong."""
-    keys = written_out(keys)
-    configuration = resolved(keys)
-    refuse(contradictions(configuration, keys))
-    return Configured(keys, configuration)
+    study = resolved(written_out(stated))
+    refuse(contradictions(study))
+    return study
 
 
-def resolved(keys: dict) -> Configuration:
-    """The configuration of keys without contradictions, as those in the file of a study."""
-    return validated(model(), keys)
+def resolved(stated: dict) -> Configuration:
+    """Read keys without contradictions, as those in the file of a study."""
+    study = keys.validated(model(), stated)
+    study._stated = stated
+    return study
 
 
-def contradictions(configuration: Configuration, keys: dict) -> Iterator[str]:
+def contradictions(whole: Configuration) -> Iterator[str]:
     """Generate contradictions between keys that are each valid, one line each."""
-    yield from _study_problems(configuration)
-    if configuration.study.unusual_values == "refuse":
-        rocks = {name: keys["rocks"][name] for name in configuration.rocks}
-        yield from _unusual(keys | {"rocks": rocks}, "")
-    surface, spacing = configuration.surface, configuration.grid.spacing
-    effects = (rock.effects for rock in configuration.rocks.values())
-    scenes = dict.fromkeys([configuration.effects.acting, *effects])
-    checks: list[tuple] = [(check_scene, scene) for scene in scenes]
+    stated, study, surface, spacing = whole.stated, whole.study, whole.surface, whole.grid.spacing
+    numerics, surfaces = whole.numerics, whole.statistics.control_variates
+    closed = max(study.realizations, study.pool or 0, study.accuracy.most if study.accuracy else 0)
+    if surfaces is not None and surfaces <= closed:
+        yield (
+            f"statistics.control_variates = {surfaces}: must be more than the {closed} surfaces of "
+            "a case, whose means they adjust (or null: no adjustment)"
+        )
+    finest = FINEST.tolerance
+    if study.accuracy and numerics.breakage == "resolved" and numerics.tolerance < finest:
+        yield (
+            f"numerics.tolerance = {numerics.tolerance:g}: must be at least {finest:g} with "
+            "study.accuracy, that of the finest numerics"
+        )
+    if study.name in {*OTHER_TARGETS, *sections()} - whole.study_sections.keys():
+        yield (
+            f"study.name = {study.name!r}: results/{study.name} belongs to another target; "
+            "must be another name"
+        )
+    if study.unusual_values == "refuse":
+        rocks = {name: stated["rocks"][name] for name in whole.rocks}
+        yield from _unusual(stated | {"rocks": rocks})
+    scenes = dict.fromkeys([whole.effects.acting, *(rock.effects for rock in whole.rocks.values())])
+    checks: list[tuple] = [(parameters.check_scene, scene) for scene in scenes]
     checks += [
         (spectrum_of, surface.hurst, surface.rule, surface.roll_off, spacing),
         (check_mismatch, surface.mismatch_wavelength, surface.correlation),
-        (check_choices, configuration.choices, spacing),
-        (check_numerics, configuration.numerics),
+        (parameters.check_choices, whole.choices, spacing),
+        (parameters.check_numerics, numerics),
     ]
     for check, *arguments in checks:
         try:
             check(*arguments)
         except InputError as error:
             yield str(error)
-    share = keys["numerics"].get("idle_interaction")
-    if share and not any(rock.effects.interaction for rock in configuration.rocks.values()):
+    share = stated["numerics"].get("idle_interaction")
+    if share and not any(scene.interaction for scene in scenes):
         yield (
             f"numerics.idle_interaction = {share:g}: must be null or 0, because "
             "effects.interaction is false for every rock"
         )
     mating = surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells
-    for name, section in configuration.study_sections.items():
-        yield from section.problems(configuration)
+    for name, section in whole.study_sections.items():
+        yield from section.problems(whole)
         if section.mates and mating != (None, 0.0, 0):
             yield (
                 f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
                 "shift_in_cells must be null, 0 and 0"
             )
-    for name, rock in configuration.rocks.items():
-        yield from rock.problems(name)
-        yield from _rock_problems(f"rocks.{name}", rock, configuration)
+    for name, rock in whole.rocks.items():
+        yield from rock.problems(f"rocks.{name}")
+        yield from _rock_problems(f"rocks.{name}", rock, whole)
 
 
-def _study_problems(configuration: Configuration) -> Iterator[str]:
-    study, surfaces = configuration.study, configuration.statistics.control_variates
-    most = study.accuracy.most if study.accuracy else 0
-    closed = max(study.realizations, study.pool or 0, most)
-    if surfaces is not None and surfaces <= closed:
-        yield (
-            f"statistics.control_variates = {surfaces}: must be more than the {closed} surfaces of "
-            "a case, whose means they adjust (or null: no adjustment)"
-        )
-    finest, numerics = FINEST.tolerance, configuration.numerics
-    if study.accuracy and numerics.breakage == "resolved" and numerics.tolerance < finest:
-        yield (
-            f"numerics.tolerance = {numerics.tolerance:g}: must be at least {finest:g} with "
-            "study.accuracy, that of the finest numerics"
-        )
-    if study.name in {*OTHER_TARGETS, *sections()} - configuration.study_sections.keys():
-        yield (
-            f"study.name = {study.name!r}: results/{study.name} belongs to another target; "
-            "must be another name"
-        )
-
-
-def _rock_problems(where: str, rock: StudyRock, configuration: Configuration) -> Iterator[str]:
+def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
     """Generate contradictions of a rock with the study, one line each."""
-    seating, end = configuration.seating_stress, configuration.output.largest_stress
+    seating, end = whole.seating_stress, whole.output.largest_stress
     stress = f"{where}.max_normal_stress_MPa = {in_unit(rock.max_normal_stress, 'MPa'):g}"
     if seating > LARGEST_SEATING * rock.max_normal_stress:
-        yield (
-            f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: must be at most "
-            f"{LARGEST_SEATING:g} of {stress}"
-        )
+        least = f"must be at most {LARGEST_SEATING:g} of {stress}"
+        yield f"seating_stress_MPa = {in_unit(seating, 'MPa'):g}: {least}"
     if end < rock.max_normal_stress:
         yield f"output.largest_stress_MPa = {in_unit(end, 'MPa'):g}: must be at least {stress}"
-    relation = relation_of(configuration.surface.jrc_relation)
+    relation = relation_of(whole.surface.jrc_relation)
     for jrc in (rock.jrc, *(rock.other_levels.jrc or ())):
         if not relation.smallest_jrc <= jrc <= relation.largest_jrc and not math.isnan(jrc):
             yield (
-                f"{where}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds from "
+                f"{where}: jrc = {jrc:g}: {whole.surface.jrc_relation} holds from "
                 f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
             )
-    for name, section in configuration.study_sections.items() if rock.walls else ():
+    for name, section in whole.study_sections.items() if rock.walls else ():
         if not section.of_scans:
             yield f"{name}: not with {where}.walls; it draws walls of given JRC"
 
 
-def _unusual(keys: dict, where: str) -> Iterator[str]:
+def _unusual(stated: dict, where: str = "") -> Iterator[str]:
     """Generate messages on values that are unusual for rock and its joints."""
-    for key, value in keys.items():
+    for key, value in stated.items():
         name, unit = name_and_unit(key)
         if isinstance(value, dict):
             yield from _unusual(value, f"{where}{key}.")

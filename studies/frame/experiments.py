@@ -1,11 +1,11 @@
 """Experiments: points at which joints are closed, and products of the table of all joints.
 
-An experiment is a folder of `studies` with its section of the configuration (``section.py``), a
-constant ``EXPERIMENT`` and products (``study.py``).
+An experiment is a folder of `studies`: ``section.py``, its section of the configuration; and
+``study.py``, a constant ``EXPERIMENT`` and products.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +20,7 @@ from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.cases import base_case, block_settings
 from studies.frame.closing import Ensemble
-from studies.frame.configuration import Configuration, Configured, resolved, sections
+from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.files import folder_of, provenance
 from studies.frame.jobs import compile_all
 from studies.frame.plan import steps_of_products
@@ -41,7 +41,7 @@ TRIED = 3
 
 
 class Design(NamedTuple):
-    """Joints of an experiment for one configuration; points are made when they are needed."""
+    """Joints of an experiment in a study; points are made when they are needed."""
 
     name: str
     quantities: tuple[str, ...]
@@ -80,21 +80,19 @@ class Design(NamedTuple):
 
 
 class Experiment(NamedTuple):
-    """Description of an experiment, the same for all configurations.
+    """Description of an experiment: ``quantities`` (`QUANTITIES`) are read at points of ``jobs``.
 
-    ``quantities`` are read of each joint (`jointclosure.engine.quantities.QUANTITIES`), at the
-    points of ``jobs`` of a checked configuration. ``check`` refuses a configuration once before any
-    job, where that is slow.
+    ``check`` refuses a study before any job, where that is slow.
     """
 
     title: str
     quantities: tuple[str, ...]
-    jobs: Callable[[Configured], Jobs]
-    check: Callable[[Configured], None] = lambda configured: None
+    jobs: Callable[[Configuration], Jobs]
+    check: Callable[[Configuration], None] = lambda study: None
 
-    def design(self, configured: Configured) -> Design:
-        """Return the joints for a checked configuration."""
-        return Design(folder_of(self.jobs), self.quantities, cache(partial(self.jobs, configured)))
+    def design(self, study: Configuration) -> Design:
+        """Return the joints for a checked study."""
+        return Design(folder_of(self.jobs), self.quantities, cache(partial(self.jobs, study)))
 
 
 def experiment_named(name: str) -> Experiment:
@@ -102,61 +100,47 @@ def experiment_named(name: str) -> Experiment:
     return import_module(f"studies.{name}.study").EXPERIMENT
 
 
-def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
-    """Return the experiments whose section a configuration has, by name."""
-    return {name: experiment_named(name) for name in sections() if keys.get(name)}
-
-
-def settings_of(configuration: Configuration, case: Case, **surface: Any) -> ClosureSettings:
+def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSettings:
     """Return the settings that close a case on all realisations, with changed keys of surfaces."""
-    settings = block_settings(configuration, case, range(configuration.study.realizations))
+    settings = block_settings(study, case, range(study.study.realizations))
     return settings._replace(surface=settings.surface._replace(**surface))
 
 
 def at_wavelengths(
-    configuration: Configuration, wavelengths: Iterable[float]
+    study: Configuration, wavelengths: Iterable[float]
 ) -> Iterator[tuple[str, str, float, ClosureSettings]]:
-    """Generate base cases at mismatch wavelengths [m], and with independent walls (infinity).
+    """Generate rock, name, wavelength and settings of base cases at mismatch wavelengths [m].
 
-    Each has the name of the rock, that of the wavelength [um], the wavelength, and the settings.
+    The last of each rock are independent walls, whose wavelength is infinite.
     """
-    for rock in configuration.rocks:
-        case = base_case(configuration, rock)
+    for rock in study.rocks:
+        case = base_case(study, rock)
         for length in (*wavelengths, None):
             name = "independent" if length is None else f"{1e6 * length:.15g}um"
-            settings = settings_of(configuration, case, mismatch_wavelength=length)
+            settings = settings_of(study, case, mismatch_wavelength=length)
             yield rock, name, math.inf if length is None else length, settings
 
 
-def cached(configured: Configured, kind: str, folder: Path | None = None) -> dict[str, Entry]:
+def cached(study: Configuration, kind: str, folder: Path | None = None) -> dict[str, Entry]:
     """Return the files of an ensemble, of pilots (effects_of) or of an experiment by name."""
     if kind in sections():
-        entries = experiment_named(kind).design(configured).entries()
+        entries = experiment_named(kind).design(study).entries()
     elif kind == "effects_of":
-        entries = list(Ensemble(configured.typed, folder=folder).pilots().values())
+        entries = list(Ensemble(study, folder=folder).pilots().values())
     else:
-        entries = Ensemble(configured.typed, kind, folder).entries()
+        entries = Ensemble(study, kind, folder).entries()
     return {entry.name: entry for entry in entries}
 
 
 def close_apart(config: dict, kind: str, block: str, folder: Path, log: Logbook) -> None:
     """Close the joints of one file of the cache, on a node of a cluster."""
-    entry = cached(Configured(config, resolved(config)), kind, folder)[f"{kind}/{block}"]
+    entry = cached(resolved(config), kind, folder)[f"{kind}/{block}"]
     make_missing([entry], folder, 1, log)
 
 
-def design_in(config: dict, name: str) -> Design:
-    """Return the design of an experiment by keys that were checked before a job started."""
-    return experiment_named(name).design(Configured(config, resolved(config)))
-
-
 def estimate_time(config: dict, name: str, log: Logbook) -> pd.DataFrame:
-    """Estimate the time of an experiment from a few of its joints, by rock and grid.
-
-    A row has the number of ``joints``, their ``seconds``, and the standard ``error`` of these, NaN
-    where a single point was tried.
-    """
-    design, rows = design_in(config, name), []
+    """Estimate the time of an experiment from a few of its joints, with standard errors."""
+    design, rows = experiment_named(name).design(resolved(config)), []
     compile_all(design.kernels(), log)
     for points, joints in design.tried():
         first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]
@@ -178,7 +162,7 @@ def close_experiment(
     config: dict, name: str, folder: Path, workers: int, log: Logbook
 ) -> xr.Dataset:
     """Close the joints of an experiment that are missing, and join them in a table."""
-    design = design_in(config, name)
+    design = experiment_named(name).design(resolved(config))
     entries, prepare = design.entries(), partial(compile_all, design.kernels(), log)
     make_missing(entries, folder, workers, log.show, "joints closed", prepare)
     joints = as_table(*(read_netcdf(entry.file(folder)) for entry in entries))
@@ -186,10 +170,10 @@ def close_experiment(
 
 
 def steps_of(
-    configured: Configured, design: Design, closed: Any, key: Callable[[], str]
+    study: Configuration, design: Design, closed: Any, key: Callable[[], str]
 ) -> dict[str, Step]:
     """Return the steps of an experiment, whose joints have a ``key`` and files ``closed`` apart."""
-    study, name, settings = configured.typed, design.name, {"name": design.name}
+    name, settings = design.name, {"name": design.name}
     return {
         f"estimate_{name}": Step(
             estimate_time,
@@ -207,4 +191,4 @@ def steps_of(
             all_cores=True,
             group=name,
         ),
-    } | steps_of_products(name, configured)
+    } | steps_of_products(name, study)

@@ -64,10 +64,7 @@ for _kind in ("int", "float"):
 
 
 def read_plain(path: str | Path) -> dict:
-    """Read a configuration file as plain data, and refuse anything else.
-
-    A file with ``__use_yte__`` is refused, as Snakemake would run its Python expressions.
-    """
+    """Read a configuration file as plain data, and refuse anything else."""
     try:
         settings = yaml.load(read_text(path), Loader=_Loader)
         reason = _not_plain(settings)

@@ -18,13 +18,13 @@ import socket
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from jointclosure.engine.workers import end_with_parent
 from jointclosure.inputs import InputError
-from jointclosure.storage.files import END_DIGEST, atomically
+from jointclosure.storage.files import END_DIGEST, write_text
 from jointclosure.storage.logs import SHOWN, Logbook, logging_to
 
 if TYPE_CHECKING:
@@ -38,26 +38,26 @@ _ENDING = 2.0
 """Seconds within which the processes of a killed run have ended."""
 _OPEN_FILES = 128
 """Open files that a run may have at once; on two cores it has less than 40."""
-_UNUSABLE = "{}\\"
-"""Characters in the name of a folder that Snakemake or netCDF replaces."""
 _held: list[TextIO] = []
 
 
 def enter_folder() -> None:
-    """Lock the present folder for a run, if it and the limit of open files allow one.
+    """Lock the present folder for a run; `InputError` if another may be at work, or none can be.
 
     The lock is held by this process and programs that inherit it, until the last of them ends.
-    `InputError` if another run is at work in the folder, or may be.
     """
     folder = os.getcwd()
-    if found := sorted(set(_UNUSABLE) & set(folder)):
+    if found := sorted(set("{}\\") & set(folder)):  # Snakemake or netCDF replaces these
         raise InputError(
             f"{folder}: a run needs a folder without {' and '.join(found)} in its name"
         )
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     if 0 <= most < _OPEN_FILES:
         raise InputError(f"ulimit -n = {most}: must be at least {_OPEN_FILES} for a run")
-    if _held or _inherited():
+    with suppress(KeyError, ValueError, OSError):  # else the process that started this has no lock
+        if os.path.samestat(os.fstat(int(os.environ[HELD])), os.stat(LOCK)):
+            return
+    if _held:
         return
     LOCK.parent.mkdir(exist_ok=True)
     with ExitStack() as opened:
@@ -69,14 +69,6 @@ def enter_folder() -> None:
     os.environ[HELD] = str(file.fileno())
     atexit.register(_unlock, file, os.getpid())
     shutil.rmtree(".snakemake/locks", ignore_errors=True)  # of a Snakemake that was killed
-
-
-def _inherited() -> bool:
-    """Return whether the process that started this one passed its lock of the folder on."""
-    try:
-        return os.path.samestat(os.fstat(int(os.environ[HELD])), os.stat(LOCK))
-    except (KeyError, ValueError, OSError):
-        return False
 
 
 def _lock(file: TextIO) -> None:
@@ -92,17 +84,16 @@ def _lock(file: TextIO) -> None:
             locked = True
         except BlockingIOError:
             if time.monotonic() > deadline:
-                named = _named(_content(file))
+                named = _holder(file)[1]
                 raise InputError(f"another run is at work in this folder ({named})") from None
             time.sleep(0.1)
         except OSError:  # a file system without locks
             break
-    left, here = _content(file), _this_process()
+    (left, named), here = _holder(file), _this_process()
     elsewhere = left.get("host") != here["host"] and left.get("boot") != here["boot"]
     if left and (elsewhere or not locked):
         raise InputError(
-            f"another run may be at work in this folder ({_named(left)}): "
-            f"delete {LOCK} if it has ended"
+            f"another run may be at work in this folder ({named}): delete {LOCK} if it has ended"
         )
     try:
         _write(file, json.dumps(here))
@@ -123,18 +114,14 @@ def _write(file: TextIO, text: str) -> None:
     file.flush()
 
 
-def _content(file: TextIO) -> dict[str, str]:
-    """Return the process that a file of a lock names; empty if it names none."""
+def _holder(file: TextIO) -> tuple[dict[str, str], str]:
+    """Return the process that a file of a lock names, empty for none, and words for it."""
     file.seek(0)
-    try:
-        return dict(json.loads(file.read()))
-    except (ValueError, TypeError):
-        return {}
-
-
-def _named(content: dict[str, str]) -> str:
-    named = {"process": "?", "host": "?", "start": "?"} | content
-    return "process {process} on {host}, since {start}".format(**named)
+    left = {}
+    with suppress(ValueError, TypeError):
+        left = dict(json.loads(file.read()))
+    known = {"process": "?", "host": "?", "start": "?"} | left
+    return left, "process {process} on {host}, since {start}".format(**known)
 
 
 def _this_process() -> dict[str, str]:
@@ -163,6 +150,19 @@ class Seal(NamedTuple):
     settings: str
     files: dict[str, str]
     made_from: dict[str, str]
+
+    def problem(self, listed: dict[str, str], expected: str) -> str:
+        """Return why it does not match the files of a study and those listed, empty if it does."""
+        for path, digest in self.files.items():
+            if os.path.isfile(path) and file_digest(path) != digest:
+                return f"{path}: the file is not as jointclosure wrote it"
+        first = next(iter(self.files), "")
+        if expected and expected != self.settings:
+            return f"{first}: {OTHER_SETTINGS}"
+        for source, digest in self.made_from.items():
+            if listed.get(source, digest) != digest:
+                return f"{first}: the file was made from another {source}"
+        return ""
 
 
 @contextmanager
@@ -222,12 +222,9 @@ def write_seal(
     content = {
         "settings": settings_digest(settings),
         "files": {os.path.relpath(path, folder): file_digest(path) for path in outputs},
-        "made_from": {
-            os.path.relpath(path, folder): listed[path] for path in read if path in listed
-        },
+        "made_from": {os.path.relpath(p, folder): listed[p] for p in read if p in listed},
     }
-    text = json.dumps(content, indent=1) + "\n"
-    atomically(seal, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    write_text(json.dumps(content, indent=1) + "\n", seal)
 
 
 def check_inputs(inputs: Iterable[str | Path]) -> None:
@@ -249,16 +246,16 @@ def unmet_seals(
 ) -> Iterator[tuple[Path, Seal | None, str]]:
     """Generate seals of a study that do not match, with the reasons; None for what is no seal.
 
-    ``expected`` returns the `settings_digest` that a seal must have, empty to accept any. Seals of
-    no file ``among`` some do not count: other jobs may write their files.
+    ``expected`` gives the `settings_digest` of a seal, empty for any. Seals of no file ``among``
+    some do not count: other jobs may write their files.
     """
     listed = sealed_files(folder)
     for path, seal in seals_in(folder).items():
         if seal is None:
             yield path, None, f"{path}: is not a seal of jointclosure"
-        elif among is not None and not among & seal.files.keys():
             continue
-        elif reason := _reason(seal, listed, expected(seal)):
+        counts = among is None or among & seal.files.keys()
+        if counts and (reason := seal.problem(listed, expected(seal))):
             yield path, seal, reason
 
 
@@ -279,35 +276,19 @@ def check_folder(folder: Path) -> list[Path]:
     return files
 
 
-def _reason(seal: Seal, listed: dict[str, str], expected: str) -> str:
-    """Return why a seal does not match, empty if it does."""
-    for path, digest in seal.files.items():
-        if os.path.isfile(path) and file_digest(path) != digest:
-            return f"{path}: the file is not as jointclosure wrote it"
-    first = next(iter(seal.files), "")
-    if expected and expected != seal.settings:
-        return f"{first}: {OTHER_SETTINGS}"
-    for source, digest in seal.made_from.items():
-        if listed.get(source, digest) != digest:
-            return f"{first}: the file was made from another {source}"
-    return ""
-
-
 def seals_in(folder: Path) -> dict[Path, Seal | None]:
     """Return the seals of a study by path; None for what is no seal."""
-    return {path: _read(path, folder) for path in sorted((folder / "seals").rglob("*.json"))}
-
-
-def _read(path: Path, folder: Path) -> Seal | None:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        files, made_from = (
-            {os.path.normpath(folder / name): digest for name, digest in content[part].items()}
-            for part in ("files", "made_from")
-        )
-        return Seal(content["settings"], files, made_from)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return None
+    seals: dict[Path, Seal | None] = {}
+    for path in sorted((folder / "seals").rglob("*.json")):
+        seals[path] = None
+        with suppress(ValueError, KeyError, TypeError, AttributeError):
+            content = json.loads(path.read_text(encoding="utf-8"))
+            files, made_from = (
+                {os.path.normpath(folder / name): digest for name, digest in content[part].items()}
+                for part in ("files", "made_from")
+            )
+            seals[path] = Seal(content["settings"], files, made_from)
+    return seals
 
 
 def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
@@ -326,43 +307,38 @@ def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
 
 
 def withdraw_unmet(steps: Iterable["Step"], report: Callable[[str], None], remove: bool) -> None:
-    """Remove sealed files that are not as these steps write them, and all that was made of them.
-
-    A line tells of each changed file, and one a folder of files of other settings. Without
-    ``remove`` they are only reported.
-    """
+    """Report sealed files that are not as these steps write them; remove them and what follows."""
     makers = {file: step for step in steps for file in step.files}
 
     def expected(seal: Seal) -> str:
         maker = makers.get(next(iter(seal.files), ""))
         return settings_digest(maker.params()) if maker else ""
 
-    sealed = {file for file, step in makers.items() if is_sealed(step.files, {})}
     for folder in sorted({study_of(file) for file in makers}):
         unmet = list(unmet_seals(folder, expected))
+        sealed = {file for file, step in makers.items() if is_sealed(step.files, {})}
+        foreign = {
+            file
+            for file in sealed - sealed_files(folder).keys()
+            if study_of(file) == folder and Path(file).is_file()
+        }
         reasons = [reason for _, _, reason in unmet]
         other = [reason for reason in reasons if OTHER_SETTINGS in reason]
-        foreign = {
-            file for file in sealed - sealed_files(folder).keys() if study_of(file) == folder
-        }
-        foreign = {file for file in foreign if Path(file).is_file()}
         lines = [reason for reason in reasons if reason not in other] + other[:1]
         if len(other) > 1:
             lines.append(f"{folder}: the same of {len(other) - 1} more jobs")
         for line in (*lines, *(f"{file}: {_UNLISTED}" for file in sorted(foreign))):
             report(f"jointclosure: {line}")
-        if remove:
-            for path, _, _ in unmet:
-                path.unlink(missing_ok=True)
-            _remove(foreign | {file for _, seal, _ in unmet if seal for file in seal.files}, folder)
-
-
-def _remove(files: set[str], folder: Path) -> None:
-    """Remove files of a study, and what was made of them with its seals."""
-    while files:
-        for file in files:
-            Path(file).unlink(missing_ok=True)
-        made = {p: s for p, s in seals_in(folder).items() if s and s.made_from.keys() & files}
-        for path in made:
-            path.unlink()
-        files = {file for seal in made.values() for file in seal.files}
+        withdrawn = foreign | {file for _, seal, _ in unmet if seal for file in seal.files}
+        for path in [path for path, _, _ in unmet] if remove else ():
+            path.unlink(missing_ok=True)
+        while remove and withdrawn:  # and what was made of them, with its seals
+            for file in withdrawn:
+                Path(file).unlink(missing_ok=True)
+            seals = seals_in(folder).items()
+            made = {
+                path: seal for path, seal in seals if seal and seal.made_from.keys() & withdrawn
+            }
+            for path in made:
+                path.unlink()
+            withdrawn = {file for seal in made.values() for file in seal.files}

@@ -9,37 +9,13 @@ import functools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
-from typing import (
-    Annotated,
-    Any,
-    Literal,
-    Self,
-    TypeVar,
-    get_args,
-    get_type_hints,
-)
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args, get_type_hints
 
 import pydantic
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetPydanticSchema,
-    Strict,
-    StringConstraints,
-    create_model,
-)
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, Strict
 from pydantic_core import core_schema
 
-from jointclosure.parameters import (
-    INTERVALS,
-    PROPERTIES,
-    SOLVER_NAMES,
-    Choices,
-    Effects,
-    Numerics,
-)
+from jointclosure.parameters import INTERVALS, PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.parameters.units import documented, ends_of, name_and_unit, to_si
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
@@ -70,28 +46,27 @@ Distinct = Annotated[
 ]
 Ascending = Annotated[Distinct[T], AfterValidator(lambda values: tuple(sorted(values)))]
 WithZero = Annotated[Ascending[T], must("have 0 among them", lambda values: 0 in values)]
-Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
-Text = Annotated[str, StringConstraints(min_length=1)]
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
+Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
 Share = Annotated[float, Field(gt=0, lt=1)]
 Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
 
 
 def entry(description: str, default: Any = ..., *, alias: str | None = None, **about: Any) -> Any:
-    """Declare a key: what it is, its default in SI if it may be left out, and its bounds.
+    """Declare a key: what it is, its default [SI], and arguments of `pydantic.Field`.
 
-    ``alias`` is its name in files where that ends in a unit; bounds are in this unit. Other
-    arguments are those of `pydantic.Field`.
+    ``alias`` is its name in files where that ends in a unit; bounds are in this unit.
     """
+
+    def in_si(value: Any) -> Any:
+        (converted,) = to_si({str(alias): value}).values()
+        return tuple(converted) if isinstance(converted, list) else converted
+
     field = Field(default, description=description, alias=alias, **about)
     if alias is not None and name_and_unit(alias)[1]:
-        field.metadata.append(AfterValidator(lambda value: _in_si(alias, value)))
+        field.metadata.append(AfterValidator(in_si))
     return field
-
-
-def _in_si(name: str, value: Any) -> Any:
-    (converted,) = to_si({name: value}).values()
-    return tuple(converted) if isinstance(converted, list) else converted
 
 
 class Section(BaseModel):
@@ -105,10 +80,7 @@ class Section(BaseModel):
 
 
 def keys_of(fields: Any, **units: str) -> Any:
-    """Return a section with a key for each field of choices or numerics, of some units.
-
-    Descriptions are those of the attributes, and bounds those of `INTERVALS`.
-    """
+    """Return a section with a key for each field of choices or numerics, of some units."""
     keys: dict[str, Any] = {}
     for name, text in documented(fields).items():
         kind, unit, bounds = get_type_hints(fields)[name], units.get(name), {}
@@ -119,17 +91,18 @@ def keys_of(fields: Any, **units: str) -> Any:
             bounds = {sign: end for sign, end in ends if math.isfinite(end)}
         alias = f"{name}_{unit}" if unit else name
         keys[name] = kind, entry(text.replace("None", "null"), alias=alias, **bounds)
-    return create_model(fields.__name__, __base__=Section, **keys)
+    return pydantic.create_model(fields.__name__, __base__=Section, **keys)
 
 
 def made_of(section: type[Section]) -> GetPydanticSchema:
     """Return the annotation of a named tuple that is read as a section with keys of its fields."""
 
     def schema(kind: Any, handler: Any) -> Any:
-        def made(read: Section) -> Any:  # checked with the whole configuration
-            return kind._make(getattr(read, name) for name in kind._fields)
-
-        return core_schema.no_info_after_validator_function(made, handler(section))
+        return core_schema.no_info_after_validator_function(
+            # checked with the whole configuration
+            lambda read: kind._make(getattr(read, name) for name in kind._fields),
+            handler(section),
+        )
 
     return GetPydanticSchema(schema)
 
@@ -326,15 +299,8 @@ class Output(Section):
     )
 
 
-_CLEARER = {
-    "model_type": "must contain keys and values",
-    "string_pattern_mismatch": "must match {pattern} (letters, digits and underscores)",
-}
-"""Messages in place of those of pydantic, by kind of error."""
-
-
 @functools.cache
-def json_schema(keys: type[pydantic.BaseModel]) -> dict:
+def json_schema(keys: type[BaseModel]) -> dict:
     """Return the JSON schema of a model of keys, without references and required keys."""
     whole = keys.model_json_schema()
     about = _written_out(whole, whole.pop("$defs", {}))
@@ -348,7 +314,8 @@ def _written_out(schema: dict, parts: dict) -> dict:
     left_out = ("$ref", "title", "default", "required")  # a file overrides defaults
     schema = {k: v for k, v in schema.items() if k not in left_out}
     for kind in (_written_out(option, parts) for option in schema.pop("anyOf", [])):
-        names = [*_kinds(schema), *_kinds(kind)]
+        of_both = (part.get("type", []) for part in (schema, kind))
+        names = [n for names in of_both for n in (names if isinstance(names, list) else [names])]
         schema = kind | schema | ({"type": names if len(names) > 1 else names[0]} if names else {})
         if "enum" in schema and "null" in names and None not in schema["enum"]:
             schema["enum"] = [*schema["enum"], None]
@@ -364,35 +331,43 @@ def _written_out(schema: dict, parts: dict) -> dict:
     return schema
 
 
-def _kinds(schema: dict) -> list[str]:
-    kind = schema.get("type", [])
-    return kind if isinstance(kind, list) else [kind]
-
-
 def validated(keys: type[_Keys], settings: dict, what: str = "configuration") -> _Keys:
     """Read settings by a model of keys; `ConfigurationError` names each key that is wrong."""
     try:
         return keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        refuse(_problems(keys, settings, error), what)
+        refuse(_problems(keys, settings, error.errors(include_url=False)), what)
         raise
 
 
-def _problems(
-    keys: type[pydantic.BaseModel], settings: dict, error: pydantic.ValidationError
-) -> list[str]:
-    """List the problems of settings that a model of keys refused, one line for each key."""
+def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[str]:
+    """Generate the problems that a model of keys found in settings, one line for each key."""
     by_key: dict[tuple, list] = {}
-    found = error.errors(include_url=False)
     lists = {problem["loc"][:-1] for problem in found}
     for problem in found:
         if problem["type"] == "too_short" and problem["loc"] in lists:
             continue  # wrong values are not counted
-        path = _path(problem["loc"], settings)
-        if problem["type"] == "missing":  # one line for all missing keys of a section
-            path = path[:-1]
-        by_key.setdefault((path, problem["type"] == "missing"), []).append(problem)
-    return [line for (path, _), errors in by_key.items() for line in _explained(keys, path, errors)]
+        path, missing = _path(problem["loc"], settings), problem["type"] == "missing"
+        # one line for all missing keys of a section
+        by_key.setdefault((path[:-1] if missing else path, missing), []).append(problem)
+    for (path, missing), errors in by_key.items():
+        # a value of a list is named by the list's key
+        where = ".".join(part for part in path if isinstance(part, str))
+        first, named = errors[0], where or "the configuration"
+        if missing:
+            yield f"{named}: lacks {', '.join(e['loc'][-1] for e in errors)}"
+        elif first["type"] == "value_error" and not path:
+            yield from str(first["ctx"]["error"]).splitlines()
+        else:
+            allowed = " or ".join(dict.fromkeys(map(_allowed, errors)))
+            if first["type"] == "extra_forbidden":
+                known = _known(keys, path[:-1])
+                allowed = (
+                    f"unknown key{did_you_mean(path[-1], known)} (allowed: {', '.join(known)})"
+                )
+            elif path == ("effects",):
+                allowed = "must be auto, or effects with true or false"
+            yield f"{named} = {short(first['input'])}: {allowed}"
 
 
 def _path(location: tuple, settings) -> tuple:
@@ -409,47 +384,28 @@ def _path(location: tuple, settings) -> tuple:
     return tuple(path)
 
 
-def _explained(keys, path: tuple, errors: list[dict]) -> Iterator[str]:
-    # a value of a list is named by the list's key
-    where = ".".join(part for part in path if isinstance(part, str))
-    first, named = errors[0], where or "the configuration"
-    if first["type"] == "missing":
-        yield f"{named}: lacks {', '.join(e['loc'][-1] for e in errors)}"
-    elif first["type"] == "extra_forbidden":
-        known = _known(keys, path[:-1])
-        allowed = f"unknown key{did_you_mean(path[-1], known)} (allowed: {', '.join(known)})"
-        yield f"{where} = {short(first['input'])}: {allowed}"
-    elif first["type"] == "value_error" and not path:
-        yield from str(first["ctx"]["error"]).splitlines()
-    else:
-        allowed = " or ".join(dict.fromkeys(map(_allowed, errors)))
-        if path == ("effects",):
-            allowed = "must be auto, or effects with true or false"
-        yield f"{named} = {short(first['input'])}: {allowed}"
-
-
 def _allowed(error: dict) -> str:
+    """Say what is allowed, more clearly than pydantic where it can be."""
     kind, about, value = error["type"], error.get("ctx", {}), error["input"]
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", about["expected"])
         return f"must be one of {', '.join(words)}{did_you_mean(value, words)}"
     if kind == "value_error":  # of a library's check: name = value: what is allowed
         return str(about["error"]).rpartition(": ")[2]
-    if kind in _CLEARER:
-        return _CLEARER[kind].format(**about)
-    return re.sub(r"^\w+ should", "must", error["msg"]) + _number_hint(value, kind)
-
-
-def _number_hint(value: object, kind: str) -> str:
-    """Explain a text that looks like a number: 1e-3 is a text to YAML, 1.0e-3 is a number."""
+    if kind == "model_type":
+        return "must contain keys and values"
+    if kind == "string_pattern_mismatch":
+        return f"must match {about['pattern']} (letters, digits and underscores)"
+    allowed = re.sub(r"^\w+ should", "must", error["msg"])
+    # 1e-3 is a text to YAML, 1.0e-3 is a number
     number = isinstance(value, str) and kind in ("float_type", "int_type")
-    match = number and re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", str(value))
+    match = number and re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
     if not match:
-        return ""
-    if math.isinf(float(str(value))):
-        return f"; {value} is too large for a number"
+        return allowed
+    if math.isinf(float(value)):
+        return f"{allowed}; {value} is too large for a number"
     digits, e, sign, power = match.groups()
-    return f"; YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}"
+    return f"{allowed}; YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}"
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
@@ -458,7 +414,7 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]}?" if close else ""
 
 
-def _known(keys: type[pydantic.BaseModel], path: tuple) -> list[str]:
+def _known(keys: type[BaseModel], path: tuple) -> list[str]:
     """Return the keys that a model has at a path."""
     schema = json_schema(keys)
     for part in path:

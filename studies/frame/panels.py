@@ -85,11 +85,10 @@ class Row(NamedTuple):
 
 
 class Column(NamedTuple):
-    """Coordinate of a column of panels.
+    """Columns of tables: coordinate ``along`` a column of panels, and what has ``lines`` by value.
 
-    ``along`` and ``lines`` are columns of tables: the coordinate, and what has a line for each
-    value; ``where`` values that other columns have there. 0 and infinity are at the ends of a
-    logarithmic ``scale``. ``level`` are values by which a row is found that is drawn across.
+    Other columns have the values ``where``. 0 and infinity are at the ends of a logarithmic
+    ``scale``. A row that has the values ``level`` is drawn across.
     """
 
     along: str
@@ -124,10 +123,9 @@ def panels(
     reference: float | None = None,
     sharey: str | bool = "row",
 ) -> Figure:
-    """Draw values with error bars over coordinates.
+    """Draw values over coordinates, with error bars of some standard errors to each side.
 
-    ``styles`` is the column of tables whose values have line styles, ``bars`` the length of a bar
-    to each side in standard errors, and ``reference`` the value of a grey line in all panels.
+    ``styles`` is a column whose values have line styles, ``reference`` the value of a grey line.
     """
     shape, panel = (len(rows), len(columns)), (max(3.0, 9.0 / len(columns)), 2.1)
     figure, grid = panel_grid(*shape, panel, (0.0, 0.8), sharex="col", sharey=sharey)
@@ -151,14 +149,19 @@ def panels(
             if panel.get_yscale() == "log":
                 decimal_ticks(panel.yaxis, subs=_LOG_TICKS)
         axes[0].set_title(column.title)
-        _coordinates(axes[-1], column, places, names)
-        legends[column.lines] = [key(**look) for look in looks.values()]
-        legends[column.lines] += [
-            key(color="0.3", marker="o", ms=3.5, **dash) for dash in dashes.values()
-        ]
-        if column.level:
-            name = _name(*next(iter(column.level.items())), names)
-            legends[column.lines].append(key(name, color="0.6"))
+        positive = [value for value in places if value > 0.0]
+        if column.scale == "log":
+            axes[-1].set_xscale("log")
+        elif column.scale == "symlog" and positive:  # small values are as far apart as large ones
+            axes[-1].set_xscale("symlog", linthresh=positive[0], linscale=0.4)
+            axes[-1].set_xlim(-0.3 * positive[0], 1.3 * positive[-1])
+        axes[-1].set_xlabel(HEADINGS.get(column.along, column.along))
+        words = [_name(column.along, value, names) for value in places]
+        ticks_at(axes[-1].xaxis, places.values(), words)
+        styled_keys = [key(color="0.3", marker="o", ms=3.5, **dash) for dash in dashes.values()]
+        legends[column.lines] = [*(key(**look) for look in looks.values()), *styled_keys]
+        for level in list(column.level.items())[:1]:
+            legends[column.lines].append(key(_name(*level, names), color="0.6"))
     for panel, row in zip(grid[:, 0], rows, strict=True):
         panel.set_ylabel(fill(row.label, 30), fontsize="small")
     sides = ["center"] if len(legends) == 1 else ["left", "right"]
@@ -179,26 +182,21 @@ def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
     palette = sns.color_palette("viridis" if real else "colorblind", len(known))
-    looks = zip(known, palette, itertools.cycle("osD^vP*X"), strict=False)
-    return {
-        value: {
-            "label": _name(values.name, value, names),
-            "color": colour,
-            "marker": mark,
-            "ms": 3.5,
-        }
-        for value, colour, mark in looks
-    }
+    looks = {}
+    for value, colour, mark in zip(known, palette, itertools.cycle("osD^vP*X"), strict=False):
+        label = _name(values.name, value, names)
+        looks[value] = {"label": label, "color": colour, "marker": mark, "ms": 3.5}
+    return looks
 
 
 def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
     """Return label and line style by value, the largest first; marks of the others are hollow."""
-    known, styles = sorted(values.unique(), reverse=True), itertools.cycle(("-", "--", ":"))
-    return {
-        value: {"label": _name(values.name, value, names), "ls": style}
-        | ({"mfc": "white"} if i else {})
-        for i, (value, style) in enumerate(zip(known, styles, strict=False))
-    }
+    dashes: dict[Any, dict[str, Any]] = {}
+    styles = itertools.cycle(("-", "--", ":"))
+    for value, style in zip(sorted(values.unique(), reverse=True), styles, strict=False):
+        hollow = {"mfc": "white"} if dashes else {}
+        dashes[value] = {"label": _name(values.name, value, names), "ls": style} | hollow
+    return dashes
 
 
 def _places(values: pd.Series, scale: str) -> dict[float, float]:
@@ -224,15 +222,3 @@ def _draw(
         value, error = level[row.value], bars * level[row.error]
         axes.axhspan(value - error, value + error, color="0.9", lw=0.0, zorder=0)
         axes.axhline(value, color="0.6", lw=1.2, zorder=0)
-
-
-def _coordinates(axes: Axes, column: Column, places: Mapping[float, float], names: Names) -> None:
-    """Scale and label the axis of a coordinate; small values are as far apart as large ones."""
-    positive = [value for value in places if value > 0.0]
-    if column.scale == "symlog" and positive:
-        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.4)
-        axes.set_xlim(-0.3 * positive[0], 1.3 * positive[-1])
-    elif column.scale == "log":
-        axes.set_xscale("log")
-    axes.set_xlabel(HEADINGS.get(column.along, column.along))
-    ticks_at(axes.xaxis, places.values(), [_name(column.along, value, names) for value in places])

@@ -1,8 +1,4 @@
-"""Points of an experiment: which joints are closed, and what is read of them.
-
-Joints are read into a table with one row per joint and cycle. Failed joints stay in it, with their
-status and without readings.
-"""
+"""Points of an experiment: which joints are closed, and what is read of them into a table."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
@@ -13,7 +9,8 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.engine.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
+from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls import CrushedWalls, Walls
 from studies.frame.settings import ClosureSettings, walls_of
@@ -22,9 +19,8 @@ from studies.frame.settings import ClosureSettings, walls_of
 class Point(NamedTuple):
     """Joints of an experiment that are closed under the same conditions, one a realisation.
 
-    ``coordinates`` are columns of the table [SI]. ``maker`` names a function of a study, as
-    ``module:function``, that generates the walls from the settings and ``options``; without it they
-    are `walls_of` the settings.
+    ``coordinates`` are columns of the table [SI]. ``maker`` names a function (``module:function``)
+    that generates the walls from settings and ``options``; without it they are `walls_of` these.
     """
 
     coordinates: dict[str, Any]
@@ -49,18 +45,15 @@ def close_points(
     quantities: Sequence[str],
     report: Callable[[str], None] = lambda line: None,
 ) -> pd.DataFrame:
-    """Close all joints of points and read quantities of them (`QUANTITIES`).
+    """Close all joints of points, and read quantities [SI] in a row per joint and cycle.
 
-    One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
-    ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a failed
-    joint. ``report`` receives a line for each point.
+    Failed joints stay in the table, with their status and NaN.
     """
     parts = []
     for point in points:
         settings, rows = point.settings, []
         reading = Reading(settings.conditions, ("status", "timing_simulation", *quantities))
-        first = settings.first_realization
-        for realization, walls in enumerate(point.walls(), first):
+        for realization, walls in enumerate(point.walls(), settings.first_realization):
             row = close_joint(walls, reading)
             at = point.coordinates | {
                 "realization": realization,
@@ -89,10 +82,7 @@ def joints_of(points: Iterable[Point]) -> int:
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Arrange joints of `close_points` over columns, including ``realization``, and the cycle.
-
-    ``status`` and ``seconds`` do not depend on the cycle.
-    """
+    """Arrange joints over columns, including ``realization``; quantities over cycles too."""
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
         grid[name] = grid[name].isel(cycle=0, drop=True)
@@ -104,19 +94,32 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
     dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         dataset[name].attrs = QUANTITIES[name].attributes
-    if "seconds" in dataset:
-        dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
+    dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
     return dataset
 
 
 def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
-    """Convert datasets of `as_dataset` back to one table; empty without any."""
-    tables = (
-        pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
-        for dataset in datasets
-    )
-    return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()
+    """Convert datasets of `as_dataset` back to one table."""
+    return pd.concat([dataset.to_dataframe() for dataset in datasets], ignore_index=True)
 
 
 Joints = Annotated[pd.DataFrame, lambda path: as_table(read_netcdf(path))]
 """Table of all joints of an experiment, read from its file."""
+
+
+def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
+    """Generate the joints with equal coordinates, and these in the columns of a published table."""
+    for values, part in joints.groupby(list(by), sort=False, dropna=False):
+        at = {}
+        for name, value in zip(by, values, strict=True):
+            column, scale = shown_as(name, COORDINATES.get(name, ("", "1"))[1])
+            at[column] = value if scale == 1.0 else scale * value
+        yield at, part
+
+
+def mean_shown(name: str, values: np.ndarray) -> Estimate:
+    """Compute the mean (harmonic for stiffnesses) of a quantity (n,) [SI] in the unit of tables."""
+    shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
+    if QUANTITIES[name].harmonic:
+        return harmonic_mean(shown)
+    return ratio_of_means(shown, np.ones(shown.size))

@@ -1,8 +1,8 @@
 """Products: files of a study, each with the function that makes them of what it reads.
 
 The names of a function's parameters are those of the files and settings that it reads; their types
-state how a file is read. A product is made again if one of these changes, or the code that its
-function uses, and not with any key of a configuration.
+state how a file is read. A product is made again if one of these changes, or the code of the
+function.
 """
 
 import contextlib
@@ -18,25 +18,21 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.storage.files import read_csv, write
 
 GIVEN = ("config", "folder", "workers", "log")
-"""Parameters that every function may have: the keys of the configuration, the folder of the study,
-the number of processes, and the log."""
+"""Parameters that every function may have: keys, folder of the study, number of processes, log."""
 EARLY = 1
 """Priority of what is made before the pool of a study is closed."""
-FORMATS = ("png", "pdf")
-"""Formats of every figure."""
 
 
-def figure_files(names: Iterable[str], folder: str = "figures") -> list[str]:
-    """Return the files of figures."""
-    return [f"{folder}/{name}.{format}" for format in FORMATS for name in names]
+def figure_files(names: Iterable[str]) -> list[str]:
+    """Return the files of figures, in every format."""
+    return [f"figures/{name}.{format}" for format in ("png", "pdf") for name in names]
 
 
 class Step(NamedTuple):
     """Files that one job makes, with the paths and settings that its function reads, by name.
 
     ``inputs`` without a parameter only precede it, and the times of those ``untimed`` do not count.
-    It is made again if its settings, the result of ``depends``, or the code of the function change.
-    Steps of a ``group`` that follow each other are one job of a cluster.
+    It is made again if ``depends`` changes. Steps of a ``group`` in a row are one job of a cluster.
     """
 
     make: Callable[..., Any]
@@ -55,7 +51,7 @@ class Step(NamedTuple):
         return str(inspect.getdoc(self.make)).splitlines()[0].rstrip(".")
 
     def params(self, depends: Any = None) -> dict[str, Any]:
-        """Return the parameters of its rule, for which ``depends`` may stand for a digest."""
+        """Return the parameters of its rule; the given ``depends`` is called later."""
         name = f"{self.make.__module__}:{self.make.__name__}"
         return {
             "make": name,
@@ -66,11 +62,7 @@ class Step(NamedTuple):
 
 
 class Product(NamedTuple):
-    """Function that makes files of a study, by a step (`studies.frame.plan.step_of`).
-
-    ``files`` gives their paths in the study's folder, and ``when`` whether it has them, of its
-    configuration. Those that stand ``apart`` are made only if they are asked for.
-    """
+    """Function that makes ``files`` of a study ``when`` it has them; ``apart``: if asked to."""
 
     make: Callable[..., Any]
     files: Callable[[Any], Iterable[str]]
@@ -122,17 +114,16 @@ def make_files(
     outputs: Iterable[str],
     **given: Any,
 ) -> None:
-    """Call a function, and write what it returns: parts of files by order or by their names.
+    """Call a function, and write what it returns: parts by order or by names of files.
 
-    A figure is a part for each of its formats. A part may be a function that writes to a path; None
-    where the function wrote all itself.
+    A figure is a part for each of its formats; a part may be a function that writes to a path.
     """
     hints = typing.get_type_hints(make, include_extras=True)
     paths = [Path(path) for path in outputs]
     with contextlib.ExitStack() as opened:
         read = {n: _read(hints[n], path, opened) for n, path in inputs.items() if n in hints}
         parts = make(**settings, **read, **{n: v for n, v in given.items() if n in hints})
-    if parts is None:
+    if parts is None:  # it wrote all itself
         return
     if isinstance(parts, dict):
         parts = [parts[path.name if path.name in parts else path.stem] for path in paths]

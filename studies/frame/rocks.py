@@ -4,15 +4,13 @@ import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
 from jointclosure.inputs import InputError
-from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
-from jointclosure.storage.files import read_text
 from jointclosure.walls.measured import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
@@ -179,50 +177,42 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
         stated = {name: on for name, on in self.effects._asdict().items() if on is not None}
         return self._replace(effects=usual._replace(**stated))
 
-    def problems(self, name: str) -> Iterator[str]:
+    def problems(self, where: str) -> Iterator[str]:
         """Generate contradictions of a rock with itself, one line each."""
-        stress, where = self.max_normal_stress, f"rocks.{name}"
+        stress, walls, others = self.max_normal_stress, self.walls, self.other_levels.jrc
         stiffness = min(self.levels.get("youngs_modulus", (self.intact.youngs_modulus,)))
         if stress >= stiffness:
             yield (
                 f"{where}.max_normal_stress_MPa = {in_unit(stress, 'MPa'):g}: must be below "
                 f"Young's modulus, {in_unit(stiffness, 'MPa'):g} MPa"
             )
-        yield from self._wall_problems(where)
-        for parameter in self.levels:
-            yield from self._level_problems(f"{where}.levels.{key_of(parameter)}", parameter)
-
-    def _level_problems(self, where: str, parameter: str) -> Iterator[str]:
-        levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
-        shown = [f"{in_unit(level, PROPERTIES[parameter].unit):g}" for level in (*levels, base)]
-        where = f"{where} = [{', '.join(shown[:-1])}]"
-        ascends = all(later > earlier for earlier, later in itertools.pairwise(levels))
-        if not ascends and not math.isnan(base):
-            yield f"{where}: must be strictly ascending"
-        if base in levels:
-            yield f"{where}: must not contain the value of the rock, {shown[-1]}, always a level"
-
-    def _wall_problems(self, where: str) -> Iterator[str]:
-        """Generate problems of the roughness, one line each."""
-        walls, levels = self.walls, self.other_levels.jrc
-        if not walls:
-            if math.isnan(self.jrc):
-                yield f"{where}: must have jrc, or walls (scanned)"
-            return
-        if not math.isnan(self.jrc):
+        if not walls and math.isnan(self.jrc):
+            yield f"{where}: must have jrc, or walls (scanned)"
+        if walls and not math.isnan(self.jrc):
             yield (
                 f"{where}.jrc = {self.jrc:g}: must be left out with walls, whose roughness is "
                 "measured, or null if another file sets it"
             )
-        if levels is not None:
+        if walls and others is not None:
             yield (
-                f"{where}.levels.jrc = [{', '.join(f'{jrc:g}' for jrc in levels)}]: must be left "
+                f"{where}.levels.jrc = [{', '.join(f'{jrc:g}' for jrc in others)}]: must be left "
                 "out for scanned walls, which have no JRC, or null if another file sets it"
             )
-        yield from _registration_problems(walls, f"{where}.walls")
+        if walls:
+            yield from _wall_problems(walls, f"{where}.walls")
+        for parameter in self.levels:
+            levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
+            shown = [f"{in_unit(level, PROPERTIES[parameter].unit):g}" for level in (*levels, base)]
+            stated = f"{where}.levels.{key_of(parameter)} = [{', '.join(shown[:-1])}]"
+            ascends = all(later > earlier for earlier, later in itertools.pairwise(levels))
+            if not ascends and not math.isnan(base):
+                yield f"{stated}: must be strictly ascending"
+            if base in levels:
+                rocks_own = f"must not contain the value of the rock, {shown[-1]}, always a level"
+                yield f"{stated}: {rocks_own}"
 
 
-def _registration_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
+def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
     """Generate contradictions between the keys of scanned walls, one line each."""
     files, inverted = wall_files(walls), f"{where}.inverted = {list(walls.inverted)!r}"
     if not files:
@@ -262,37 +252,3 @@ def check_files(rocks: dict[str, StudyRock]) -> None:
                     f"rocks.{name}.walls.{side} = {file!r}: not found in {Path.cwd()}; must be "
                     f"a path (from there, or absolute) or one of {', '.join(PARTNERS)}"
                 )
-
-
-class CurveSettings(NamedTuple):
-    """Settings for the check of the measured curve of a rock [SI], and its file."""
-
-    measured: MeasuredFile
-    max_normal_stress: float
-    cycles: int
-    seating_stress: float
-
-
-def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock."""
-    curves = {}
-    for rock, of_rock in settings.items():
-        about, largest = of_rock.measured, of_rock.max_normal_stress
-        file = about.file
-        if not Path(file).is_file():
-            raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")
-        curve = parsed_curve(read_text(file), file, about.stress_unit, about.closure_unit)
-        for line, cycle, stress in zip(curve.line, curve.cycle, curve.stress, strict=True):
-            where = f"{file}, line {line}"
-            if cycle > of_rock.cycles:
-                raise InputError(
-                    f"{where}: cycle = {cycle}: the study has study.cycles = {of_rock.cycles}"
-                )
-            if stress > largest * (1.0 + 1e-12):
-                raise InputError(
-                    f"{where}: stress = {1e-6 * stress:g} MPa: must be at most "
-                    f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
-                )
-        check_loadings(curve, file, of_rock.seating_stress)
-        curves[rock] = curve
-    return curves

@@ -16,11 +16,7 @@ BASE = "base"
 
 
 class Case(NamedTuple):
-    """One rock with at most one parameter changed; values in SI.
-
-    ``rock`` is the name of the rock. ``conditions`` have its properties, and the effects of the
-    study or those set for the rock. ``jrc`` is NaN for scanned walls.
-    """
+    """A ``rock`` (its name) with at most one parameter changed [SI]; scanned walls have no JRC."""
 
     label: str
     rock: str
@@ -51,12 +47,11 @@ class Case(NamedTuple):
 
 
 class ClosureSettings(NamedTuple):
-    """Settings that the joints of a case and a block of realisations depend on, in SI.
+    """Settings [SI] that the joints of a case and a block of realisations depend on.
 
-    ``sha256`` contains digests of the files of scanned ``walls``, by wall; others are made from
-    seeds, which ``seeds_named_by`` and ``root_seed`` determine. ``stress_points`` and
-    ``largest_stress`` define the common stress axis. ``effects_chosen_to`` is the tolerance by
-    which a pilot selects the effects of the case.
+    ``sha256`` has the digests of the files of scanned ``walls``; others are made from seeds, which
+    ``root_seed`` and ``seeds_named_by`` determine. The common axis has ``stress_points`` up to
+    ``largest_stress``. A pilot chooses the effects to the tolerance ``effects_chosen_to``.
     """
 
     case: Case
@@ -84,11 +79,9 @@ class ClosureSettings(NamedTuple):
 
 def seeds_of(settings: ClosureSettings) -> list[int]:
     """Return the seeds of the walls of a block."""
-    first = settings.first_realization
-    return [
-        seed_of(settings.root_seed, *settings.seeds_named_by, realization)
-        for realization in range(first, first + settings.realizations)
-    ]
+    first, last = settings.first_realization, settings.first_realization + settings.realizations
+    named = settings.seeds_named_by
+    return [seed_of(settings.root_seed, *named, number) for number in range(first, last)]
 
 
 def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:

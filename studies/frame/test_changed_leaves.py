@@ -15,7 +15,7 @@ import yaml
 
 from jointclosure.inputs import InputError
 from studies.frame.configuration import configured, merged_study
-from studies.frame.experiments import experiments_in
+from studies.frame.experiments import experiment_named
 from studies.frame.files import read_plain
 from studies.frame.test_configuration import STUDIES
 
@@ -50,8 +50,8 @@ def read(keys, file):
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
         found = configured(merged_study(file))
-        for experiment in experiments_in(found.keys).values():
-            experiment.check(found)
+        for name in found.study_sections:
+            experiment_named(name).check(found)
     except InputError:
         return True
     return False

@@ -13,12 +13,12 @@ from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
-from studies.frame.experiments import experiment_named, experiments_in
+from studies.frame.experiments import experiment_named
 from studies.frame.files import ConfigurationError, read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import seeds_of
 from tests.processes import python
-from tests.studied import DEFAULT, ROOT, checked_study, study_of, tiny
+from tests.studied import DEFAULT, ROOT, study_of, tiny
 
 HARD_CASES = "studies/verification/hard_cases.yaml"
 STUDIES = sorted(
@@ -221,9 +221,9 @@ def test_closures_count_from_half_a_megapascal_or_from_a_tenth_of_a_small_maximu
 
 
 def test_a_study_is_read_again_from_the_keys_that_it_left():
-    keys = checked_study({"study": {"realizations_per_job": 3}}).keys
+    keys = study_of({"study": {"realizations_per_job": 3}}).stated
     left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
-    assert resolved(left) == study_of()
+    assert dict(resolved(left)) == dict(study_of())
 
 
 def test_auto_is_short_for_all_effects_to_two_percent():
@@ -318,21 +318,21 @@ REFUSED = [
 @pytest.mark.parametrize(("name", "change", "reason"), REFUSED)
 def test_a_design_that_cannot_be_closed_is_refused_by_its_key(name, change, reason):
     with pytest.raises(ConfigurationError, match=re.escape(reason)):
-        experiment_named(name).check(checked_study(TINY[name], change))
+        experiment_named(name).check(study_of(TINY[name], change))
 
 
 @pytest.mark.parametrize("name", sections())
 def test_a_study_without_the_section_does_not_run_the_experiment_nor_bear_its_name(name):
-    assert name not in experiments_in(DEFAULT)
+    assert name not in study_of().study_sections
     with pytest.raises(ConfigurationError, match=f"study.name = '{name}'"):
-        checked_study({"study": {"name": name}})
+        study_of({"study": {"name": name}})
 
 
 @pytest.mark.parametrize("name", sections())
 def test_a_point_closed_alone_has_the_bits_that_it_has_in_its_job(name):
     experiment = experiment_named(name)
     assert set(experiment.quantities) <= set(QUANTITIES)
-    points = list(next(iter(experiment.design(checked_study(TINY[name])).jobs().values())))[:2]
+    points = list(next(iter(experiment.design(study_of(TINY[name])).jobs().values())))[:2]
     together = close_points(points, experiment.quantities).drop(columns="seconds")
     alone = close_points(points[-1:], experiment.quantities).drop(columns="seconds")
     own = together.tail(len(alone)).reset_index(drop=True)

@@ -8,7 +8,7 @@ from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.simulation import close_walls
 from studies.frame.experiments import experiment_named
 from studies.frame.points import as_dataset, as_table, close_points, gridded
-from tests.studied import checked_study
+from tests.studied import study_of
 
 TINY = {
     "study": {"name": "points", "rocks": ["slate", "dolerite"]},
@@ -19,7 +19,7 @@ TINY = {
 
 @pytest.fixture(scope="module")
 def points():
-    jobs = experiment_named("assessment").design(checked_study(TINY)).jobs()
+    jobs = experiment_named("assessment").design(study_of(TINY)).jobs()
     variants = {"slate": "without_breakage_and_gouge", "dolerite": "without_interaction"}
     return [
         point

@@ -10,7 +10,7 @@ from jointclosure.compilation import sources
 from jointclosure.engine import cache
 from studies.frame.closing import close_block
 from studies.pipeline import Pipeline
-from tests.studied import checked_study
+from tests.studied import study_of
 
 JOINTS = f"{close_block.__module__}:close_block"
 
@@ -101,7 +101,7 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
     assert {name.partition(":")[2] for name, a, b in after if a != b} == moved
 
 
-STEPS = Pipeline(checked_study(), apart=False, check=False).steps
+STEPS = Pipeline(study_of(), apart=False, check=False).steps
 EDITED = "studies/paper/figures.py", "studies/paper/judged_claims.py"
 
 

@@ -21,7 +21,7 @@ from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import ClosureSettings, seeds_of
+from studies.frame.settings import SIDES, ClosureSettings, seeds_of
 
 REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
 """Keys of scanned walls that their registration takes."""
@@ -31,12 +31,11 @@ def walls_of_files(
     walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
     """Read the scans of a rock, and return `prepared_walls` of them."""
-    stated: dict[str, Any] = {
-        "units": walls.units,
-        "scan_spacing": walls.spacing,
-        "variable": walls.variable,
+    stated: dict[str, Any] = {"units": walls.units, "variable": walls.variable}
+    scans = {
+        side: read_scan(file, scan_spacing=walls.spacing, **stated)
+        for side, file in wall_files(walls).items()
     }
-    scans = {side: read_scan(file, **stated) for side, file in wall_files(walls).items()}
     return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
 
 
@@ -49,8 +48,8 @@ def prepared_walls(
 ) -> xr.Dataset:
     """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
-    files, together = f"{settings.upper} and {settings.lower}", settings.bring_together
-    if together:
+    files, bounds = f"{settings.upper} and {settings.lower}", None
+    if settings.bring_together:
         if len(scans) < 2:
             raise InputError(
                 f"{files}: bring_together must be false in a study where one wall is flat"
@@ -65,8 +64,8 @@ def prepared_walls(
             scans = {side: without_plateaus(scan) for side, scan in scans.items()}
         bounds = _common_bounds(scans)
         heights = _as_they_lie(scans, bounds, settings, spacing)
+        lying = {side: wall for side, (wall, _) in heights.items()}
         if not unusual_values:
-            lying = {side: wall for side, (wall, _) in heights.items()}
             both = len(lying) == 2
             problems = doubts(**lying, spacing=spacing) if both else slope_doubts(lying, spacing)
             if problems := problems or unit_doubts(lying, spacing)[0]:
@@ -84,13 +83,13 @@ def prepared_walls(
             "jrc_relation": jrc_relation,
         }
         remarks = scans[side].remarks
-        if not together:  # else in the registration's report
+        if not settings.bring_together:  # else in the registration's report
             low = None if bounds is None else bounds[0]
             remarks += smoothing_of(scans[side], wall, spacing, low)
         if remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(remarks)
         walls[side] = (("y", "x"), wall, about)
-    for missing in {"upper", "lower"} - set(scans):
+    for missing in {*SIDES} - set(scans):
         walls.attrs["partner"] = getattr(settings, missing)
     return walls
 
@@ -206,13 +205,12 @@ class Cutter:
         """Return the walls of a realisation, each plane-detrended, from its number and seed."""
         origin = self.origin("measured", realization)
         cut = {side: self._cut(wall, origin) for side, wall in self.walls.items()}
-        for other in {"upper", "lower"} - set(self.walls):
+        for other in {*SIDES} - set(self.walls):
             if self.partner == "synthetic":
                 # the name of the stream is a former term: another would give other walls
                 random, (z2, spacing, hurst) = generator(seed_of(seed, "matching")), self.drawn
-                cut[other] = synthetic_wall(
-                    z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
-                )
+                drawn = z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
+                cut[other] = synthetic_wall(*drawn)
             elif self.partner == FLAT:
                 cut[other] = np.zeros(self.shape)
             else:
@@ -229,9 +227,15 @@ class Cutter:
         return y, x
 
     def room(self) -> dict[str, int]:
-        """Count the joints that can be cut from the walls, and those that share no cell."""
-        apart = disjoint(self.windows, self.shape)
-        return {"windows": len(self.windows), "windows_side_by_side": apart}
+        """Count the joints that can be cut out, and those that fit side by side in their order.
+
+        At most as many as the latter share no cell.
+        """
+        count, left = 0, self.windows
+        while len(left):
+            left = left[(np.abs(left - left[0]) >= self.shape).any(axis=1)]
+            count += 1
+        return {"windows": len(self.windows), "windows_side_by_side": count}
 
     def _cut(self, wall: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
         (y, x), (ny, nx) = origin, self.shape
@@ -255,20 +259,9 @@ def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
     if wall.shape[0] < ny or wall.shape[1] < nx:
         return np.empty((0, 2), int)
-    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
-    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
+    holes = np.pad(np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1), ((1, 0), (1, 0)))
     inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
     return np.argwhere(inside == 0)
-
-
-def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
-    """Count windows that fit side by side in their order: at most as many are disjoint."""
-    count = 0
-    while len(offsets):
-        apart = np.abs(offsets - offsets[0])
-        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
-        count += 1
-    return count
 
 
 def cut_walls(walls: xr.Dataset, settings: ClosureSettings) -> Iterator[tuple]:

@@ -12,7 +12,7 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
-from studies.frame.configuration import Configured, configured, resolved
+from studies.frame.configuration import Configuration, configured, resolved
 from studies.frame.files import merged, overlaid, refuse
 from studies.frame.settings import ClosureSettings
 from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
@@ -61,16 +61,16 @@ class Sampling(NamedTuple):
 _points = lru_cache(maxsize=None)(sampled_rows)
 
 
-def sampling_of(configured: Configured) -> Sampling:
+def sampling_of(study: Configuration) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
-    study, section = configured.typed.study, configured.typed.section(GlobalSensitivity)
-    rocks = {rock: configured.keys["rocks"][rock] for rock in study.rocks}
-    return Sampling(section, rocks, seed_of(study.root_seed, "global sensitivity"))
+    rocks = {rock: study.stated["rocks"][rock] for rock in study.rocks}
+    seed = seed_of(study.study.root_seed, "global sensitivity")
+    return Sampling(study.section(GlobalSensitivity), rocks, seed)
 
 
-def check_sampling(configured: Configured) -> None:
+def check_sampling(study: Configuration) -> None:
     """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
-    sampling, keys = sampling_of(configured), configured.keys
+    sampling, keys = sampling_of(study), study.stated
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))
 
@@ -115,11 +115,10 @@ def _alone(rock: str) -> dict:
 
 
 def settings_of_rock(
-    sampling: Sampling, configured: Configured, rock: str
+    sampling: Sampling, study: Configuration, rock: str
 ) -> Callable[[int, np.ndarray], ClosureSettings]:
     """Return a maker of the settings of a rock's base case, from a row and a point (d,)."""
-    alone = _alone(rock)
-    keys = configured.keys
+    alone, keys = _alone(rock), study.stated
     plain = overlaid(keys, alone) | {
         "rocks": {rock: overlaid(keys["rocks"][rock], alone["rocks"][rock])}
     }

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
 from studies.frame.points import Jobs, Joints, Point
@@ -28,11 +28,11 @@ from studies.global_sensitivity.table import (
 )
 
 
-def global_sensitivity_jobs(configured: Configured) -> Jobs:
+def global_sensitivity_jobs(study: Configuration) -> Jobs:
     """Make a job for each rock and block of rows; added rows change no earlier block."""
-    sampling, jobs = sampling_of(configured), {}
+    sampling, jobs = sampling_of(study), {}
     for rock in sampling.rocks:
-        settings = settings_of_rock(sampling, configured, rock)
+        settings = settings_of_rock(sampling, study, rock)
         for rows in sampling.blocks():
             jobs[f"{rock}.{rows.start}"] = [
                 Point({"rock": rock, "row": row, "point": place}, settings(row, point))

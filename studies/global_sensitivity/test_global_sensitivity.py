@@ -19,7 +19,7 @@ from studies.global_sensitivity.table import (
     elasticity_table,
     index_table,
 )
-from tests.studied import ROOT, checked_study, tiny
+from tests.studied import ROOT, study_of, tiny
 
 EXPERIMENT = experiment_named("global_sensitivity")
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
@@ -28,7 +28,7 @@ OVER = ("row", "point", "surface", "cycle")
 
 
 def tiny_study(**changes):
-    return checked_study(tiny("global_sensitivity"), changes)
+    return study_of(tiny("global_sensitivity"), changes)
 
 
 def section(**changes) -> dict:
@@ -94,7 +94,7 @@ MORE = {
 
 def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
     changes = {"inputs": {name: each | {"title": name} for name, each in MORE.items()}}
-    full = checked_study(
+    full = study_of(
         read_plain(ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"),
         section(**changes),
     )
@@ -103,8 +103,8 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
         settings = settings_of_rock(sampling, full, rock)
         for row, point in enumerate(sampling.points()[:3, 0]):
             alone = {"study": {"rocks": [rock], "draws": "common"}}
-            keys = merged(full.keys, keys_at(sampling, rock, point), alone)
-            typed = configured(keys).typed
+            keys = merged(full.stated, keys_at(sampling, rock, point), alone)
+            typed = configured(keys)
             case = base_case(typed, rock)
             block = range(2 * row, 2 * row + 2)
             expected = block_settings(typed, case, block)

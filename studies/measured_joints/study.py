@@ -17,7 +17,7 @@ from jointclosure.engine.joints import closed_walls
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls import CrushedWalls, shifted
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.keys import Grid
 from studies.frame.panels import keys_of, legend_below, ticks_at
@@ -43,10 +43,10 @@ _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
 """Places of independent walls and of the three fitted joints about that of their variant."""
 
 
-def measured_joints_jobs(configured: Configured) -> dict[str, list[Point]]:
+def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each mismatch wavelength: all choices of the model."""
-    section = configured.typed.section(MeasuredJoints)
-    at = at_wavelengths(configured.typed, section.mismatch_wavelength)
+    section = study.section(MeasuredJoints)
+    at = at_wavelengths(study, section.mismatch_wavelength)
     return {
         label: [
             point._replace(coordinates=point.coordinates | {"variant": name, "wavelength": length})

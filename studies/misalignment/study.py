@@ -4,15 +4,17 @@ Independent walls, and walls whose longer waves mate, are closed at every tilt a
 rotation, on the same surfaces.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.engine.quantities import QUANTITIES, titles_of_cycles
 from jointclosure.inputs import InputError
+from jointclosure.statistics.standard_errors import ratio_of_means
 from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, z2_of_jrc
 from jointclosure.walls.synthesis import (
@@ -23,13 +25,12 @@ from jointclosure.walls.synthesis import (
     spectrum_of,
     wave_numbers,
 )
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Joints, Point
+from studies.frame.points import Joints, Point, grouped, mean_shown
 from studies.frame.products import product
 from studies.frame.settings import ClosureSettings, seeds_of
-from studies.frame.summary import summary
 from studies.misalignment.section import Misalignment
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
@@ -120,9 +121,9 @@ def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
     return np.exp(2j * np.pi * places[:, None] * waves)
 
 
-def misalignment_jobs(configured: Configured) -> dict[str, list[Point]]:
+def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
-    section = configured.typed.section(Misalignment)
+    section = study.section(Misalignment)
     angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
     return {
@@ -130,10 +131,33 @@ def misalignment_jobs(configured: Configured) -> dict[str, list[Point]]:
             Point({"rock": rock, "wavelength": wavelength} | angle, settings, WALLS, angle)
             for angle in angles
         ]
-        for rock, name, wavelength, settings in at_wavelengths(
-            configured.typed, section.mismatch_wavelength
-        )
+        for rock, name, wavelength, settings in at_wavelengths(study, section.mismatch_wavelength)
     }
+
+
+def summary(
+    joints: pd.DataFrame, by: Sequence[str], names: Sequence[str], reference: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Tabulate means over surfaces, and their changes [%] from a reference on the same surfaces.
+
+    ``by`` are the columns that name a point, and ``reference`` values of some of them.
+    """
+    others = [name for name in (*by, "cycle") if name not in reference]
+    here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)
+    bases, rows = dict(list(joints[here].groupby(others))), []
+    for at, part in grouped(joints, *by, "cycle"):
+        base = bases[tuple(part[others].iloc[0])]
+        for name in names:
+            values, before = part[name].to_numpy(), base[name].to_numpy()
+            both = np.isfinite(values) & np.isfinite(before)
+            values, before = values[both], before[both]
+            mean, harmonic = mean_shown(name, values), QUANTITIES[name].harmonic
+            ratio = ratio_of_means(*((1 / before, 1 / values) if harmonic else (values, before)))
+            row = {"response": name, "value": mean.value, "error": mean.standard_error}
+            row["change_percent"] = 100.0 * (ratio.value - 1.0)
+            row |= {"change_error": 100.0 * ratio.standard_error, "samples": int(both.sum())}
+            rows.append(at | row)
+    return pd.DataFrame(rows)
 
 
 @product("tables/misalignment.csv")

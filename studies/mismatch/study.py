@@ -17,12 +17,11 @@ from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import ratio_of_means
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Joints, Point
+from studies.frame.points import Joints, Point, grouped, mean_shown
 from studies.frame.products import product
-from studies.frame.summary import grouped, means
 from studies.mismatch.section import Mismatch
 
 CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"
@@ -34,14 +33,14 @@ CONFIDENCE = 0.95
 RESAMPLES = 2000
 
 
-def mismatch_jobs(configured: Configured) -> dict[str, list[Point]]:
+def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
-    section, jobs = configured.typed.section(Mismatch), {}
-    for rock, name, wavelength, settings in at_wavelengths(configured.typed, section.wavelength):
+    section, jobs = study.section(Mismatch), {}
+    for rock, name, wavelength, settings in at_wavelengths(study, section.wavelength):
         surface, points = settings.surface, []
         for shift in section.shift_in_cells if np.isfinite(wavelength) else (0,):
             at = {"rock": rock, "wavelength": wavelength}
-            at["shift"] = configured.typed.grid.spacing * shift
+            at["shift"] = study.grid.spacing * shift
             moved = settings._replace(surface=surface._replace(shift_in_cells=shift))
             points.append(Point(at, moved))
         jobs[f"{rock}.{name}"] = points
@@ -55,7 +54,10 @@ def tabulate_mismatch(joints: Joints) -> pd.DataFrame:
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
         closed = part[part.status < FAILURE]
         share, error = ratio_of_means(closed[RESIDUAL].to_numpy(), closed[CLOSURE].to_numpy())
-        row = at | {"samples": len(closed)} | means(closed, (*MEANS, "stiffness_net"))
+        row = at | {"samples": len(closed)}
+        for name in (*MEANS, "stiffness_net"):
+            column = COLUMNS[name][0]
+            row[column], row[f"{column}_error"] = mean_shown(name, closed[name].to_numpy())
         rows.append(row | {"residual_share_net": share, "residual_share_net_error": error})
     return pd.DataFrame(rows)
 

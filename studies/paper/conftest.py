@@ -13,7 +13,7 @@ from jointclosure.storage.files import read_csv
 from studies.frame.configuration import model, resolved
 from studies.frame.files import PAPER_TABLE_3, provenance
 from studies.frame.keys import json_schema
-from studies.frame.tables import check_results
+from studies.paper.checks import check_results
 from studies.paper.closures import elasticity_table, indifference_table, max_closure_table
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.layout import with_paper

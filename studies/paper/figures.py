@@ -24,7 +24,7 @@ from jointclosure.plotting.walls import draw_field
 from jointclosure.statistics.standard_errors import percent
 from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
 from studies.frame.rocks import StudyRock
-from studies.frame.tables import since_seating, since_start, succeeded
+from studies.frame.tables import since_seating, succeeded
 from studies.paper.closures import FIT_COLUMNS, best_fits
 from studies.paper.layout import UNPAIRED_TEST, roughness_title, test_name
 
@@ -155,7 +155,9 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 
 def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
     """Return net closures since seating [m], or gross ones since the start of each cycle."""
-    return since_start(base) if seating_stress is None else since_seating(base)
+    if seating_stress is not None:
+        return since_seating(base)
+    return base.closure - base.residual_closure.shift(cycle=1, fill_value=0.0)  # of its cycle
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
@@ -15,14 +16,14 @@ from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Grid, Statistics, Surface
 from studies.frame.products import figure_files, product, products_of
-from studies.frame.rocks import CurveSettings, StudyRock, measured_curves
-from studies.frame.tables import CURVES, flow_table
-from studies.frame.tables import check_results as check
+from studies.frame.rocks import StudyRock
+from studies.paper import checks as checking
 from studies.paper import closures as closure_tables
 from studies.paper import judged_claims as published
 from studies.paper import layout
 from studies.paper.accuracy import describe_reached, reached_table
 from studies.paper.conclusions import conclusion_table
+from studies.paper.measured import CurveSettings, measured_curves
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import Covariates, as_dataset, from_dataset, known_covariates
 from studies.paper.responses import measure_covariates as measure
@@ -32,6 +33,8 @@ def _known(path: str) -> Covariates:
     return from_dataset(read_netcdf(path))
 
 
+CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
+"""Curves over stress: nine tenths of the numbers of a study."""
 Closures = Annotated[xr.Dataset, partial(read_netcdf, without=CURVES)]
 """Dataset of an ensemble without its curves."""
 Curves = Annotated[xr.Dataset, reading_netcdf]
@@ -41,7 +44,28 @@ Known = Annotated[Covariates, _known]
 Log = Callable[[str], object]
 
 
-@product("covariates.nc", when=lambda study: study.variates, early=True)
+def pooled(study: Any) -> bool:
+    """Whether a study has a pool, by which the model is judged."""
+    return study.study.pool is not None
+
+
+def varied(study: Any) -> bool:
+    """Whether a property is varied."""
+    return any(rock.levels for rock in study.rocks.values())
+
+
+def variates(study: Any) -> bool:
+    """Whether means are adjusted by covariates; those of scanned walls are not known."""
+    synthetic = any(rock.walls is None for rock in study.rocks.values())
+    return study.statistics.control_variates is not None and synthetic
+
+
+def has_curves(study: Any) -> bool:
+    """Whether a rock has a measured curve."""
+    return any(rock.measured for rock in study.rocks.values())
+
+
+@product("covariates.nc", when=variates, early=True)
 def measure_covariates(
     study: Closures, grid: Grid, surface: Surface, control_variates: int, root_seed: int
 ):
@@ -50,7 +74,7 @@ def measure_covariates(
     return as_dataset(Covariates(measure(study, grid, surface), means), study)
 
 
-@product("pool_covariates.nc", when=lambda study: study.variates and study.pooled)
+@product("pool_covariates.nc", when=lambda study: variates(study) and pooled(study))
 def measure_pool_covariates(pool: Closures, covariates: Known, grid: Grid, surface: Surface):
     """Measure the covariates of the pool's joints; their means are those of the study."""
     return as_dataset(Covariates(measure(pool, grid, surface), covariates.known), pool)
@@ -84,7 +108,7 @@ def find_indifference_intervals(
     )
 
 
-@product("tables/measured_fit.csv", when=lambda study: study.curves, early=True)
+@product("tables/measured_fit.csv", when=has_curves, early=True)
 def fit_measured(
     study: Curves,
     curve_files: list[str],
@@ -98,7 +122,7 @@ def fit_measured(
 @product("tables/hydraulic_aperture.csv", when=lambda study: study.flow, early=True)
 def tabulate_flow(study: Annotated[xr.Dataset, read_netcdf]):
     """Hydraulic apertures of a study's cases as a table."""
-    return flow_table(study)
+    return checking.flow_table(study)
 
 
 @product("tables/accuracy_reached.csv", when=lambda study: study.study.accuracy, early=True)
@@ -138,7 +162,7 @@ def judge_claims(
 def check_results(ensembles: list[Closures], closed_by: dict[str, tuple[int, Numerics]], log: Log):
     """Check the results; `require_checks` makes an error of a failed check."""
     checks = pd.concat(
-        check(ensemble, numerics, realizations, name)
+        checking.check_results(ensemble, numerics, realizations, name)
         for ensemble, (name, (realizations, numerics)) in zip(
             ensembles, closed_by.items(), strict=True
         )
@@ -183,9 +207,9 @@ def write_tables(
 
 
 @product("tables/configuration.json")
-def state_configuration(keys: dict) -> str:
+def state_configuration(stated: dict) -> str:
     """State all keys of the study, of which study.nc has those that may change closures."""
-    return configuration_text(keys)
+    return configuration_text(stated)
 
 
 @product("tables/conclusions.csv", apart=True)
@@ -208,7 +232,7 @@ def _of_study(study: Any) -> list[str]:
     names = ["fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"]
     names += ["hydraulic_aperture"] if study.flow else []
     return figure_files(
-        names + (["table_3_intervals", "trends_max_closure"] if study.varied else [])
+        names + (["table_3_intervals", "trends_max_closure"] if varied(study) else [])
     )
 
 
@@ -257,7 +281,7 @@ def draw_figures(
     return figures
 
 
-@product(figures=["table_3_predictive"], when=lambda study: study.varied)
+@product(figures=["table_3_predictive"], when=varied)
 def draw_pool_figures(
     lengths: Annotated[xr.Dataset, read_netcdf],
     paper: pd.DataFrame,

@@ -30,7 +30,7 @@ from studies.paper.closures import (
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import responses
-from tests.studied import checked_study, study_of
+from tests.studied import study_of
 from tests.world import ELASTICITIES, world
 
 PAPER = read_csv(PAPER_TABLE_3)
@@ -385,8 +385,8 @@ def test_a_mean_stiffness_is_harmonic_and_its_interval_in_order():
 
 def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     study = {"rocks": ["slate"], "realizations": 25, "pool": None, "accuracy": {"within": 0.1}}
-    whole = checked_study({"study": study, "effects": {"auto": 0.05}, "flow": True})
-    cases, finest = (Ensemble(whole.typed, name) for name in ("cases", "finest"))
+    whole = study_of({"study": study, "effects": {"auto": 0.05}, "flow": True})
+    cases, finest = (Ensemble(whole, name) for name in ("cases", "finest"))
     assert [len(block) for block in cases.blocks] == [10, 10, 5]
     assert [len(block) for block in finest.blocks] == [4, 4]
     one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
@@ -394,6 +394,6 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     assert other.conditions.numerics == FINEST != one.conditions.numerics
     assert cases.pilots().keys() == {"slate"}
     assert finest.pilots() == {}
-    plain = checked_study({"study": study | {"accuracy": None}})
-    assert closed_keys(whole.keys)["study"].keys() == plain.keys["study"].keys() - {"accuracy"}
-    assert len(Ensemble(plain.typed).blocks) == 1
+    plain = study_of({"study": study | {"accuracy": None}})
+    assert closed_keys(whole.stated)["study"].keys() == plain.stated["study"].keys() - {"accuracy"}
+    assert len(Ensemble(plain).blocks) == 1

@@ -17,6 +17,7 @@ from studies.frame.plan import inputs_of, settings_of
 from studies.frame.products import make_files
 from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
+from studies.paper import needs  # noqa: F401
 from studies.paper.layout import case_table, rock_table, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
 from studies.paper.report.content import (
@@ -36,7 +37,7 @@ from studies.paper.responses import (
     measure_covariates,
 )
 from studies.paper.test_table_3 import study as three_surfaces
-from tests.studied import ROOT, checked_study, study_of
+from tests.studied import ROOT, study_of
 from tests.world import world
 
 
@@ -206,7 +207,7 @@ CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}
 
 
 def settings(*changes: dict) -> dict[str, dict]:
-    study = checked_study(*changes)
+    study = study_of(*changes)
     return {name: settings_of(product, study) for name, product in PRODUCTS.items()}
 
 

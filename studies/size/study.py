@@ -22,7 +22,7 @@ from jointclosure.statistics.standard_errors import Estimate, jackknife_error, m
 from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
-from studies.frame.configuration import Configured
+from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, settings_of
 from studies.frame.keys import Grid
 from studies.frame.panels import Column, Row, panels
@@ -264,19 +264,18 @@ def nested(
         yield upper, lower
 
 
-def size_jobs(configured: Configured) -> dict[str, list[Point]]:
+def size_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
-    configuration = configured.typed
-    design, base = configuration.section(Size), configuration.grid
+    design, base = study.section(Size), study.grid
     finest, longest = design.spacing[0], design.patch[-1]
     walls = {"whole": [round(longest / finest), finest], "base": base.spacing}
     jobs: dict[str, list[Point]] = {}
-    for rock, (name, spectrum) in itertools.product(configuration.rocks, design.spectra.items()):
+    for rock, (name, spectrum) in itertools.product(study.rocks, design.spectra.items()):
         points = jobs[f"{rock}.{name}"] = []
         for patch, spacing in sizes_of(design, base.spacing):
             cells = round(patch / spacing)
             grid = base._replace(cells_x=cells, cells_y=cells, spacing=spacing)
-            sized = configuration._replace(grid=grid)
+            sized = study._replace(grid=grid)
             settings = settings_of(sized, base_case(sized, rock), **dict(spectrum))
             at = {"rock": rock, "spectrum": name, "patch": patch, "spacing": spacing}
             points += [

@@ -23,7 +23,7 @@ from studies.size.study import (
     sizes_of,
     spreads,
 )
-from tests.studied import checked_study, study_of, tiny
+from tests.studied import study_of, tiny
 
 TINY = tiny("size")
 BASE = (3e-3, 0.25e-3)
@@ -32,7 +32,7 @@ ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 def points_of(spectrum, patch, spacing, **study):
     """Points of patches of a size, by their position."""
-    jobs = EXPERIMENT.design(checked_study(TINY, {"study": study})).jobs()
+    jobs = EXPERIMENT.design(study_of(TINY, {"study": study})).jobs()
     return [
         point
         for point in jobs[f"slate.{spectrum}"]

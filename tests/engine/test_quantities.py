@@ -10,7 +10,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
-from studies.frame.summary import mean_shown
+from studies.frame.points import mean_shown
 
 LARGEST, HALF = 20e6, 10e6
 SLATE = jc.Rock(youngs_modulus=66e9, poisson_ratio=0.25, compressive_strength=159e6)

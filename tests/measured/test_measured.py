@@ -5,7 +5,9 @@ import pytest
 
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import parsed_curve
-from studies.frame.rocks import CurveSettings, MeasuredFile, measured_curves
+from studies.frame.rocks import MeasuredFile
+from studies.paper.measured import CurveSettings, measured_curves
+from studies.paper.needs import curve_settings
 from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"
@@ -81,7 +83,7 @@ def settings(tmp_path, text):
 def test_only_rocks_with_a_file_have_a_curve(tmp_path):
     assert list(measured_curves(settings(tmp_path, GOOD))) == ["one"]
     rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
-    (stated,) = study_of({"rocks": rocks}).curves.values()
+    (stated,) = curve_settings(study_of({"rocks": rocks})).values()
     assert stated == CurveSettings(MeasuredFile(file="lab.csv", stress_unit="MPa"), 30e6, 2, 0.5e6)
 
 

@@ -7,10 +7,10 @@ import pytest
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
-from studies.frame.experiments import cached, experiments_in
+from studies.frame.experiments import cached, experiment_named
 from studies.frame.points import as_table, joints_of
 from studies.frame.products import products_of
-from tests.studied import checked_study, tiny
+from tests.studied import study_of, tiny
 from tests.workflow.runs import HERE, checkout, planned, snakemake
 
 
@@ -19,8 +19,8 @@ from tests.workflow.runs import HERE, checkout, planned, snakemake
 def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(name, tmp_path):
     folder, config = checkout(tmp_path / name), f"tiny_{name}.yaml"
     shutil.copy(HERE / config, folder)
-    configured = checked_study(tiny(name))
-    design = experiments_in(configured.keys)[name].design(configured)
+    study = study_of(tiny(name))
+    design = experiment_named(name).design(study)
     joints = joints_of(design.points())
     assert f"{joints} joints will take about" in snakemake(folder, name, config=config)
     results = folder / f"results/tiny_{name}"
@@ -29,7 +29,7 @@ def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(na
     points = design.points()
     rows = sum(joints_of([point]) * point.settings.conditions.cycle_count for point in points)
     assert len(as_table(dataset)) == rows
-    made = [results / f for one in products_of(name).values() for f in one.files(configured.typed)]
+    made = [results / f for one in products_of(name).values() for f in one.files(study)]
     for file in made:
         if file.suffix == ".md":
             assert file.read_text().count("|") > 10
@@ -50,7 +50,7 @@ def test_rows_that_are_added_close_no_others():
     section = "global_sensitivity"
     keys = tiny(section)
     few, many = (
-        {name: entry.key for name, entry in cached(checked_study(keys, more), section).items()}
+        {name: entry.key for name, entry in cached(study_of(keys, more), section).items()}
         for more in ({}, {section: {"rows": 32}})
     )
     assert len(many) - len(few) == 4  # two new blocks of each rock

@@ -11,7 +11,7 @@ from studies.frame.cases import blocks_of, cases_of
 from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration, resolved
 from tests.processes import python
-from tests.studied import DEFAULT, checked_study
+from tests.studied import DEFAULT, study_of
 from tests.workflow.test_settings import SMALL, settings_of
 
 PER_JOB = 2500
@@ -29,7 +29,7 @@ def keys_of_study(realizations: int) -> dict:
         "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
         "study": study | {"pool": None},
     }
-    return checked_study(SMALL, changes).keys
+    return study_of(SMALL, changes).stated
 
 
 def case_files(configuration: Configuration, folder: Path) -> list[Path]:

@@ -11,7 +11,7 @@ from jointclosure.engine.cache import is_kept
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.experiments import cached
 from studies.frame.files import read_plain
-from tests.studied import checked_study
+from tests.studied import study_of
 from tests.workflow.runs import TINY, assert_same, checkout, planned, snakemake
 
 pytestmark = pytest.mark.slow
@@ -101,7 +101,7 @@ def edited(folder: Path, *changes: tuple[str, str]) -> str:
 
 def files_kept(folder: Path, config: str) -> tuple[set[str], set[str]]:
     """Cases whose files a configuration keeps, and those that it closes."""
-    entries = cached(checked_study(read_plain(folder / config)), "cases")
+    entries = cached(study_of(read_plain(folder / config)), "cases")
     kept = {name for name, entry in entries.items() if is_kept(entry, folder / RESULTS)}
     cases = {name: name.removeprefix("cases/").rpartition(".")[0] for name in entries}
     return {cases[name] for name in kept}, {cases[name] for name in cases.keys() - kept}

@@ -23,9 +23,10 @@ from studies.frame.experiments import experiment_named
 from studies.frame.files import merged, read_plain
 from studies.frame.jobs import enter_folder
 from studies.frame.keys import Accuracy
-from studies.frame.rocks import measured_curves
 from studies.paper.accuracy import START, Counts, describe_reached, next_counts, start_counts
 from studies.paper.layout import closure_lines
+from studies.paper.measured import measured_curves
+from studies.paper.needs import curve_settings
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {
@@ -127,15 +128,15 @@ def checked(name: str, override: str) -> tuple[Configuration, list[str]]:
     section = target.experiment
     usual = [target.usual] if target.usual and not keys.get(section) else []
     study = configured(merged(keys, *map(read_plain, usual)))
-    if section and not study.keys.get(section):
+    if section and section not in study.study_sections:
         raise InputError(
             f"{override}: has no section {section}, which make {name} needs "
             f"({target.configuration} has one)"
         )
     if section:
         experiment_named(section).check(study)
-    measured_curves(study.typed.curves)
-    return study.typed, usual
+    measured_curves(curve_settings(study))
+    return study, usual
 
 
 PLAN = "accuracy_plan.yaml"
