@@ -16,7 +16,7 @@ def keys_of(*changes: dict) -> dict:
 
 def tiny(experiment: str) -> dict:
     """Keys of an experiment of seconds."""
-    return files.read_plain(ROOT / f"tests/workflow/tiny_{experiment}.yaml")
+    return files.read_plain(ROOT / f"studies/{experiment}/tiny_{experiment}.yaml")
 
 
 def study_of(*changes: dict) -> Configuration:

@@ -66,7 +66,11 @@ def settings_of(product: Product, study: Configuration) -> dict[str, Any]:
             return SETTINGS[name](study)
         for made in getattr(hints.get(name), "__metadata__", ()):
             return made(study)
-        return next(getattr(part, name) for part in sections if hasattr(part, name))
+        for part in sections:
+            if hasattr(part, name):
+                return getattr(part, name)
+        what = "no table of its study, and no key of its section or of the study"
+        raise ValueError(f"{product.make.__name__}: parameter {name!r} is {what}")
 
     files = inputs_of(product, study)
     return {name: stated(name) for name in product.reads if name not in files}

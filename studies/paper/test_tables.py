@@ -14,7 +14,7 @@ from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import model
 from studies.frame.keys import json_schema
 from studies.frame.plan import inputs_of, settings_of
-from studies.frame.products import make_files
+from studies.frame.products import Product, make_files
 from studies.frame.settings import walls_of
 from studies.paper import figures as plotting
 from studies.paper import needs  # noqa: F401
@@ -214,6 +214,16 @@ def settings(*changes: dict) -> dict[str, dict]:
 @pytest.fixture(scope="module")
 def unchanged():
     return settings()
+
+
+def test_a_parameter_that_a_product_cannot_read_is_named():
+    def draw(fineness):
+        pass
+
+    draw.__module__ = "studies.paper.products"
+    misspelt = Product(draw, lambda study: (), lambda study: True, 0, False)
+    with pytest.raises(ValueError, match="draw: parameter 'fineness' is no table of its study"):
+        settings_of(misspelt, study_of())
 
 
 RANDOM = {"find_indifference_intervals", "predict_table_3", "judge_claims", "measure_covariates"}

@@ -10,15 +10,15 @@ from studies.frame.configuration import sections
 from studies.frame.experiments import cached, experiment_named
 from studies.frame.points import as_table, joints_of
 from studies.frame.products import products_of
-from tests.studied import study_of, tiny
-from tests.workflow.runs import HERE, checkout, planned, snakemake
+from tests.studied import ROOT, study_of, tiny
+from tests.workflow.runs import checkout, planned, snakemake
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sections())
 def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(name, tmp_path):
     folder, config = checkout(tmp_path / name), f"tiny_{name}.yaml"
-    shutil.copy(HERE / config, folder)
+    shutil.copy(ROOT / "studies" / name / config, folder)
     study = study_of(tiny(name))
     design = experiment_named(name).design(study)
     joints = joints_of(design.points())
