@@ -19,16 +19,12 @@ from tests.joints import SPACING, bump
 from tests.walls.test_formats import STEP_MM
 from tests.walls.writers import Ground, triangles
 
-ROOT = Path(__file__).parents[2]
-
-
-SCAN = Path(
-    os.environ.get("JOINTCLOSURE_SCAN") or ROOT.parent / "shared/data/foliation_joint_0p25mm.npz"
-)
+SHARED = Path(__file__).parents[3] / "shared/data"
+SCAN = Path(os.environ.get("JOINTCLOSURE_SCAN") or SHARED / "foliation_joint_0p25mm.npz")
 
 
 def measured(wall):
-    return {m.name: m for m in measure_wall(wall, SPACING, resamples=100)}
+    return {m.name: m for m in measure_wall(wall, SPACING, resamples=40)}
 
 
 def test_every_measure_lies_within_its_interval_and_the_slope_is_the_walls():
@@ -45,9 +41,9 @@ def test_every_measure_lies_within_its_interval_and_the_slope_is_the_walls():
 def test_each_relation_gives_the_jrc_that_a_wall_was_made_with(name):
     relation = RELATIONS[name]
     values = []
-    for seed in range(3):
+    for seed in range(2):
         wall = jc.wall_pair(9.0, (32, 32), relation.interval, seed, jrc_relation=name)[0]
-        found = {m.name: m for m in measure_wall(wall, relation.interval, resamples=10)}
+        found = {m.name: m for m in measure_wall(wall, relation.interval, resamples=2)}
         values.append(found[f"JRC, {name}"].value)
         assert f"at its {1e3 * relation.interval:g} mm; holds" in found[f"JRC, {name}"].remark
     assert np.mean(values) == pytest.approx(9.0, abs=0.3)
@@ -55,9 +51,8 @@ def test_each_relation_gives_the_jrc_that_a_wall_was_made_with(name):
 
 @pytest.mark.parametrize("hurst", [0.6, 1.0])
 def test_the_hurst_exponent_is_recovered_and_its_interval_covers_it(hurst):
-    walls = [
-        synthetic_wall(0.2, (100, 100), SPACING, Spectrum(hurst), generator(s)) for s in range(16)
-    ]
+    made = 0.2, (80, 80), SPACING, Spectrum(hurst)
+    walls = [synthetic_wall(*made, generator(seed)) for seed in range(16)]
     assert np.mean([hurst_of(wall) for wall in walls]) == pytest.approx(hurst, abs=0.04)
     intervals = [measured(wall)["H, both directions"] for wall in walls[:5]]
     assert sum(m.low <= hurst <= m.high for m in intervals) >= 4
@@ -234,28 +229,21 @@ def test_a_closed_block_below_a_wall_is_no_wall(points, tmp_path):
 # Fit of two walls: by shift, by wavelength, and the wavelength beyond which they are mated
 
 
-PAIRS = 20
+PAIRS = 10
 
 
-def found_in(cells, shape=(80, 96), **how):
-    """Estimates (pairs, wavelength and ends) [m] of pairs with a mismatch of so many cells."""
-    wavelength = None if cells is None else cells * SPACING
-    return np.array(
-        [
-            measured_mismatch(
-                *jc.wall_pair(8.0, shape, SPACING, seed, mismatch_wavelength=wavelength, **how),
-                SPACING,
-            )
-            for seed in range(PAIRS)
-        ]
-    )
+def found_in(cells, **how):
+    """Estimates (wavelength and ends, pairs) [m] of pairs with a mismatch of so many cells."""
+    how["mismatch_wavelength"] = None if cells is None else cells * SPACING
+    pairs = (jc.wall_pair(8.0, (80, 96), SPACING, seed, **how) for seed in range(PAIRS))
+    return np.transpose([measured_mismatch(*pair, SPACING) for pair in pairs])
 
 
 @pytest.mark.parametrize(
     ("cells", "how"), [(5, {}), (9, {"hurst": 0.5}), (9, {"roll_off": 3e-3}), (16, {})]
 )
 def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
-    wavelength, low, high = found_in(cells, **how).T / (cells * SPACING)
+    wavelength, low, high = found_in(cells, **how) / (cells * SPACING)
     assert np.median(wavelength) == pytest.approx(1.0, abs=0.08)
     assert np.mean((low <= 1.0) & (high >= 1.0)) >= 0.9
     # it says something: within a third of it, where walls are so many wavelengths long
@@ -264,7 +252,7 @@ def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
 
 def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
     assert np.all(found_in(0) == 0.0)
-    wavelength, low, high = found_in(None).T
+    wavelength, low, high = found_in(None)
     # the few longest waves correlate by chance
     assert np.median(wavelength) == np.inf
     assert np.all(high == np.inf)
@@ -272,13 +260,13 @@ def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
 
 
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
-    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
+    upper, lower = jc.wall_pair(9.0, (64, 64), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)
     np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
     assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
     scores = []
     for seed in range(20):
-        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed, roll_off=None), SPACING)
+        found = mating(*jc.wall_pair(9.0, (64, 64), SPACING, seed, roll_off=None), SPACING)
         scores.append(found.correlation * np.sqrt(found.modes))
     # standard errors are as stated: the scores have a spread of one
     assert 0.8 < np.std(scores) < 1.25
