@@ -1,5 +1,7 @@
 """Regions of constants: joints of known constants lie in them, and impossible curves in none."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,19 +18,23 @@ from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.walls.measured import Scan
 from jointclosure.walls.registration import registered
-from tests.joints import SPACING
+from tests.joints import COARSE, SPACING
 
 ROCK = jc.Rock(11e9, 0.25, 90e6)
-STRESS, SEATING, STRENGTH, SHIFT = 3e6, 0.5e6, 90e6, 2
+STRESS, SEATING, STRENGTH, SHIFT, CELLS = 3e6, 0.5e6, 90e6, 2, 16
 WEAKER, ANEW = "weaker crushed rock", "walls seated anew"
+
+
+def scanned_pair(cells):
+    """Scanned walls of a square joint."""
+    upper, lower = jc.wall_pair(10.0, (cells, cells), SPACING, 3, mismatch_wavelength=3e-3)
+    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
+    return registered(*scans, orientation="common_frame", spikes="keep", unusual_values=True)
 
 
 @pytest.fixture(scope="module")
 def pair():
-    """Scanned walls of a joint."""
-    upper, lower = jc.wall_pair(10.0, (24, 24), SPACING, 3, mismatch_wavelength=3e-3)
-    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
-    return registered(*scans, orientation="common_frame", spikes="keep")
+    return scanned_pair(CELLS)
 
 
 def measured_curve(pair, shift=0, ratio=1.0, strength=STRENGTH, walls=None):
@@ -38,9 +44,8 @@ def measured_curve(pair, shift=0, ratio=1.0, strength=STRENGTH, walls=None):
     walls = walls or (pair.upper, pair.lower)
     once = close_walls(*walls, given)
     crushed = once.upper_final.values, once.lower_final.values
-    seated, pristine = (
-        (upper[:, shift:], lower[:, : lower.shape[1] - shift]) for upper, lower in (crushed, walls)
-    )
+    width = crushed[0].shape[1] - shift
+    seated, pristine = ((upper[:, shift:], lower[:, :width]) for upper, lower in (crushed, walls))
     weaker = given._replace(choices=jc.Choices(crushed_strength_ratio=ratio))
     again = close_walls(*seated, weaker, pristine=pristine)
     stresses, parts = np.linspace(SEATING, STRESS, 13), []
@@ -56,18 +61,20 @@ def measured_curve(pair, shift=0, ratio=1.0, strength=STRENGTH, walls=None):
 @pytest.fixture(scope="module")
 def asked(pair, tmp_path_factory):
     cache = tmp_path_factory.mktemp("joints")
-    tried = {
-        "shifts": (SHIFT,),
-        "crushed_strength_ratios": (0.7,),
-        "strengths": (60e6, 135e6),
-        "surfaces": 9,
-    }
-    return {"rock": ROCK, "pair": pair, "seating_stress": SEATING, "cache": cache, **tried}
+    constants = {"shifts": (SHIFT,), "crushed_strength_ratios": (0.7,), "strengths": (60e6, 135e6)}
+    given = {"rock": ROCK, "pair": pair, "seating_stress": SEATING, "cache": cache}
+    return {"surfaces": 9, "workers": 1} | given | constants
 
 
 @pytest.fixture(scope="module")
-def region(asked, pair):
-    return validate(measured_curve(pair, SHIFT), **asked)
+def curves(pair):
+    """Curves of a joint whose walls stay, and of one whose walls are shifted."""
+    return measured_curve(pair), measured_curve(pair, SHIFT)
+
+
+@pytest.fixture(scope="module")
+def region(asked, curves):
+    return validate(curves[1], **asked)
 
 
 def constants(region, mechanism):
@@ -114,30 +121,28 @@ def test_a_mechanism_that_leaves_less_closure_is_not_compatible_and_says_what_it
     assert "share of the closure of cycle 2 that stays" in sentence
 
 
-def test_joints_that_were_closed_are_kept_and_other_curves_read_from_them(asked, pair, region):
+def test_joints_that_were_closed_are_kept_and_other_curves_read_from_them(asked, curves, region):
     lines = []
-    plain = validate(measured_curve(pair), **asked, report=lines.append)
+    plain = validate(curves[0], **asked, report=lines.append)
     closed = [line for line in lines if "closed: " in line]
-
     assert all(f"of {CHECKED}" in line for line in closed)  # the nearest, by a finer tolerance
     np.testing.assert_array_equal(plain.closures, region.closures)
     assert plain.compatible(NEITHER)
 
 
-def test_a_curve_of_impossible_physics_is_compatible_with_none(asked, pair):
-    curve = measured_curve(pair)
-    softer = np.where(curve.cycle == 2, 20.0, 1.0) * curve.closure
-    none = validate(curve._replace(closure=softer), **asked)
+def test_a_curve_of_impossible_physics_is_compatible_with_none(asked, curves):
+    softer = np.where(curves[0].cycle == 2, 20.0, 1.0) * curves[0].closure
+    none = validate(curves[0]._replace(closure=softer), **asked)
     assert not any(map(none.compatible, none.mechanisms))
     assert "none is compatible with all loadings of this curve" in none.sentences()[0]
     assert none.table().low.isna().all()
     region_figure(none, "impossible")
 
 
-def test_quantities_are_those_of_the_curve_and_the_nearest_joints_contain_them(region, pair):
+def test_quantities_are_those_of_the_curve_and_the_nearest_joints_contain_them(region, curves):
     rows = region.quantities()
     rows = rows[rows.mechanism == ANEW].set_index("quantity")
-    curve = measured_curve(pair, SHIFT)
+    _, curve = curves
     whole = curve.closure[curve.cycle == 1].max()
     assert rows.measured["closure of cycle 1"] == pytest.approx(1e3 * whole, rel=1e-6)
     first, later = (rows.measured[rows.index.str.startswith(f"stiffness of cycle {n},")].iloc[0]
@@ -147,17 +152,16 @@ def test_quantities_are_those_of_the_curve_and_the_nearest_joints_contain_them(r
 
 
 def test_one_loading_has_no_mechanism_and_walls_of_a_jrc_a_mismatch_wavelength(tmp_path):
-    stresses = np.linspace(SEATING, 2e6, 8)
+    stresses = np.linspace(SEATING, 1.5e6, 8)
     joint = close_walls(
         *jc.wall_pair(10.0, (12, 12), SPACING, 5, mismatch_wavelength=1e-3, roll_off=None),
-        Conditions(SPACING, ROCK, 2e6, 1, SEATING, numerics=NUMERICS),
+        Conditions(SPACING, ROCK, 1.5e6, 1, SEATING, numerics=COARSE),
     )
     loading = 1e3 * closures_at(joint, stresses)[0, 0]
-    path = tmp_path / "curve.csv"
+    path, about = tmp_path / "curve.csv", {"jrc": 10.0, "shape": (12, 12), "surfaces": 4}
     table = {"stress_MPa": 1e-6 * stresses, "closure_mm": loading}
     pd.DataFrame(table).to_csv(path, index=False)
-    about = {"rock": ROCK, "jrc": 10.0, "shape": (12, 12), "surfaces": 4, "workers": 1}
-    region = validate(path, **about, seating_stress=SEATING)
+    region = validate(path, rock=ROCK, **about, workers=1, seating_stress=SEATING, numerics=COARSE)
     assert region.mechanisms == [NEITHER]
     assert region.closures.shape[:4] == (1, 6, 4, 4)
     assert list(constants(region, NEITHER).index) == ["strength", "mismatch wavelength"]
@@ -166,10 +170,11 @@ def test_one_loading_has_no_mechanism_and_walls_of_a_jrc_a_mismatch_wavelength(t
 
 
 @pytest.mark.slow
-def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, pair, tmp_path):
+def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, tmp_path):
     """Of unknown position, strength and mechanism; in most that one acted is seen."""
     tried = {"shifts": (1, 2), "crushed_strength_ratios": (0.8, 0.6), "strengths": (45e6, 180e6)}
-    tried |= {"cache": tmp_path, "surfaces": 12}
+    pair = scanned_pair(24)
+    tried |= {"cache": tmp_path, "surfaces": 12, "pair": pair, "workers": None}
     laters = [Later(), Later(1), Later(2), Later(0, 0.8), Later(0, 0.6)]
     rng, inside, seen = np.random.default_rng(11), [], []
     for number in range(24):
@@ -191,15 +196,11 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, pair,
     ("wrong", "message"),
     [
         ({"shifts": (30,)}, "shifts = 30: must be whole numbers of cells from 1 to"),
-        (
-            {"crushed_strength_ratios": (1.0,)},
-            "crushed_strength_ratios = 1.0: must lie between 0 and 1",
-        ),
+        ({"crushed_strength_ratios": (1.0,)}, "crushed_strength_ratios = 1.0: must lie between"),
         ({"strengths": (9e7, 6e7)}, "the lower one must come first"),
         ({"surfaces": 4}, "surfaces = 4: must be at least 9 for this curve"),
     ],
 )
-def test_what_is_wrong_is_named_before_anything_is_closed(asked, pair, wrong, message):
-    with pytest.raises(jc.InputError, match=message.split(":")[0]) as error:
-        validate(measured_curve(pair), **asked | wrong)
-    assert message in str(error.value)
+def test_what_is_wrong_is_named_before_anything_is_closed(asked, curves, wrong, message):
+    with pytest.raises(jc.InputError, match=re.escape(message)):
+        validate(curves[0], **asked | wrong)
