@@ -186,11 +186,7 @@ def test_a_pickle_is_refused_and_not_run(name, tmp_path):
         ("a.nc", {"units": "um"}, "units = 'um': the distances of the file are in 'm'"),
         ("a.csv", {"units": "m"}, "units = 'm': the heights of the file are in 'um'"),
         ("geo.tiff", {"units": "mm"}, "the heights of the file are in 'metre'"),
-        (
-            "a.stl",
-            {"units": "mm", "scan_spacing": 5e-4},
-            "spacing = 0.5 mm: the file states 0.25 mm",
-        ),
+        ("a.stl", {"units": "mm", "scan_spacing": 5e-4}, "= 0.5 mm: the file states 0.25 mm"),
         ("gwyddion.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
     ],
 )
@@ -220,8 +216,7 @@ def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
         "further columns": "\n".join(["id,x,y,z,quality", *numbered]),
         "byte order mark": "\ufeffX,Y,Z\n" + "\n".join(commas),
     }
-    path = tmp_path / "a.txt"
-    contents = {what: text.encode() for what, text in written.items()}
+    path, contents = tmp_path / "a.txt", {what: text.encode() for what, text in written.items()}
     contents["UTF-16"] = ("X,Y,Z\n" + "\n".join(commas)).encode("utf-16")
     for what, content in contents.items():
         path.write_bytes(content)
@@ -531,10 +526,8 @@ def test_packed_pixels_are_heights_and_turned_or_several_ones_are_refused(
     bands, turned, printed, wall, tmp_path
 ):
     rasterio, path = pytest.importorskip("rasterio"), tmp_path / "a.tif"
-    micrometres, place = (
-        np.round(1e3 * wall),
-        rasterio.Affine(0.25, turned, 0.0, -turned, 0.25, 0.0),
-    )
+    micrometres = np.round(1e3 * wall)
+    place = rasterio.Affine(0.25, turned, 0.0, -turned, 0.25, 0.0)
     about = {"driver": "GTiff", "width": 26, "height": 20, "count": bands, "transform": place}
     with rasterio.open(path, "w", **about, dtype="int16", compress="lzw") as file:
         file.write(micrometres.astype("i2"), 1)
