@@ -102,7 +102,7 @@ def test_rotation_tilt_and_shift_of_a_scan_are_undone_within_their_errors(number
 
 
 def test_walls_that_are_turned_as_scanned_are_refused_with_the_angle():
-    truth = Truth(0, rotation=0.3, tilt=0.0, cells=120, noise=0.0, mating=1e-3, cell=SPACING)
+    truth = Truth(0, rotation=0.3, tilt=0.0, cells=100, noise=0.0, mating=1e-3, cell=SPACING)
     upper, lower = truth.scans()
     half = truth.middle[1::-1]
     upper = upper._replace(origin=tuple(np.array(upper.origin) - truth.own[1::-1] + half))
@@ -143,7 +143,7 @@ def test_scans_mate_unless_they_are_to_stay_where_they_are():
 
 def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls():
     """Steps of both scans: sixths and halves of the paper's spacing, from other first points."""
-    upper, lower = jc.wall_pair(9.0, (390, 402), SPACING / 6, 4, correlation=0.99, roll_off=None)
+    upper, lower = jc.wall_pair(9.0, (330, 342), SPACING / 6, 4, correlation=0.99, roll_off=None)
     coarse = registered(scanned(upper[::6, ::6]), grid(lower[::6, ::6]))
     fine = grid(-upper[3:, 2:], (3 * SPACING / 6, 2 * SPACING / 6), SPACING / 6)
     pair = registered(fine, grid(lower[::3, ::3], (0.0, 0.0), SPACING / 2))
@@ -151,7 +151,7 @@ def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls():
     rows, columns = pair.upper.shape
     for wall, expected in ((pair.upper, coarse.upper), (pair.lower, coarse.lower)):
         expected = expected[1:, 1:][:rows, :columns]
-        assert min(expected.shape) > 60
+        assert min(expected.shape) > 50
         np.testing.assert_allclose(detrended(wall), detrended(expected), atol=1e-9)
 
 
@@ -159,7 +159,7 @@ def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans_or_the
     for distance, cell in ((5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)):
         assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
     step = SPACING / 4
-    upper, lower = jc.wall_pair(9.0, (128, 128), step, 4, correlation=0.99, roll_off=None)
+    upper, lower = jc.wall_pair(9.0, (96, 96), step, 4, correlation=0.99, roll_off=None)
     pair = registered(grid(-upper, step=step), grid(lower, step=step), step, shift="scanned")
     np.testing.assert_allclose(pair.lower, lower, atol=1e-12)
     assert not any("points are" in line for line in pair.report)
