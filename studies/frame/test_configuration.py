@@ -302,7 +302,7 @@ REFUSED = [
     (
         "measured_joints",
         {"measured_joints": {"reseating_shift_in_cells": [20]}},
-        "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 24",
+        "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 18",
     ),
     ("misalignment", {"misalignment": {"rotation_degrees": [360]}}, "rotation_degrees = 360"),
     ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20)"),
