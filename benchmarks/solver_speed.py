@@ -1,4 +1,4 @@
-"""How fast the solvers are, how soon they start, and what memory they take.
+"""How fast the solvers are, and what memory they take.
 
 elastic     one cycle to 30 MPa without breakage in 20 stresses: 100 x 100 cells, 512 x 512 (or
             --cells), and as many of nearly mated walls, with the peak memory of a process
@@ -7,16 +7,13 @@ study       the base case of each rock of the paper's study, as the study closes
 reference   the paper's own loop against the fast solver, one cycle to 3 MPa, on the largest grid
             whose first surface the loop closes within a --minute [s]; ratios of times mean what
             they say only where the closures of both are equal, which are given too
-first_call  a fresh process whose kernels are on disk: import, first and second call, compilations
-memory      a fresh process that makes and closes 5, 20, 80 and 320 realisations, to 1 MPa
 
-Medians and extremes over --repeats surfaces (or processes); kernels are compiled beforehand. Times
-are also given in FFT pairs, timed in between (benchmarks/yardstick.py), on one thread.
+Medians and extremes over --repeats surfaces; kernels are compiled beforehand. Times are also given
+in FFT pairs, timed in between (benchmarks/yardstick.py), on one thread.
 Run as `python benchmarks/solver_speed.py --parts elastic study`, or all parts without an argument.
 """
 
 import subprocess
-import tempfile
 from pathlib import Path
 
 import yardstick
@@ -26,17 +23,8 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.closing import close_block
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
-TARGETS = {
-    "elastic": (("pairs of 100 x 100 cells", 30),),
-    "study": (("pairs of the slowest rock", 2000),),
-    "reference": (),
-    "first_call": (("s of a first call beyond a second", 1), ("kernels compiled then", 0)),
-    "memory": (("MB of 20 realisations", 400),),
-}
 
 
 def curve_memory(cells: int, mated: bool) -> tuple[float, float]:
@@ -46,7 +34,7 @@ def curve_memory(cells: int, mated: bool) -> tuple[float, float]:
     return before, yardstick.peak_memory()
 
 
-def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
+def elastic(arguments) -> pd.DataFrame:
     """Closure curves without breakage."""
     rows = []
     for cells, mated in ((100, False), (arguments.cells, False), (arguments.cells, True)):
@@ -77,10 +65,10 @@ def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
         row["largest contact fraction"] = max(float(c.contact_fraction.max()) for c in curves)
         row["worst status"] = max(int(found.status) for found in curves)
         rows.append(row | {"peak MB": peak, "before MB": before, "pair ms": 1e3 * pair.seconds})
-    return pd.DataFrame(rows), (rows[0]["pairs"],)
+    return pd.DataFrame(rows)
 
 
-def study(arguments) -> tuple[pd.DataFrame, tuple]:
+def study(arguments) -> pd.DataFrame:
     """The base cases of the paper's study."""
     configuration, cases = yardstick.paper_study(
         {"numerics": {"force_tolerance": arguments.residual}}
@@ -103,8 +91,7 @@ def study(arguments) -> tuple[pd.DataFrame, tuple]:
         row["products"] = np.median([int(found.solver_iterations) for found in closed])
         row["worst status"] = max(int(found.status) for found in closed)
         rows.append(row | {"pair ms": 1e3 * pair.seconds})
-    table = pd.DataFrame(rows)
-    return table, (table.pairs.max(),)
+    return pd.DataFrame(rows)
 
 
 def largest_grid(scene: str, minute: float) -> int:
@@ -123,7 +110,7 @@ def largest_grid(scene: str, minute: float) -> int:
     return done
 
 
-def reference(arguments) -> tuple[pd.DataFrame, tuple]:
+def reference(arguments) -> pd.DataFrame:
     """The paper's loop and the fast solver on the same walls."""
     rows = []
     for scene in yardstick.SCENES:
@@ -145,63 +132,19 @@ def reference(arguments) -> tuple[pd.DataFrame, tuple]:
         row["standard error %"] = difference.std(ddof=1) / np.sqrt(difference.size)
         row["largest difference %"] = 100.0 * np.abs(other / closure - 1.0).max()
         rows.append(row)
-    return pd.DataFrame(rows), ()
+    return pd.DataFrame(rows)
 
 
-def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
-    """What a fresh process waits for."""
-    rows = []
-    for scene, breakage in (("full", True), ("elastic", False)):
-        program = yardstick.FIRST_CALL.format(breakage)
-        yardstick.fresh_process(program)  # fills the cache, if it is cold
-        pair, runs = yardstick.Pair(), []
-        for _ in range(arguments.repeats):
-            pair.sample()
-            runs.append(yardstick.fresh_process(program))
-        runs = pd.DataFrame(runs)
-        beyond = runs["first"] - runs["second"]
-        row = {"scene": scene, "import s": runs.imported.median()}
-        row |= yardstick.spread(beyond, "first beyond second s", 1.0)
-        row |= {"pairs": beyond.median() / pair.seconds, "second ms": 1e3 * runs.second.median()}
-        row |= {"kernels": runs.kernels.max(), "cache hits": runs.hits.max()}
-        row |= {"cache misses": runs.misses.max(), "compilations": runs.compilations.max()}
-        rows.append(row | {"pair ms": 1e3 * pair.seconds})
-    table = pd.DataFrame(rows)
-    compiled = max(table["cache misses"].max(), table["compilations"].max())
-    return table, (table["first beyond second s"].max(), compiled)
-
-
-def ensemble_memory(realizations: int) -> dict:
-    """Peak memory [MB] of this process after each stage of a case, file by file as in a study."""
-    row = {"realisations": realizations, "imported": yardstick.peak_memory()}
-    settings = yardstick.case_settings(realizations, 100, 1e6, yardstick.FULL)
-    with tempfile.TemporaryDirectory() as folder:
-        write_netcdf(close_block(settings), f"{folder}/closures.nc")
-        return row | {"closed": yardstick.peak_memory()}
-
-
-def memory(arguments) -> tuple[pd.DataFrame, tuple]:
-    """Peak memory of cases of several realisations."""
-    rows = [yardstick.called_alone(ensemble_memory, number) for number in (5, 20, 80, 320)]
-    return pd.DataFrame(rows), (rows[1]["closed"],)
-
-
-PARTS = {part.__name__: part for part in (elastic, study, reference, first_call, memory)}
+PARTS = {part.__name__: part for part in (elastic, study, reference)}
 
 
 def main(arguments) -> None:
-    """Print machine and tables, and which targets are met."""
+    """Print machine and tables."""
     print(yardstick.machine(), flush=True)
     yardstick.warm_up("fast", "reference")
-    met = []
     for name in arguments.parts:
-        table, measured = PARTS[name](arguments)
-        yardstick.show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
-        for (what, target), value in zip(TARGETS[name], measured, strict=True):
-            row = {"part": name, "what": what, "target": target, "measured": value}
-            met.append(row | {"verdict": "met" if value <= target else "NOT met"})
-    if met:
-        yardstick.show("targets", pd.DataFrame(met), arguments.output, "targets")
+        part = PARTS[name]
+        yardstick.show(f"{name}: {part.__doc__}", part(arguments), arguments.output, name)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the benchmarks measure with: FFT pairs, medians, the machine, one joint, fresh processes.
+"""What the benchmarks measure with: FFT pairs, medians, the machine, one joint, processes.
 
 The yardstick of all times is one FFT pair: scipy.fft.rfft2 and irfft2 of 200 x 200 doubles on one
 thread, which is the padded size of the paper's 100 x 100 cells. It is timed again before every
@@ -55,30 +55,6 @@ ELASTIC = jc.Effects(breakage=False, gouge=False)
 FULL = jc.Effects()
 SCENES = {"full": FULL, "elastic": ELASTIC}
 POINTS = 20
-
-FIRST_CALL = """
-import gc, json, time
-start = time.perf_counter()
-import jointclosure as jc
-imported = time.perf_counter() - start
-from numba.core.event import install_recorder
-from numba.core.registry import CPUDispatcher
-walls = jc.wall_pair(8.0, (24, 24), 0.25e-3, 1, roll_off=None)
-times = []
-with install_recorder("numba:compile") as recorder:
-    for _ in range(2):
-        start = time.perf_counter()
-        jc.simulate(*walls, spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6), max_normal_stress=1e6,
-                    cycles=1, effects=jc.Effects(breakage={0}, gouge={0}))
-        times.append(time.perf_counter() - start)
-found = [thing for thing in gc.get_objects() if type(thing) is CPUDispatcher]
-ours = [thing.stats for thing in found if thing.py_func.__module__.startswith("jointclosure")]
-print(json.dumps(dict(
-    imported=imported, first=times[0], second=times[1], kernels=len(ours),
-    hits=sum(sum(stats.cache_hits.values()) for stats in ours),
-    misses=sum(sum(stats.cache_misses.values()) for stats in ours),
-    compilations=sum(event.is_start for _, event in recorder.buffer))))
-"""
 
 
 def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options):
@@ -192,19 +168,16 @@ def peak_memory() -> float:
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def fresh_process(program: str, timeout: float | None = None):
-    """Run Python source in a process, at most so long [s]; what it prints last is JSON."""
-    path = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-    command = [sys.executable, "-c", path + program]
+def called_alone(function: Callable, *arguments, timeout: float | None = None):
+    """Call a function of a module of this folder in a process of its own, at most so long [s]."""
+    module, name = Path(function.__code__.co_filename).stem, function.__name__
+    program = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        f"import json, {module}; print(json.dumps({module}.{name}(*{arguments!r})))"
+    )
+    command = [sys.executable, "-c", program]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=timeout)
     return json.loads(done.stdout.splitlines()[-1])
-
-
-def called_alone(function: Callable, *arguments, timeout: float | None = None):
-    """Call a function of a module of this folder in a process of its own."""
-    module, name = Path(function.__code__.co_filename).stem, function.__name__
-    program = f"import json, {module}; print(json.dumps({module}.{name}(*{arguments!r})))"
-    return fresh_process(program, timeout)
 
 
 def warm_up(*solvers: str) -> None:

@@ -19,7 +19,6 @@ from jointclosure.engine.published_joints import JOINTS, measured
 from jointclosure.engine.quantities import heading
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
-from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of
 
@@ -74,29 +73,6 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     columns["stiffness_ratio"] = later.stiffness_net / before.stiffness_net
     columns["contact_share"] = 100.0 * np.minimum(1.0, film_cells * later.contact_at_max)
     return pd.DataFrame(columns)[list(OBSERVABLES)].dropna().reset_index()
-
-
-def digitised_curve(joint: str) -> MeasuredCurve:
-    """Return both loadings of a measured joint as read: seating, half, largest stress, back."""
-    stress, seating = (measured(name).value for name in ("largest_stress", "seating_stress"))
-    first, later, stiffness = (
-        measured(name, joint).value
-        for name in ("first_closure", "later_closure", "later_stiffness")
-    )
-    stays, later_stays = (
-        0.01 * measured(f"{name}_residual_share", joint).value for name in ("first", "later")
-    )
-    half = later - 0.5 * stress / stiffness
-    points = np.array(
-        [
-            (seating, 0.0, 1), (stress, first, 1), (seating, stays * first, 1),
-            (seating, 0.0, 2), (0.5 * stress, half, 2), (stress, later, 2),
-            (seating, later_stays * later, 2),
-        ]
-    )  # fmt: skip
-    stresses, closures, cycles = points.T
-    lines = np.arange(1, len(points) + 1)
-    return MeasuredCurve(1e6 * stresses, 1e-3 * closures, cycles.astype(int), lines)
 
 
 class _Walls(NamedTuple):
