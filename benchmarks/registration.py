@@ -30,7 +30,7 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
-from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.roughness import detrended
 

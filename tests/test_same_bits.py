@@ -23,7 +23,7 @@ PROCESSORS = {
 already they change nothing."""
 PROGRAM = """
 import hashlib, numpy as np, jointclosure as jc
-from jointclosure.walls.measured import Cloud, Scan, points_of
+from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.registration import registered
 from tests.joints import closed, pair
 

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, Field, create_model
 from jointclosure.inputs import InputError
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
-from jointclosure.walls.measured import FLAT
+from jointclosure.walls.gridding import FLAT
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
 from studies.frame.keys import OR_NULL, Distinct, Jrc, Section, Several, Text, entry, made_of

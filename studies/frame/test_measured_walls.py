@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import block_settings, cases_of, wall_name
 from studies.frame.files import ConfigurationError

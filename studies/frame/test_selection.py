@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from studies.frame import closing as closing
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.closing import choose_for_rock, close_block

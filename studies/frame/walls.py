@@ -11,7 +11,7 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.measured import FLAT, Cloud, Scan, filled, wall_on_grid
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, wall_on_grid
 from jointclosure.walls.measures import hurst_of
 from jointclosure.walls.outliers import without_plateaus
 from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts

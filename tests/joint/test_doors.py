@@ -8,7 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair

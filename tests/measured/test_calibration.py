@@ -21,7 +21,7 @@ from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
 from jointclosure.plotting.measured import fit_figure
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING
 

@@ -16,7 +16,7 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING
 

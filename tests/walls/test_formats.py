@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import jointclosure as jc
-from jointclosure.walls.measured import Cloud, Scan, point_distance, wall_on_grid
+from jointclosure.walls.gridding import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.walls.scans import read_scan
 from tests.joints import SPACING
 from tests.walls.writers import (

@@ -9,8 +9,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
+from jointclosure.walls.gridding import Cloud, wall_on_grid
 from jointclosure.walls.mating import Mismatch, mating, measured_mismatch, slope_correlations
-from jointclosure.walls.measured import Cloud, wall_on_grid
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan

@@ -14,7 +14,7 @@ from benchmarks.registration import Truth, rotation
 from jointclosure.engine.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls import motion
-from jointclosure.walls.measured import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered

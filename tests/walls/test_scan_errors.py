@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.scan_errors import ScanErrors, noise_of

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.walls.measured import (
+from jointclosure.walls.gridding import (
     Cloud,
     Scan,
     filled,

@@ -8,7 +8,7 @@ import pytest
 import scipy.io
 import xarray as xr
 
-from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.scans import read_scan
 
 

@@ -26,7 +26,7 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.rocks import rock_record
 from jointclosure.parameters.units import to_si
-from jointclosure.walls.measured import FLAT
+from jointclosure.walls.gridding import FLAT
 from jointclosure.walls.scans import file_digest
 
 

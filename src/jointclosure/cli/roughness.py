@@ -12,7 +12,7 @@ import pandas as pd
 from jointclosure.cli import options, results
 from jointclosure.inputs import InputError, check_length
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.walls.measured import (
+from jointclosure.walls.gridding import (
     LARGEST_FILLED_SHARE,
     MISSING,
     filled,

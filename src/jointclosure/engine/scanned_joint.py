@@ -28,7 +28,7 @@ from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Numerics, both_walls
-from jointclosure.walls.measured import FLAT, Cloud, Scan
+from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.scans import read_scan

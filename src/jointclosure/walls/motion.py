@@ -13,9 +13,9 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.walls import measured
+from jointclosure.walls import gridding
+from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.mating import slope_correlations
-from jointclosure.walls.measured import Cloud, Scan
 from jointclosure.walls.roughness import plane_through
 
 LEAST_OVERLAP = 0.5
@@ -147,10 +147,10 @@ def on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion
 
 def heights_after(scan: Scan, motion: Motion) -> Callable[[np.ndarray], np.ndarray]:
     """Return a function of nodes (..., 2) [m]: heights of a moved grid by cubic splines, or NaN."""
-    holes = measured.holes(np.isfinite(scan.heights))
-    whole = measured.without_dropouts(scan.heights, holes)
+    holes = gridding.holes(np.isfinite(scan.heights))
+    whole = gridding.without_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
-    spline = scipy.ndimage.spline_filter(measured.nearest_filled(whole))
+    spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
     first, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
 
     def at(nodes: np.ndarray) -> np.ndarray:
@@ -202,7 +202,7 @@ def surface_of(points: np.ndarray, spacing: float) -> Surface:
     known = np.isfinite(points[:, 2])
     plane = plane_through(*points[known].T)
     slopes, low = (plane.slope_x, plane.slope_y), points[:, :2].min(axis=0)
-    bare = Surface(measured.wall_on_grid(Cloud(points), spacing), low, spacing, slopes)
+    bare = Surface(gridding.wall_on_grid(Cloud(points), spacing), low, spacing, slopes)
     offset = float(plane.at(low[0], low[1]))
     return bare._replace(heights=bare.heights + bare.plane + offset)
 

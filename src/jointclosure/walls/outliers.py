@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.measured import Cloud, Scan, points_of
+from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
 NEIGHBOURS = 8

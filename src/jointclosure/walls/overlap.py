@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.walls import measured
+from jointclosure.walls import gridding
 from jointclosure.walls.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
@@ -50,27 +50,27 @@ def overlap_of(
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
     low = corners[1][0] + spacing * np.ceil((low - corners[1][0]) / spacing - 1e-6)
-    shape = measured.node_counts(low, high, spacing)
+    shape = gridding.node_counts(low, high, spacing)
     _check_size((max(shape[0], 0), max(shape[1], 0)), spacing)
-    nodes = measured.grid_nodes(low, shape, spacing)
+    nodes = gridding.grid_nodes(low, shape, spacing)
     plane = 0.5 * (_plane(clouds[0], low, high) + _plane(clouds[1], low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
-    if inclination > measured.LARGEST_TILT:
+    if inclination > gridding.LARGEST_TILT:
         raise InputError(
             f"the walls' common plane is inclined by {inclination:.1f} degrees: at most "
-            f"{measured.LARGEST_TILT:g}; turn the scans so that it is about horizontal"
+            f"{gridding.LARGEST_TILT:g}; turn the scans so that it is about horizontal"
         )
     walls, holes = [], []
     common = nodes[..., 0] * plane[0] + nodes[..., 1] * plane[1] + plane[2]
     for cloud, distance, at in zip(clouds, distances, (upper_at, None), strict=True):
         if at is None:
             level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
-            wall = measured.heights_between(cloud[:, :2], level, nodes, measured.REACH * distance)
+            wall = gridding.heights_between(cloud[:, :2], level, nodes, gridding.REACH * distance)
         else:
             wall = at(nodes) - common
         scattered = np.isfinite(cloud[:, 2]).all() and at is None
-        hole = _holes(wall, measured.REACH * distance / spacing if scattered else 0.0)
-        walls.append(np.where(hole, np.nan, measured.without_dropouts(wall, hole)))
+        hole = _holes(wall, gridding.REACH * distance / spacing if scattered else 0.0)
+        walls.append(np.where(hole, np.nan, gridding.without_dropouts(wall, hole)))
         holes.append(hole)
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
@@ -135,7 +135,7 @@ def _slope(wall: np.ndarray) -> np.ndarray:
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     """Return the cells (y, x) in holes of a wall; of scattered points also those within a reach."""
     known = np.isfinite(wall)
-    holes = measured.holes(known)
+    holes = gridding.holes(known)
     if reach > 0.0:
         holes |= scipy.ndimage.binary_fill_holes(known) & ~known
         if holes.any():
@@ -152,6 +152,6 @@ def _without_contact(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) ->
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)
     if holes.all(axis=0).any():
-        lower = np.where(holes.all(axis=0), measured.filled(lower, "linear", 1.0), lower)
+        lower = np.where(holes.all(axis=0), gridding.filled(lower, "linear", 1.0), lower)
     upper = np.where(holes[0], lower + gap, upper)
     return [upper, np.where(holes[1] & ~holes[0], upper - gap, lower)]

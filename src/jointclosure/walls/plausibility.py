@@ -6,7 +6,7 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.parameters import AS_IT_IS, check_usual
-from jointclosure.walls.measured import PAPER_SPACING, Cloud, Scan, node_counts, points_of
+from jointclosure.walls.gridding import PAPER_SPACING, Cloud, Scan, node_counts, points_of
 from jointclosure.walls.roughness import plane_through
 
 _ROCK = 0.045, 0.9

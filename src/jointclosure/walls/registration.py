@@ -8,9 +8,9 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.walls import measured, plausibility
+from jointclosure.walls import gridding, plausibility
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled
 from jointclosure.walls.mating import CONFIDENCE, Mating, Mismatch, mating, measured_mismatch
-from jointclosure.walls.measured import FLAT, Cloud, Scan, filled
 from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
@@ -154,11 +154,11 @@ def registered(
     check_one_of("spikes", spikes, SPIKES)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
-    distance = max(map(measured.point_distance, scans))
+    distance = max(map(gridding.point_distance, scans))
     stated = distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(scans[0], scans[1], stated)
-    spacing = measured.paper_spacing(distance) if spacing is None else stated
+    spacing = gridding.paper_spacing(distance) if spacing is None else stated
     report: list[str] = []
     for place, side in enumerate(_SIDES):
         if side != flat and not unusual_values:
@@ -168,7 +168,7 @@ def registered(
             scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
-    clouds = [measured.points_of(scan, missing=True) for scan in scans]
+    clouds = [gridding.points_of(scan, missing=True) for scan in scans]
     name, mated = orientation or "common_frame", None
     fits: list[Fit] = []
     if flat:
@@ -178,7 +178,7 @@ def registered(
         sides = [np.ptp(points[:, :2], axis=0).max() for points in clouds]
         cell = distance if max(sides) < MOST_CELLS * distance else spacing
         surfaces = [
-            surface_of(measured.points_of(scan, missing=True), cell)
+            surface_of(gridding.points_of(scan, missing=True), cell)
             for scan in ((fine, finest) if cell == distance else scans)
         ]
         name, fits, mated = _fitted(
@@ -197,8 +197,8 @@ def registered(
         if isinstance(fine, Scan):
             most = min(max(ON_NODES * spacing, 2.0 * mated.error(reach)), 0.5 * spacing)
             motion = on_nodes(motion, fine, clouds[1][:, :2].min(axis=0), most)
-    clouds[0] = _moved(measured.points_of(fine, missing=True), motion)
-    distances = [measured.point_distance(scan) for scan in (fine, scans[1])]
+    clouds[0] = _moved(gridding.points_of(fine, missing=True), motion)
+    distances = [gridding.point_distance(scan) for scan in (fine, scans[1])]
     upper_at = heights_after(fine, motion) if isinstance(fine, Scan) else None
     overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
     if flat:
@@ -245,7 +245,7 @@ def _both_scans(
             raise InputError("upper and lower: both walls are flat; one must be a scan")
         if orientation is not None:
             raise InputError(f"orientation = {orientation!r}: must be left out for a flat wall")
-        return measured.plane_of(lower), lower
+        return gridding.plane_of(lower), lower
     if isinstance(lower, str):
         if orientation not in ("common_frame", "towards"):
             stated = "" if orientation is None else f" = {orientation!r}"
@@ -253,7 +253,7 @@ def _both_scans(
                 f"orientation{stated}: must be stated where the lower wall is flat: common_frame "
                 "(the heights are an aperture map) or towards (they count towards the other wall)"
             )
-        return upper, measured.plane_of(upper, round(_FLIPS[orientation][2, 2]))
+        return upper, gridding.plane_of(upper, round(_FLIPS[orientation][2, 2]))
     return upper, lower
 
 
@@ -272,14 +272,14 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
     anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
     result = []
     for side, scan in zip(_SIDES, scans, strict=True):
-        distance = measured.point_distance(scan)
+        distance = gridding.point_distance(scan)
         if 2.0 * distance <= spacing:
             report.append(
                 f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
                 f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
             )
             if isinstance(scan, Scan):
-                nodes = measured.sampled(scan, spacing, anchor)
+                nodes = gridding.sampled(scan, spacing, anchor)
                 first = np.array(nodes.origin)[::-1]
                 if side == "lower":  # heights of the upper one are taken at the lower's nodes
                     lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, naming, size_of
-from jointclosure.walls.measured import Cloud, Scan
+from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.scans import grids, meshes, text
 from jointclosure.walls.scans.contents import (
     LARGEST_FILE,

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.walls.measured import gaps
+from jointclosure.walls.gridding import gaps
 from jointclosure.walls.outliers import strays, unique_places
 from jointclosure.walls.scans.contents import (
     Contents,

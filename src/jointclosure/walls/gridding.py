@@ -1,4 +1,4 @@
-"""Scans, and their conversion to heights on the square grid of a joint. See docs/two_scans.md."""
+"""Scans, and their gridding: heights on the square grid of a joint. See docs/two_scans.md."""
 
 from typing import NamedTuple
 
