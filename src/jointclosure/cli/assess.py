@@ -28,8 +28,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Assess the joint and write its folder; return 1 if it is not stable."""
-    rock = options.rock_of(arguments, "max_normal_stress")
-    stated = options.conditions_of(arguments, rock, RESOLVED)
+    _, stated = options.keywords(arguments, Conditions, RESOLVED, "max_normal_stress")
     asked = options.given(arguments, ("within", "budget"))
     check_request(Conditions(**{"spacing": None} | stated), **asked)
     scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))

@@ -52,18 +52,17 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.perf_counter()
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
-    rock = options.rock_of(arguments, "max_normal_stress")
-    further = options.given(arguments, (*options.SCANS, *options.PLACES, "single", "workers"))
-    further |= {"ranges": _ranges(arguments.range)}
-    stated = options.conditions_of(arguments, rock, RESOLVED) | further
-    scans = {"upper": arguments.upper, "lower": arguments.lower}
-    kept = results.kept_stresses(arguments, stated["max_normal_stress"])
-    joint = close(**scans, **stated, snapshots=kept, rock_name=rock.title, progress=True)
+    rock, stated = options.keywords(arguments, close, RESOLVED, "max_normal_stress")
+    stated["ranges"] = _ranges(arguments.range)
+    asked, stress = stated.pop("snapshots"), stated["max_normal_stress"]
+    kept = results.kept_stresses(asked, arguments.animation, stress)
+    joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)
     text, answer = results.summary(joint.history, joint.laws, joint.budget)
     print(text)
+    scans = {"upper": arguments.upper, "lower": arguments.lower}
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
-    files = _files(joint, scans, results.attributes(scans | stated), title, answer)
+    files = _files(joint, scans, results.attributes(stated), title, answer)
     wrote = results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""

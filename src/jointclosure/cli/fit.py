@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Fit the joint, and print and write the result; null in its file means infinity."""
     if arguments.output:
         from jointclosure.plotting.measured import fit_figure
-    stated = options.measured_joint_of(arguments, fit, RESOLVED)
+    stated = options.measured_joint(arguments, fit, RESOLVED)
     cache = arguments.output / "joints" if arguments.output else None
     result = fit(**stated, cache=cache, progress=True)
     found, strength = result.sentences(), result.compressive_strength

@@ -9,10 +9,14 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, get_args, get_origin
 
+from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
+from jointclosure.joint.simulation import simulate
+from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+from jointclosure.measured.joints import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.files import check_record
@@ -27,38 +31,30 @@ UNITS = (
     | dict.fromkeys(("shifts", "crushed_strength_ratios"), "1")
 )
 """Units of options by keyword; other options have none."""
-_SHORT = {
-    "max_normal_stress": "stress",
-    "seating_stress": "seating",
-    "compressive_strength": "strength",
+_NAMES = {
+    "max_normal_stress": ("--stress", "--max-normal-stress"),
+    "seating_stress": ("--seating", "--seating-stress"),
+    "compressive_strength": ("--strength", "--compressive-strength"),
+    "shape": ("--cells",),
 }
-"""Short names of options beside that of their keyword."""
+"""Options by keyword whose names are not those of the keywords alone."""
 _CHOICES: dict[str, Iterable[str]] = {
     "units": UNITS_OF_SCANS,
     "orientation": ORIENTATIONS,
     "shift": SHIFTS,
     "spikes": SPIKES,
     "solver": SOLVER_NAMES,
+    "stress_unit": STRESS_UNITS,
+    "closure_unit": CLOSURE_UNITS,
 }
 PICTURES = (".png", ".pdf", ".svg")
+SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
+"""Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
 
 
-def shape(text: str) -> tuple[int, int]:
-    """Read the number of cells (y, x)."""
-    parts = text.lower().split("x")
-    if len(parts) > 2 or not all(part.isdigit() for part in parts):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two such as 200x100")
-    return int(parts[-1]), int(parts[0])
-
-
-CELLS: dict[str, Any] = {"option": "--cells", "type": shape, "metavar": "N"}
-"""Arguments of the option for the keyword ``shape``."""
-
-
-def options_of(keyword: str) -> list[str]:
-    """Return the options of a keyword, a short one first: --stress, --max-normal-stress."""
-    names = dict.fromkeys((_SHORT.get(keyword, keyword), keyword))
-    return [f"--{name.replace('_', '-')}" for name in names]
+def names_of(keyword: str) -> tuple[str, ...]:
+    """Return the names of the option for a keyword, a short one first."""
+    return _NAMES.get(keyword) or (f"--{keyword.replace('_', '-')}",)
 
 
 def add_keywords(
@@ -71,27 +67,23 @@ def add_keywords(
     """Declare keywords of a function as options, helped by first sentences of its documentation.
 
     A value that is not given is not in the arguments, so that the function's default holds, or
-    that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword, with the ``option``
-    if it has another name.
+    that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword.
     """
     texts, signature = documented(function), inspect.signature(function).parameters
     for name in (*names, *changes):
-        change = changes.get(name, {})
+        change, parameter = changes.get(name, {}), signature[name]
+        text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0].replace("%", "%%")
+        default = change.get("default", usual.get(name, parameter.default))
         about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}
-        about["help"] = re.split(r"(?<! al)\.(?: |$)", texts[name])[0].replace("%", "%%")
-        about |= {} if "choices" in change else _form(name, signature[name].annotation)
-        default = change.get("default", usual.get(name, signature[name].default))
         if isinstance(default, bool):
             about["default"] = default
         elif default not in (None, (), inspect.Parameter.empty):
             unit = UNITS.get(name, "")
             several = isinstance(default, tuple) and ",".join(map(str, default))
             shown = several or (f"{in_unit(default, unit)} {unit}" if unit else default)
-            shown = f"{shown:g}" if isinstance(shown, float) else shown
-            about["help"] += f" (default {shown})"
-        about |= change
-        option = about.pop("option", None)
-        group.add_argument(*([option] if option else options_of(name)), **about)
+            text += f" (default {shown:g})" if isinstance(shown, float) else f" (default {shown})"
+        form = {} if "choices" in change else _form(name, parameter.annotation)
+        group.add_argument(*names_of(name), **{"help": text} | about | form | change)
 
 
 def _form(name: str, hint: Any) -> dict[str, Any]:
@@ -101,6 +93,8 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
     several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction if name == "replay" else "store_true"}
+    if name == "shape":
+        return {"type": partial(read, _cells), "metavar": "N"}
     if name in _CHOICES or Literal in kinds:
         allowed = list(_CHOICES.get(name, get_args(hint)))
         for_each = {"type": one_or_two, "metavar": f"{'|'.join(allowed)},..."}
@@ -120,6 +114,14 @@ def read(check: Callable, *words: Any) -> Any:
         return check(*words)
     except InputError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _cells(text: str) -> tuple[int, int]:
+    """Read the number of cells (y, x)."""
+    parts = text.lower().split("x")
+    if len(parts) > 2 or not all(part.isdigit() for part in parts):
+        raise InputError(f"{text!r}: must be a number, or two such as 200x100")
+    return int(parts[-1]), int(parts[0])
 
 
 def one_or_two(text: str) -> str | tuple[str, ...]:
@@ -166,21 +168,13 @@ def add_file(
     group.add_argument(option, help=text, metavar=metavar, **form)
 
 
-SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
-"""Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
-
-
 def add_walls(command: argparse.ArgumentParser) -> None:
     """Declare the scans of both walls, and the grid and position of the joint."""
-    from jointclosure.engine.scanned_joint import close  # which other commands do not load
-
     for wall in ("upper", "lower"):
         what = "x.txt,y.txt,z.txt for matrices in three files; or flat"
         command.add_argument(wall, help=f"scan of the {wall} wall; {what}")
-    scans = command.add_argument_group("scans")
-    add_keywords(scans, close, *SCANS)
-    joint = command.add_argument_group("joint")
-    add_keywords(joint, registered, "spacing", *PLACES)
+    add_keywords(command.add_argument_group("scans"), close, *SCANS)
+    add_keywords(command.add_argument_group("joint"), registered, "spacing", *PLACES)
 
 
 def add_conditions(
@@ -192,10 +186,8 @@ def add_conditions(
                       type=lambda name: matching(name, ROCKS) or name)  # fmt: skip
     for name, about in OF_ROCK.items():
         form = _form(name, float) | {"dest": name, "default": argparse.SUPPRESS}
-        rock.add_argument(*options_of(name), help=f"{about.long_name} {about.symbol}", **form)
+        rock.add_argument(*names_of(name), help=f"{about.long_name} {about.symbol}", **form)
     if load:
-        from jointclosure.joint.simulation import simulate  # which other commands do not load
-
         loads = command.add_argument_group("load")
         add_keywords(loads, Conditions, "max_normal_stress", "cycles", "seating_stress")
     if load and states:
@@ -214,17 +206,11 @@ def add_conditions(
 def add_measured(
     command: argparse.ArgumentParser, usual: Numerics, title: str, function: Callable, *names: str
 ) -> None:
-    """Declare a measured curve, keywords of a function, and the joints that are closed beside it.
-
-    ``usual`` are their numerics, and ``title`` is that of the keywords.
-    """
-    from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
-    from jointclosure.measured.joints import MeasuredJoint
-
+    """Declare a measured curve, titled keywords of a function, and joints with usual numerics."""
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     add_keywords(
-        command.add_argument_group("curve"), MeasuredJoint, "seating_stress",
-        stress_unit={"choices": STRESS_UNITS}, closure_unit={"choices": CLOSURE_UNITS},
+        command.add_argument_group("curve"), MeasuredJoint, "seating_stress", "stress_unit",
+        "closure_unit",
         columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
         closure_error={"type": float, "metavar": "%", "default": 2.0},
     )  # fmt: skip
@@ -232,22 +218,9 @@ def add_measured(
     joint = command.add_argument_group("joint")
     scans = {"nargs": 2, "metavar": ("UPPER", "LOWER")}
     add_keywords(joint, MeasuredJoint, "units", "orientation", scans=scans)
-    sides = joint.add_mutually_exclusive_group()
-    add_keywords(sides, MeasuredJoint, "size", shape=CELLS)
+    add_keywords(joint.add_mutually_exclusive_group(), MeasuredJoint, "size", "shape")
     add_keywords(joint, MeasuredJoint, "jrc", "spacing", "hurst", "roll_off", "surfaces", "seed")
     add_conditions(command, usual, load=False)
-
-
-def measured_joint_of(
-    arguments: argparse.Namespace, function: Callable, usual: Numerics
-) -> dict[str, Any]:
-    """Return the arguments of a function for a curve and its joint."""
-    scanned = hasattr(arguments, "scans")
-    rock = rock_of(arguments, *() if scanned else ("jrc",))
-    stated = given(arguments, inspect.signature(function).parameters)
-    stated |= model_of(arguments, usual) | {"rock": rock.intact}
-    stated["closure_error"] = 1e-2 * arguments.closure_error
-    return stated if scanned else stated | {"jrc": rock.jrc}
 
 
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
@@ -255,15 +228,18 @@ def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
 
 
-def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
-    """Return the rock, JRC and stress that are given, otherwise those of the named rock.
+def keywords(
+    arguments: argparse.Namespace, function: Callable, usual: Numerics, *needed: str
+) -> tuple[KnownRock, dict[str, Any]]:
+    """Return the rock, and the keywords of a function that are given or of the named rock.
 
-    Without a named rock all of its properties, and the keywords ``needed``, must be given.
+    Without a named rock all of its properties must be given, and those of ``needed`` that it has
+    not. Without a stated rule of breakage the ``usual`` numerics hold.
     """
     known, stated = ROCKS.get(arguments.rock), given(arguments, OF_ROCK)
     required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]
     missing = [
-        options_of(name)[0]
+        names_of(name)[0]
         for name in (*required, *needed)
         if getattr(known, name, None) is None and not hasattr(arguments, name)
     ]
@@ -272,28 +248,26 @@ def rock_of(arguments: argparse.Namespace, *needed: str) -> KnownRock:
         raise InputError(f"{where}: {', '.join(missing)} must be given")
     intact = known.intact._replace(**stated) if known else Rock(**stated)
     rock = (known or KnownRock("Rock", intact))._replace(intact=intact)
-    return rock._replace(**given(arguments, ("jrc", "max_normal_stress")))
-
-
-def model_of(arguments: argparse.Namespace, usual: Numerics) -> dict[str, Any]:
-    """Return effects, choices and numerics; without a stated rule of breakage the usual ones."""
+    rock = rock._replace(**given(arguments, needed))
     stated = given(arguments, Numerics._fields)
     numerics = (Numerics() if "breakage" in stated else usual)._replace(**stated)
     if "tolerance" in stated and numerics.breakage != "resolved":
         raise InputError(
             "--tolerance: has no effect on fixed steps of breakage, needs --breakage resolved"
         )
-    return {
+    return rock, given(arguments, inspect.signature(function).parameters) | {
+        **{name: getattr(rock, name) for name in needed},
+        "rock": rock.intact,
         "effects": Effects()._replace(**dict.fromkeys(arguments.without, False)),
         "choices": Choices(**given(arguments, Choices._fields)),
         "numerics": numerics,
     }
 
 
-def conditions_of(
-    arguments: argparse.Namespace, rock: KnownRock, usual: Numerics
+def measured_joint(
+    arguments: argparse.Namespace, function: Callable, usual: Numerics
 ) -> dict[str, Any]:
-    """Return the fields of `Conditions` that are given; ``usual`` as for `model_of`."""
-    stress = {"max_normal_stress": rock.max_normal_stress}
-    stated = given(arguments, Conditions._fields) | {"rock": rock.intact}
-    return stress | stated | model_of(arguments, usual)
+    """Return the keywords of a function for a measured curve; scanned walls need no JRC."""
+    needed = () if hasattr(arguments, "scans") else ("jrc",)
+    _, stated = keywords(arguments, function, usual, *needed)
+    return stated | {"closure_error": 1e-2 * arguments.closure_error}

@@ -149,13 +149,15 @@ def scaled(values: Any, scale: float = 1.0) -> Any:
     return dict(zip(values._fields, known, strict=True)) if hasattr(values, "_fields") else known
 
 
-def kept_stresses(arguments: argparse.Namespace, stress: Any) -> tuple[float, ...]:
+def kept_stresses(
+    snapshots: tuple[float, ...], animation: Path | None, stress: Any
+) -> tuple[float, ...]:
     """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
-    if arguments.animation is None:
-        return arguments.snapshots
+    if animation is None:
+        return snapshots
     from jointclosure.plotting.snapshots import animated_stresses
 
-    return (*arguments.snapshots, *animated_stresses(largest_stress(stress)))
+    return (*snapshots, *animated_stresses(largest_stress(stress)))
 
 
 def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: str) -> xr.Dataset:

@@ -14,6 +14,7 @@ examples:
 """
 
 import argparse
+import inspect
 import time
 from typing import Any
 
@@ -27,20 +28,15 @@ from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
 from jointclosure.walls.synthesis import wall_pair
 
-_WALLS = ("hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
+_WALLS = ("jrc", "hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
           "mismatch_wavelength", "rule", "roll_off")  # fmt: skip
-"""Keywords of `jointclosure.wall_pair` that have a default."""
 
 
 def declare(command: argparse.ArgumentParser) -> None:
     joint = command.add_argument_group("joint")
     cells = {"default": (100, 100), "help": "number of cells: 100 (default), or 200x100 (x by y)"}
-    usual = {
-        "shape": options.CELLS | cells,
-        "spacing": {"default": 0.25e-3},
-        "seed": {"default": 1},
-    }
-    options.add_keywords(joint, wall_pair, "jrc", *_WALLS, **usual)
+    usual: Any = {"shape": cells, "spacing": {"default": 0.25e-3}, "seed": {"default": 1}}
+    options.add_keywords(joint, wall_pair, *_WALLS, **usual)
     options.add_conditions(command, Numerics())
     files = command.add_argument_group("results")
     options.add_file(files, "--output", "netCDF of all steps", ".nc")
@@ -57,20 +53,15 @@ def run(arguments: argparse.Namespace) -> int:
     if snapshots or arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.joint import closure_curve
         from jointclosure.plotting.snapshots import snapshot_figure
-    rock = options.rock_of(arguments, "jrc", "max_normal_stress")
-    jrc: Any = rock.jrc
-    stated = options.conditions_of(arguments, rock, Numerics())
+    rock, stated = options.keywords(arguments, Conditions, Numerics(), "jrc", "max_normal_stress")
+    about = options.given(arguments, inspect.signature(wall_pair).parameters)
+    about["jrc"] = jrc = stated.pop("jrc")
     conditions = Conditions(**stated)
-    kept = results.kept_stresses(arguments, conditions.max_normal_stress)
+    kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     conditions.checked(kept)
-    about = {"jrc": jrc, "spacing": conditions.spacing, "unusual_values": conditions.unusual_values}
-    about |= options.given(arguments, ("shape", "seed", *_WALLS))
     walls = wall_pair(**about)
-    ny, nx = arguments.shape
-    title = (
-        f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {1e3 * conditions.grid_spacing:g} mm, "
-        f"seed {arguments.seed}"
-    )
+    (ny, nx), size = arguments.shape, 1e3 * conditions.grid_spacing
+    title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
     print(f"{title}: {conditions.load_text()}")
     start = time.perf_counter()
     with closing_bar(conditions.cycle_count) as report:

@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print and write what is compatible with the curve."""
     if arguments.output:
         from jointclosure.plotting.measured import region_figure
-    stated = options.measured_joint_of(arguments, validate, NUMERICS)
+    stated = options.measured_joint(arguments, validate, NUMERICS)
     cache = arguments.output / "joints" if arguments.output else None
     region = validate(**stated, cache=cache, report=lambda line: print(f"- {line}", flush=True))
     ranges, quantities = region.table(), region.quantities()
