@@ -8,8 +8,7 @@ import jointclosure as jc
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.gridding import Scan
 from studies.frame import closing as closing
-from studies.frame.cases import block_settings, cases_of
-from studies.frame.closing import choose_for_rock, close_block
+from studies.frame.closing import Ensemble, choose_for_rock, close_block
 from studies.frame.walls import prepared_walls
 from tests.joints import SPACING
 from tests.studied import study_of
@@ -30,8 +29,8 @@ def scan(tmp_path, monkeypatch):
 def settings_to(tolerance, **rock):
     rock = rock | {"max_normal_stress_MPa": 1}
     study = study_of(SMALL, {"effects": {"auto": tolerance}, "rocks": {"slate": rock}})
-    cases = {case.label: case for case in cases_of(study)}
-    return {label: block_settings(study, case, range(4)) for label, case in cases.items()}
+    ensemble = Ensemble(study)
+    return {label: ensemble.settings(label, range(4)) for label in ensemble.cases}
 
 
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():

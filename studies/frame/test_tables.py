@@ -10,13 +10,7 @@ import jointclosure as jc
 from jointclosure.joint.curves import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
-from studies.commands.compare import (
-    TARGETS,
-    by_rock,
-    closure_changes,
-    differences,
-    surfaces_sentence,
-)
+from studies.commands import compare
 from studies.commands.engineering import band_table
 from studies.frame.panels import Column, Row, panels
 from tests.joints import DOLERITE, ELASTIC, SPACING
@@ -150,36 +144,36 @@ TINY = {
 def study(factor=1.0, **changes):
     """A study of one rock, of made-up joints whose closures are multiplied."""
     made = world(study_of(TINY, {"study": {"realizations": 6} | changes}))
-    made = made.assign({name: factor * made[name] for name in TARGETS})
+    made = made.assign({name: factor * made[name] for name in compare.TARGETS})
     return made.assign_attrs(source_digest="abc", provenance_commit=str(changes))
 
 
 def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
-    changes = closure_changes(study(), study(1.1))
+    changes = compare.closure_changes(study(), study(1.1))
     assert changes.same_surfaces.all()
     np.testing.assert_allclose(changes.change_percent, 10.0)
     # a constant factor: the differences scatter a tenth of what the closures do
     assert changes.standard_error_percent.max() < 1.0
-    assert "the same surfaces" in surfaces_sentence(changes)
+    assert "the same surfaces" in compare.surfaces_sentence(changes)
     for other in ({"root_seed": 2}, {"realizations": 5}):
-        others = closure_changes(study(), study(1.1, **other))
+        others = compare.closure_changes(study(), study(1.1, **other))
         assert not others.same_surfaces.any()
         assert others.standard_error_percent.min() > 1.0
-        assert "The surfaces differ in 7 of 7 cases" in surfaces_sentence(others)
-    assert len(by_rock(changes)) == 2 * len(TARGETS)
+        assert "The surfaces differ in 7 of 7 cases" in compare.surfaces_sentence(others)
+    assert len(compare.by_rock(changes)) == 2 * len(compare.TARGETS)
 
 
 def test_all_that_differs_is_named():
-    assert differences(study(), study()) == []
+    assert compare.differences(study(), study()) == []
     timed = study()
     timed["timing_simulation"] = 2.0 * timed.timing_simulation
     timed.attrs["provenance_commit"] = "other"
-    assert differences(study(), timed) == []
+    assert compare.differences(study(), timed) == []
     moved = study()
     moved["max_closure"] = moved.max_closure.copy()
     moved.max_closure[0, 1, 0] += 1e-15
     moved.attrs["source_digest"] = "xyz"
-    found = differences(study(), moved.drop_vars("residual_closure"))
+    found = compare.differences(study(), moved.drop_vars("residual_closure"))
     assert found[0] == "attribute source_digest differs"
     assert found[1].startswith("variable max_closure differs in 1 of 84 values, by at most")
     assert found[2] == "variable residual_closure: only in the first"
@@ -203,6 +197,6 @@ def test_compare_exact_fails_where_anything_differs(folders, capsys):
 def test_failures_are_left_out_on_both_sides():
     broken = study(1.1)
     broken["status"][0, 2] = 16
-    changes = closure_changes(study(), broken)
+    changes = compare.closure_changes(study(), broken)
     assert changes[changes.case == "slate-base"].samples.unique() == 5
     np.testing.assert_allclose(changes.change_percent, 10.0)

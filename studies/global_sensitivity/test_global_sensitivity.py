@@ -10,7 +10,6 @@ from studies.frame.configuration import configured, merged
 from studies.frame.experiments import experiment_named
 from studies.frame.files import read_plain
 from studies.frame.points import close_points
-from studies.frame.settings import walls_of
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.table import (
     QUANTITIES,
@@ -64,24 +63,6 @@ def world(design):
             coords={"row": np.arange(len(points)), "cycle": [1, 2]},
         )
     return closed
-
-
-def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design):
-    points = design.points()
-    settings = settings_of_rock(design, tiny_study(**section(rows=64)), "slate")
-    first = [settings(3, point) for point in points[3]]
-    low, high = 60e9, 72e9  # Table 2
-    moduli = np.array([each.conditions.rock.youngs_modulus for each in first])
-    np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
-    expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
-    assert [each.conditions.choices.peaks for each in first] == expected
-    assert {each.first_realization for each in first} == {6}
-    assert settings(4, points[4, 0]).first_realization == 8
-    # at the same roughness the walls are the same ones
-    same = [each for each in first if each.case.jrc == first[0].case.jrc]
-    assert len(same) > 2
-    one, other = (next(walls_of(each)) for each in same[:2])
-    assert np.array_equal(one[0], other[0])
 
 
 MORE = {

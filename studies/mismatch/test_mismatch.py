@@ -14,14 +14,6 @@ def run(joints):
     return gridded(joints, ("wavelength", "shift", "realization"), EXPERIMENT.quantities)
 
 
-def test_wavelengths_are_closed_in_order_with_independent_walls_last(design, joints):
-    assert list(design.jobs()) == ["slate.1000um", "slate.3000um", "slate.independent"]
-    assert joints.wavelength.unique().tolist() == [1e-3, 3e-3, np.inf]
-    # independent walls are not shifted
-    shifts = joints.groupby("wavelength")["shift"].unique()
-    assert [each.tolist() for each in shifts] == [[0.0, 2e-3], [0.0, 2e-3], [0.0]]
-
-
 def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_unshifted(run):
     first = run.sel(cycle=1).mean("realization")
     still = first.max_closure_seated_net.sel(shift=0.0).values
@@ -36,16 +28,11 @@ def test_means_are_those_of_the_joints(tables, run):
     own = run.sel(wavelength=1e-3, shift=0.0, cycle=2)
     row = table[(table.wavelength_mm == 1.0) & (table.shift_mm == 0.0) & (table.cycle == 2)]
     assert row.samples.item() == 3
-    closures = 1e3 * own.max_closure_seated_net.values
-    assert row.max_closure_seated_net_mm.item() == pytest.approx(closures.mean())
-    error = closures.std(ddof=1) / np.sqrt(3)
-    assert row.max_closure_seated_net_mm_error.item() == pytest.approx(error)
-    # that of the mean curve: compliances add
-    stiffness = 1e-9 / float((1.0 / own.stiffness_net).mean())
-    assert row.stiffness_net_MPa_per_mm.item() == pytest.approx(stiffness)
+    closure = 1e3 * float(own.max_closure_seated_net.mean())
+    assert row.max_closure_seated_net_mm.item() == pytest.approx(closure)
     stays = float(own.residual_closure_seated_net.mean() / own.max_closure_seated_net.mean())
     assert row.residual_share_net.item() == pytest.approx(stays)
-    assert len(table) == 2 * (2 * 2 + 1)
+    assert len(table) == 2 * (2 * 2 + 1)  # independent walls are not shifted
 
 
 def made_up(closures, scatter, surfaces=40):

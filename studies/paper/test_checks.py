@@ -6,8 +6,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.curves import crossing
-from studies.frame.cases import block_settings, cases_of
-from studies.frame.closing import close_block
+from studies.frame.closing import Ensemble, close_block
 from studies.frame.settings import walls_of
 from studies.frame.tables import join_cases
 from studies.paper.checks import check_results, flow_table
@@ -21,17 +20,12 @@ TINY = {
 }
 
 
-def settings_of(label, flow=False):
-    configuration = study_of(TINY, {"flow": flow})
-    cases = {case.label: case for case in cases_of(configuration)}
-    return block_settings(configuration, cases[label], range(3))
-
-
 def tiny_study(flow: bool) -> xr.Dataset:
     """A study of the first two cases, put together."""
-    first = cases_of(study_of(TINY, {"flow": flow}))[:2]
-    study = join_cases(first, [close_block(settings_of(case.label, flow)) for case in first])
-    return study.assign_coords(scene=("case", ["all"] * 2))
+    ensemble = Ensemble(study_of(TINY, {"flow": flow}))
+    first = list(ensemble.cases.values())[:2]
+    closed = [close_block(ensemble.settings(case.label, range(3))) for case in first]
+    return join_cases(first, closed).assign_coords(scene=("case", ["all"] * 2))
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +35,7 @@ def studies():
 
 @pytest.mark.parametrize("direction", ["x", "y"])
 def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
-    settings = settings_of("slate-base")
+    settings = Ensemble(study_of(TINY)).settings("slate-base", range(1))
     walls = next(iter(walls_of(settings)))
     closed = jc.simulate(*walls, **settings.conditions._asdict() | {"flow": True})
     here = (closed.load_cycle == 1).values & (closed.branch == "loading").values

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.joint.curves import closures_at, landing_stress
 from jointclosure.joint.laws import barton_bandis
-from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
 from studies.size.study import (
     EXPERIMENT,
@@ -144,23 +142,6 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
     assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}
 
 
-def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
-    """Later loadings do not land, and are read to the maximum."""
-    (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
-    conditions = point.settings.conditions
-    largest = float(conditions.max_normal_stress)
-    closed = close_walls(*walls_of(point), conditions)
-    ends = landing_stress(closed, 1), float(closed.normal_stress.max())
-    assert 0.5 * largest < ends[0] < 0.95 * largest
-    for cycle, end in enumerate(ends, start=1):
-        levels = np.array([0.5 * largest, end])
-        chord = np.diff(levels) / np.diff(closures_at(closed, levels)[cycle - 1, 0])
-        read = run.stiffness_net.sel(
-            spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
-        )
-        assert float(read) == pytest.approx(chord[0])
-
-
 def test_what_is_too_many_cells_is_not_closed(run):
     sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
     assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
@@ -211,10 +192,3 @@ def test_the_spread_is_free_of_the_noise_of_its_means():
     error = np.std(squares) / np.sqrt(len(squares))
     assert abs(np.mean(squares) - true) < 3.0 * error
     assert true > 3.0 * error
-
-
-def test_what_is_no_power_of_the_size_stays():
-    predictors, response = made_up(8, 1e-9, extra=0.1)
-    found = collapse_of(predictors, response)
-    assert found.left == pytest.approx(np.sqrt(np.mean([0.01, 0.04, 0.01])))
-    assert found.removed == pytest.approx(1.0 - 0.02 / np.mean(response[:, 0] ** 2))

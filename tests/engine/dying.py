@@ -1,14 +1,7 @@
-"""Tasks whose worker dies; workers import them, so that this module imports little."""
+"""A task whose worker dies; workers import it, so that this module imports little."""
 
 import os
 import signal
-
-
-def die_or_double(number):
-    """End the process if the number is negative, else double it."""
-    if number < 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return 2 * number
 
 
 def kill_worker_once(walls, reading, marker):

@@ -21,10 +21,10 @@ from jointclosure.engine.expected_cost import (
 )
 from jointclosure.engine.joints import NOT_SIMULATED
 from jointclosure.engine.uncertainty import sources_of, variants_of
-from jointclosure.engine.workers import Failed, in_threads, shared
+from jointclosure.engine.workers import in_threads
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
-from tests.engine.dying import die_or_double, kill_worker_once
+from tests.engine.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
 
@@ -82,13 +82,6 @@ def test_where_none_can_be_closed_the_reason_is_raised():
         jc.simulate_ensemble([], **LOAD)
     with pytest.raises(jc.InputError, match="workers = 0"):
         jc.simulate_ensemble(rule, workers=0, **LOAD)
-
-
-def test_a_worker_that_is_killed_loses_its_task_alone():
-    found = dict(shared(die_or_double, [(1,), (-1,), (2,), (3,)], workers=2))
-    assert isinstance(found[1], Failed)
-    assert "before it was done" in str(found[1].error)
-    assert [found[i] for i in (0, 2, 3)] == [2, 4, 6]
 
 
 def test_threads_end_with_the_work_that_wanted_them():

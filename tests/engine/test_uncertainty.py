@@ -31,13 +31,19 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.files import read_plain
-from tests.joints import DOLERITE, SPACING
+from tests.joints import DOLERITE, SPACING, pair
 from tests.studied import ROOT
 
 CONDITIONS = jc.Conditions(
     SPACING, DOLERITE, 2e6, 1, 0.2e6, choices=jc.Choices(strength_bound="none")
 )
 CLOSURE = next(iter(QUANTITIES))
+MODULI = {"youngs_modulus": (50e9, 90e9)}
+
+
+@pytest.fixture(scope="module")
+def budget():
+    return uncertainty_budget(*pair((20, 24)), CONDITIONS, MODULI, workers=1)
 
 
 def test_total_indices_are_those_of_a_product():
@@ -48,11 +54,11 @@ def test_total_indices_are_those_of_a_product():
     departures = ((1.0 + a) * (1.0 + b) + e - a - b).var()
     draws = {ORDER: np.array([-1.0, 1.0]) * 0.1}  # with that of the joint, a variance of 0.01
     indices, total = total_indices(alone, draws, departures), sum(alone.values()) + departures
-    pair = (a * b).var()
-    assert indices["a"] == pytest.approx((alone["a"] + pair) / total, rel=1e-3)
-    assert indices["b"] == pytest.approx((alone["b"] + pair) / total, rel=1e-3)
+    both = (a * b).var()
+    assert indices["a"] == pytest.approx((alone["a"] + both) / total, rel=1e-3)
+    assert indices["b"] == pytest.approx((alone["b"] + both) / total, rel=1e-3)
     assert indices[ORDER] == pytest.approx(0.01 / total, rel=1e-3)
-    assert sum(indices.values()) == pytest.approx(1.0 + pair / total, rel=1e-3)
+    assert sum(indices.values()) == pytest.approx(1.0 + both / total, rel=1e-3)
 
 
 def test_random_sources_have_no_more_than_the_departures_and_none_of_the_order():
@@ -131,10 +137,10 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         assert (ends.low >= 0.0).all()
 
 
-def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
-    budget, alone = (uncertainty_budget(*small_joint, CONDITIONS, workers=n) for n in (2, 1))
-    pd.testing.assert_frame_equal(budget.results, alone.results, check_exact=True)
-    pd.testing.assert_frame_equal(budget.curves, alone.curves, check_exact=True)
+def test_a_budget_has_results_of_all_joints_and_the_best(budget, small_joint):
+    again = uncertainty_budget(*small_joint, CONDITIONS, MODULI, workers=2)
+    pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
+    pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
     drawn = budget.results[budget.results.source == ALL]
     assert len(drawn) == DRAWS
     assert drawn.value.is_unique
@@ -159,7 +165,7 @@ def test_a_joint_that_fails_has_unknown_results_and_no_error(small_joint):
 
 def test_random_values_fill_their_ranges():
     conditions = CONDITIONS.checked()
-    sources = sources_of(conditions, (20, 24), {"youngs_modulus": (50e9, 90e9)})
+    sources = sources_of(conditions, (20, 24), MODULI)
     drawn = [v for v in variants_of(conditions, sources, 40) if v.source == ALL]
     ratios = np.sort([v.conditions.choices.peak_modulus_ratio for v in drawn])
     low, high = PLAUSIBLE["peak_modulus_ratio"]
@@ -171,8 +177,7 @@ def test_random_values_fill_their_ranges():
         assert [values.count(value) for value in set(values)] == [20, 20]
 
 
-def test_each_source_is_varied_alone_to_its_plausible_values(small_joint):
-    budget = uncertainty_budget(*small_joint, CONDITIONS, {"youngs_modulus": (50e9, 90e9)})
+def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint):
     results = budget.results.set_index(["source", "value"])[CLOSURE]
     alone = {
         ("", ""): CONDITIONS,

@@ -4,7 +4,6 @@ import pytest
 from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
-    confidence_limits,
     deviation_covariance,
     deviation_of,
     harmonic_mean,
@@ -134,17 +133,6 @@ def test_a_claim_stands_above_falls_below_and_a_difference_within_the_tolerance_
     interval, above, alike, expected
 ):
     assert verdict(interval, above, alike) == expected
-
-
-def test_a_wrong_verdict_is_as_rare_as_the_confidence_says():
-    random = generator(1)
-    wrong = [
-        verdict(confidence_limits(mean_of(random.normal(0.0, 1.0, 20)), 20), 0.0)
-        for _ in range(4000)
-    ]
-    # the true number is on the threshold: to stand is wrong, in half of the 5 %
-    assert wrong.count(STANDS) == pytest.approx(100, abs=30)
-    assert wrong.count(FALLS) == pytest.approx(100, abs=30)
 
 
 def test_a_frequency_covers_its_truth():

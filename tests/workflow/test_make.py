@@ -1,9 +1,6 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
-import contextlib
-import itertools
 import os
-import random
 import re
 import resource
 import shutil
@@ -16,11 +13,7 @@ from pathlib import Path
 import pytest
 
 from jointclosure.storage.files import read_csv
-from tests.engine.test_forks import processes_in
-from tests.workflow.runs import ROOT, STAMP, answer, checkout, snakemake
-
-NEEDED = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock")
-"""Files that `make setup` reads before there is an environment."""
+from tests.workflow.runs import NEEDED, ROOT, STAMP, answer, checkout, snakemake
 
 
 @pytest.fixture(scope="module")
@@ -222,84 +215,3 @@ def test_a_study_adds_surfaces_until_its_accuracy_is_reached_the_most_or_its_bud
     assert refused.returncode != 0
     assert "must be at least" in refused.stderr
     assert "s by the finest" in refused.stderr
-
-
-# A run that is asked to end: it ends soon, says how to go on, leaves no process, and goes on
-
-
-ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "8"))
-SECONDS = 30.0
-"""Within which all must have ended."""
-GOES_ON = "the same command goes on from there"
-STUDY = ("make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2")
-HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """A checkout with a study of one case."""
-    made = checkout(tmp_path / "ended")
-    text = ONE_CASE.replace("NAME", "ended").replace("REQUEST", "realizations: 3")
-    (made / "one.yaml").write_text(text)
-    return made
-
-
-def started(folder: Path, command: tuple[str, ...] = STUDY) -> subprocess.Popen:
-    """`make` in a session of its own, with interrupts heeded as from a terminal."""
-    with open(folder / "output.txt", "w") as output:
-        about = {"stdout": output, "stderr": output, "start_new_session": True}
-        return subprocess.Popen([sys.executable, "-c", HEEDED, *command], cwd=folder, **about)
-
-
-def ask(run: subprocess.Popen, number: int, whom: str) -> None:
-    """Signal make alone, or its whole group as a terminal and `timeout` do."""
-    with contextlib.suppress(ProcessLookupError):
-        (os.killpg if whom == "group" else os.kill)(run.pid, number)
-
-
-def wait_for_the_end(folder: Path, run: subprocess.Popen) -> str:
-    """Wait until nothing works in a folder; what was printed."""
-    start = time.monotonic()
-    while run.poll() is None or processes_in(folder):
-        working = [process.cmdline() for process in processes_in(folder)]
-        assert time.monotonic() - start < SECONDS, working
-        time.sleep(0.1)
-    return (folder / "output.txt").read_text()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("whom", ["process", "group"])
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
-    tmp_path, number, whom
-):
-    for name in (*NEEDED, "workflow/scripts/process_group.py"):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, tmp_path / name)
-    run = started(tmp_path, ("make", "setup"))
-    time.sleep(random.Random(number).uniform(0.5, 10.0))
-    ask(run, number, whom)
-    wait_for_the_end(tmp_path, run)
-    assert run.returncode != 0
-    assert not (tmp_path / STAMP).exists()
-
-
-@pytest.mark.slow
-def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
-    """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
-    chance = random.Random(1)
-    kinds = itertools.product((signal.SIGTERM, signal.SIGINT), (1, 2), ("process", "group"))
-    for number, times, whom in itertools.islice(itertools.cycle(kinds), ENDINGS):
-        run = started(folder)
-        time.sleep(chance.uniform(0.0, 25.0))
-        finished = run.poll() is not None
-        for _ in range(times):
-            ask(run, number, whom)
-            time.sleep(chance.choice([0.0, 0.01, 0.5, 2.0]))
-        printed = wait_for_the_end(folder, run)
-        assert "Traceback" not in printed
-        finished = finished or "Results are in" in printed  # before the signal had an effect
-        assert finished or run.returncode == 0 or GOES_ON in printed
-    run = started(folder)
-    assert run.wait() == 0, (folder / "output.txt").read_text()
-    assert (folder / "results/ended/study.nc").is_file()

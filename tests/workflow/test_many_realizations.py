@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.frame.cases import blocks_of, cases_of
 from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration, resolved
 from tests.processes import python
 from tests.studied import DEFAULT, study_of
-from tests.workflow.test_settings import SMALL, settings_of
+from tests.workflow.test_settings import SMALL
 
 PER_JOB = 2500
 
@@ -23,7 +22,6 @@ def keys_of_study(realizations: int) -> dict:
     """One case of joints that do not break, with 50 points of stress."""
     study = {"realizations": realizations, "realizations_per_job": PER_JOB, "draws": "common"}
     changes = {
-        "grid": {"cells_x": 8, "cells_y": 8},
         "output": {"stress_points": 50},
         "statistics": {"control_variates": None},
         "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
@@ -32,34 +30,29 @@ def keys_of_study(realizations: int) -> dict:
     return study_of(SMALL, changes).stated
 
 
-def case_files(configuration: Configuration, folder: Path) -> list[Path]:
+def write_blocks(configuration: Configuration, folder: Path) -> None:
     """Files of every block: one joint's numbers, and in two variables the realisation's own."""
-    (case,) = cases_of(configuration)
-    one = close_block(settings_of(configuration, case.label, range(1)))
-    (folder / "cases").mkdir()
-    paths = []
-    for block in blocks_of(configuration.study):
+    ensemble = Ensemble(configuration, folder=folder)
+    one = close_block(ensemble.settings(*ensemble.cases, range(1)))
+    (folder / "cases").mkdir(parents=True)
+    for block, entry in zip(ensemble.blocks, ensemble.entries(), strict=True):
         many = one.isel(realization=np.zeros(len(block), dtype=int))
         many = many.assign_coords(realization=np.array(block))
         random = np.random.default_rng(block.start).random(many.closure.shape)
         many = many.assign(closure=(many.closure.dims, random, many.closure.attrs))
         many["breakage_steps"] = ("realization", np.array(block), one.breakage_steps.attrs)
-        paths.append(folder / f"cases/{case.label}.{block.start}.nc")
-        write_netcdf(many.assign_attrs(scene="elastic"), paths[-1])
-    return paths
+        write_netcdf(many.assign_attrs(scene="elastic"), entry.file(folder))
 
 
 def joined(realizations: int, folder: Path) -> int:
     """Put the study together as its job does; the peak memory [kB] of this process."""
     ensemble = Ensemble(resolved(keys_of_study(realizations)), folder=folder)
-    output = folder / "study.nc"
-    ensemble.join({}, lambda line: None, output)
+    ensemble.join({}, lambda line: None, folder / "study.nc")
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def memory(realizations: int, folder: Path) -> int:
-    folder.mkdir()
-    case_files(resolved(keys_of_study(realizations)), folder)
+    write_blocks(resolved(keys_of_study(realizations)), folder)
     command = (
         "import sys, pathlib; from tests.workflow.test_many_realizations import joined; "
         "print(joined(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"

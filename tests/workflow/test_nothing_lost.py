@@ -1,4 +1,4 @@
-"""Killed jobs, killed runs and files that are not what they should be: nothing is lost, or wrong.
+"""Runs and jobs that are ended or killed, and files that are not what they should be: all is made.
 
 `JOINTCLOSURE_KILLS=20 pytest -m slow tests/workflow/test_nothing_lost.py` kills twenty times.
 """
@@ -8,6 +8,7 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -15,28 +16,68 @@ import psutil
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.runs import STAMP, answer, assert_same, checkout, planned, studies_command
+from tests.workflow.runs import (
+    NEEDED,
+    ROOT,
+    STAMP,
+    answer,
+    assert_same,
+    checkout,
+    planned,
+    studies_command,
+)
 
-KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
 RESULTS = "results/tiny"
 STUDY = ["make", "-o", STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
+HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
+SECONDS = 30.0
+"""Within which all must have ended."""
+STRIKES = [
+    (signal.SIGKILL, "jobs", 1), (signal.SIGKILL, "snakemake", 1), (signal.SIGKILL, "group", 1),
+    (signal.SIGTERM, "make", 1), (signal.SIGINT, "make", 2),
+    (signal.SIGTERM, "group", 2), (signal.SIGINT, "group", 1),
+]  # fmt: skip
+"""Signals, to whom, and how often; make's group is signalled by a terminal and by `timeout`."""
+KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", f"{len(STRIKES)}"))
 
 pytestmark = pytest.mark.slow
 
 
+def started(folder: Path, command: list[str]) -> subprocess.Popen:
+    """`make` in a session of its own, with interrupts heeded as from a terminal."""
+    with open(folder / "output.txt", "w") as output:
+        about = {"stdout": output, "stderr": output, "start_new_session": True}
+        return subprocess.Popen([sys.executable, "-c", HEEDED, *command], cwd=folder, **about)
+
+
+def strike(run: subprocess.Popen, number: int, whom: str) -> bool:
+    """Send a signal; whether there was somebody to send it to."""
+    try:
+        if whom in ("make", "group"):
+            (os.killpg if whom == "group" else os.kill)(run.pid, number)
+            return True
+        words = {"jobs": ".snakemake/scripts", "snakemake": "-m snakemake"}[whom]
+        below = psutil.Process(run.pid).children(recursive=True)
+        victims = [process for process in below if words in " ".join(process.cmdline())]
+        for victim in victims[:1]:
+            victim.send_signal(number)
+        return bool(victims)
+    except (psutil.NoSuchProcess, ProcessLookupError):
+        return False
+
+
+def wait_for_the_end(folder: Path, run: subprocess.Popen) -> str:
+    """Wait until nothing works in a folder; what was printed."""
+    start = time.monotonic()
+    while run.poll() is None or processes_in(folder):
+        working = [process.cmdline() for process in processes_in(folder)]
+        assert time.monotonic() - start < SECONDS, working
+        time.sleep(0.1)
+    return (folder / "output.txt").read_text()
+
+
 def files_in(folder: Path) -> int:
     return sum(path.is_file() for path in (folder / "results").rglob("*"))
-
-
-def processes_of(run: subprocess.Popen) -> tuple[list, list]:
-    """Snakemake itself, and the jobs under it."""
-    try:
-        below = psutil.Process(run.pid).children(recursive=True)
-        engines = [p for p in below if "snakemake" in p.cmdline()]
-        jobs = [p for p in below if any(".snakemake/scripts" in word for word in p.cmdline())]
-    except psutil.NoSuchProcess:
-        return [], []
-    return engines, jobs
 
 
 def finished(folder: Path) -> str:
@@ -46,30 +87,45 @@ def finished(folder: Path) -> str:
 
 
 @pytest.mark.parametrize("number", range(KILLS))
-def test_a_kill_at_any_moment_loses_nothing(study, tmp_path, number):
+def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(study, tmp_path, number):
     """Moments are drawn as a number of files written: how busy the machine is does not count."""
-    folder = checkout(tmp_path / "killed")
-    chance = random.Random(number)
+    folder, chance = checkout(tmp_path / "killed"), random.Random(number)
+    signal_number, whom, times = STRIKES[number % len(STRIKES)]
     moment = chance.randrange(int(0.95 * files_in(study)))
-    with open(folder / "output.txt", "w") as output:
-        run = subprocess.Popen(
-            STUDY, cwd=folder, stdout=output, stderr=output, start_new_session=True
-        )
-    victims = []
-    while not victims or files_in(folder) < moment:
+    run = started(folder, STUDY)
+    time.sleep(chance.uniform(0.0, 5.0))  # of the start and the plan
+    while files_in(folder) < moment or not strike(run, signal_number, whom):
         assert run.poll() is None, "the run ended before it was killed"
         time.sleep(chance.uniform(0.0, 0.1))
-        engines, jobs = processes_of(run)
-        victims = (jobs, engines, [psutil.Process(run.pid)])[number % 3]
-    if number % 3 == 2:
-        os.killpg(run.pid, signal.SIGKILL)  # make with all that is in its group
-    else:
-        chance.choice(victims).kill()
+    for _ in range(times - 1):
+        time.sleep(chance.choice([0.0, 0.01, 0.5, 2.0]))
+        strike(run, signal_number, whom)
+    if whom in ("make", "group"):
+        printed = wait_for_the_end(folder, run)
+        assert "Traceback" not in printed
+        ended = ("the same command goes on from there", "Results are in")
+        assert signal_number == signal.SIGKILL or any(words in printed for words in ended)
     run.wait()
     finished(folder)
     assert processes_in(folder) == []
     assert_same(folder / RESULTS, study / RESULTS)
     assert [path for path in (folder / "results").rglob(".*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize("whom", ["make", "group"])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
+    tmp_path, number, whom
+):
+    for name in (*NEEDED, "workflow/scripts/process_group.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    run = started(tmp_path, ["make", "setup"])
+    time.sleep(random.Random(number).uniform(0.5, 10.0))
+    strike(run, number, whom)
+    wait_for_the_end(tmp_path, run)
+    assert run.returncode != 0
+    assert not (tmp_path / STAMP).exists()
 
 
 def case(number: int) -> str:

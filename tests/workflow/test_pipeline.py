@@ -1,18 +1,13 @@
 """The whole pipeline on a study of seconds: its files, its bits, and what an edit makes again."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.engine.cache import is_kept
 from jointclosure.storage.netcdf import read_netcdf
-from studies.frame.experiments import cached
-from studies.frame.files import read_plain
-from tests.studied import study_of
-from tests.workflow.runs import TINY, assert_same, checkout, planned, snakemake
+from tests.workflow.runs import assert_same, checkout, planned, snakemake
 
 pytestmark = pytest.mark.slow
 RESULTS = "results/tiny"
@@ -87,36 +82,3 @@ def test_another_run_on_one_core_has_the_same_bits_and_the_study_before_its_pool
     complete = max(rules.index("write_tables"), rules.index("draw_figures"))
     assert rules.index("close_study") < complete < rules.index("close_pool")
     assert_same(folder / RESULTS, study / RESULTS)
-
-
-def edited(folder: Path, *changes: tuple[str, str]) -> str:
-    """Write the configuration with changes; its name."""
-    text = TINY.read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    (folder / "edited.yaml").write_text(text)
-    return "edited.yaml"
-
-
-def files_kept(folder: Path, config: str) -> tuple[set[str], set[str]]:
-    """Cases whose files a configuration keeps, and those that it closes."""
-    entries = cached(study_of(read_plain(folder / config)), "cases")
-    kept = {name for name, entry in entries.items() if is_kept(entry, folder / RESULTS)}
-    cases = {name: name.removeprefix("cases/").rpartition(".")[0] for name in entries}
-    return {cases[name] for name in kept}, {cases[name] for name in cases.keys() - kept}
-
-
-def test_editing_one_case_closes_that_case_alone(study):
-    config = edited(study, ("jrc: [5, 8, 9]", "jrc: [5, 8, 9.5]"))
-    jobs = planned(study, config=config)
-    assert jobs["close_study"] == jobs["close_pool"] == 1
-    kept, closed = files_kept(study, config)
-    assert closed == {"slate-jrc-level_4"}
-    assert len(kept) == 9
-
-
-def test_an_edit_of_the_statistics_reruns_what_reads_them_and_nothing_else(study):
-    config = edited(study, ("bootstrap_resamples: 10", "bootstrap_resamples: 12"))
-    intervals = {"find_indifference_intervals", "write_tables", "draw_figures"}
-    assert set(planned(study, config=config)) == intervals | {"state_configuration"}

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from jointclosure.engine.cache import digest
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.commands.compare import differences
-from studies.frame.cases import block_settings, blocks_of, cases_of
-from studies.frame.closing import close_block
+from studies.frame.cases import blocks_of
+from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration
-from studies.frame.settings import ClosureSettings, walls_of
+from studies.frame.settings import walls_of
 from studies.frame.tables import join_cases
 from studies.paper.closures import max_closure_table
 from tests.studied import study_of
@@ -39,11 +39,6 @@ def configuration():
     return study_of(SMALL)
 
 
-def settings_of(configuration: Configuration, label: str, block: range) -> ClosureSettings:
-    cases = {case.label: case for case in cases_of(configuration)}
-    return block_settings(configuration, cases[label], block)
-
-
 @given(st.integers(2, 500), st.integers(1, 600) | st.none())
 def test_blocks_have_every_realisation_once(realizations, per_job):
     study = study_of().study._replace(realizations=realizations, realizations_per_job=per_job)
@@ -62,46 +57,41 @@ CHANGES = [
 def test_all_that_a_result_depends_on_is_in_its_settings(configuration):
     low = "slate-jrc-low", range(4)
     others = [("slate-jrc-high", range(4)), ("slate-jrc-low", range(4, 7))]
-    settings = [settings_of(configuration, *block) for block in (low, *others)]
-    settings += [settings_of(study_of(SMALL, edit), *low) for edit in CHANGES]
+    settings = [Ensemble(configuration).settings(*block) for block in (low, *others)]
+    settings += [Ensemble(study_of(SMALL, edit)).settings(*low) for edit in CHANGES]
     assert len({digest(each) for each in settings}) == len(settings)
-    assert digest(settings[0]) == digest(settings_of(study_of(SMALL), *low))
+    other = {"rocks": {"slate": {"levels": {"jrc": [5, 9.5]}, "title": "Another"}}}
+    for edit in ({}, other):
+        assert digest(settings[0]) == digest(Ensemble(study_of(SMALL, edit)).settings(*low))
 
 
-def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
-    """Study of all cases, block by block through a file, as the workflow makes it."""
-    cases = cases_of(configuration)
-    blocks = blocks_of(configuration.study)
-    made = {
-        (number, block.start): close_block(settings_of(configuration, case.label, block))
-        for number, case in enumerate(cases)
-        for block in blocks
-    }
-    frame = join_cases(cases, [made[0, 0].isel(realization=slice(0, 1))] * len(cases))
-    regions = (
-        ({"case": number, "realization": slice(first, first + part.sizes["realization"])}, part)
-        for (number, first), part in made.items()
-    )
-    write_netcdf(frame, path, regions, "realization", {"case": 1, "realization": 4})
-    return read_netcdf(path)
+def whole_study(configuration: Configuration, folder: Path) -> xr.Dataset:
+    """Study of all cases, block by block through files, joined as by its job."""
+    ensemble = Ensemble(configuration, folder=folder)
+    for entry in ensemble.entries():
+        entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
+        write_netcdf(entry.make(*entry.settings), entry.file(folder))
+    ensemble.join({}, lambda line: None, folder / "study.nc")
+    return read_netcdf(folder / "study.nc")
 
 
 def test_a_split_over_jobs_changes_no_bit(configuration, tmp_path):
-    whole = whole_study(configuration, tmp_path / "whole.nc")
+    whole = whole_study(configuration, tmp_path / "whole")
     assert whole.realization.values.tolist() == list(range(7))
     assert np.isfinite(whole.max_closure.values).all()
     parts = study_of(SMALL, {"study": {"realizations_per_job": 3}})
-    assert differences(whole, whole_study(parts, tmp_path / "split.nc")) == []
-    cases = cases_of(configuration)
-    at_once = [close_block(settings_of(configuration, c.label, range(7))) for c in cases]
-    assert differences(whole, join_cases(cases, at_once)) == []
+    assert differences(whole, whole_study(parts, tmp_path / "split")) == []
+    ensemble = Ensemble(configuration, folder=tmp_path / "whole")
+    files = [read_netcdf(entry.file(ensemble.folder)) for entry in ensemble.entries()]
+    joined = join_cases(list(ensemble.cases.values()), files).drop_attrs(deep=False)
+    assert differences(whole.drop_vars("scene"), joined) == []
 
 
 def test_a_realisation_that_fails_is_told_of_and_left_out():
     """Flat walls without substrate: a contact that nothing can carry."""
     configuration = study_of(SMALL, {"effects": {"substrate": False, "interaction": False}})
-    cases = {case.label: case for case in cases_of(configuration)}
-    settings = settings_of(configuration, "slate-base", range(4))
+    ensemble = Ensemble(configuration)
+    settings = ensemble.settings("slate-base", range(4))
     pairs = list(walls_of(settings))
     for wall in pairs[2]:
         wall[:] = 0.0
@@ -114,7 +104,7 @@ def test_a_realisation_that_fails_is_told_of_and_left_out():
         assert np.isfinite(values).all() if counted else np.isnan(values).all()
     assert "failed; to repeat it: python -m studies repeat r slate-base 2" in lines[2]
     assert not any("failed" in line for line in lines[:2] + lines[3:])
-    study = join_cases([cases["slate-base"]], [closed])
+    study = join_cases([ensemble.cases["slate-base"]], [closed])
     table = max_closure_table(study)
     good = closed.max_closure.values[[0, 1, 3]]
     assert table.samples.tolist() == [3, 3]

@@ -23,25 +23,19 @@ def slurm_is_here() -> bool:
     return answer.returncode == 0 and bool({"idle", "mixed"} & set(answer.stdout.split()))
 
 
-def on_slurm(folder: Path, *goals: str, config: str = "tiny.yaml") -> str:
+def on_slurm(folder: Path) -> str:
     """Run a study by the project's profile, with waits for a test, and without accounting."""
-    accounting = subprocess.run(["sacct"], capture_output=True, check=False).returncode == 0
     profile = yaml.safe_load(PROFILE.read_text())
     profile |= {"slurm-init-seconds-before-status-checks": 2, "seconds-between-status-checks": 2}
     profile |= {"cores": 2, "latency-wait": 30}
-    if not accounting:
+    if subprocess.run(["sacct"], capture_output=True, check=False).returncode != 0:
         profile |= {"slurm-no-account": True, "slurm-status-command": "squeue"}
     (folder / "profile").mkdir()
     (folder / "profile/config.yaml").write_text(yaml.safe_dump(profile))
-    return snakemake(folder, *goals, config=config, profile="profile")
+    return snakemake(folder, profile="profile")
 
 
-needs_slurm = pytest.mark.skipif(
-    not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it"
-)
-
-
-@needs_slurm
+@pytest.mark.skipif(not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it")
 def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     here, there = tmp_path / "here", tmp_path / "there"
     for folder in (here, there):
