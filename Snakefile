@@ -5,8 +5,9 @@ import sys
 from snakemake.utils import min_version
 
 from studies.frame.configuration import configured
-from studies.frame.files import DEFAULT, read_plain
-from studies.frame.jobs import ENGINE, enter_folder, study_of, withdraw_unmet
+from studies.frame.yaml_files import DEFAULT, read_plain
+from studies.frame.lock import enter_folder
+from studies.frame.seals import ENGINE, study_of, withdraw_unmet
 from studies.pipeline import Pipeline
 
 min_version("9.27")
@@ -92,7 +93,7 @@ rule compile_kernels:
     conda:
         "workflow/envs/jointclosure.yaml"
     params:
-        make="studies.frame.jobs:compile_all",
+        make="jointclosure.joint.warmup:compile_all",
         settings=lambda w: {"kernels": PIPELINE.kernels(w.kind)},
     message:
         "Compile all necessary kernels before parallel jobs start ({wildcards.kind})"

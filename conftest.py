@@ -1,11 +1,13 @@
 """What all tests share: a small joint, and fast property testing."""
 
+import dataclasses
 import faulthandler
 
 import hypothesis
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine import selection
 from tests.joints import SPACING
 
 hypothesis.settings.register_profile("default", deadline=None, max_examples=60)
@@ -26,3 +28,15 @@ def _no_test_loops():
 def small_joint():
     """Two walls of 20 x 24 cells, JRC 8."""
     return jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
+
+
+@pytest.fixture
+def times_by_effects(monkeypatch):
+    """Times of joints that a selection measures, whatever else the machine does meanwhile."""
+
+    def closed_in(walls, conditions):
+        joint = measured(walls, conditions)
+        return dataclasses.replace(joint, seconds=1.0 + sum(conditions.effects))
+
+    measured = selection.closed_walls
+    monkeypatch.setattr(selection, "closed_walls", closed_in)

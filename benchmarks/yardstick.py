@@ -31,8 +31,8 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.provenance import processor, versions_of
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, configured, merged, merged_study
-from studies.frame.files import ConfigurationError
 from studies.frame.settings import BASE, Case, ClosureSettings, walls_of
+from studies.frame.yaml_files import ConfigurationError
 
 
 def options(text: str, **defaults: object) -> argparse.Namespace:

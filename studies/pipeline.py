@@ -13,11 +13,11 @@ from studies.frame.cases import closed_keys, dataset_of, ensembles_of, wall_dige
 from studies.frame.closing import Ensemble, close_ensemble
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import cached, experiment_named, steps_of
-from studies.frame.files import DEFAULT, PAPER_TABLE_3
 from studies.frame.plan import steps_of_products
 from studies.frame.products import EARLY, Step
 from studies.frame.rocks import ScannedWalls, check_files, wall_files
 from studies.frame.walls import prepare_walls
+from studies.frame.yaml_files import DEFAULT, PAPER_TABLE_3
 from studies.paper.measured import measured_curves
 from studies.paper.needs import curve_settings
 from studies.paper.price import price_accuracy

@@ -57,8 +57,8 @@ def copied() -> None:
         shutil.copytree(ROOT / KERNELS, COPY / KERNELS, dirs_exist_ok=True)
 
 
-def passes(tests: str) -> bool:
-    """Run tests of the copy with its own package; return whether all pass."""
+def failure(tests: str) -> str:
+    """Run tests of the copy with its own package; return the end of what a failure printed."""
     environment = os.environ | {
         "PYTHONPATH": f"{COPY / 'src'}{os.pathsep}{COPY}",
         "JOINTCLOSURE_CACHE": str(COPY.with_name("cache")),
@@ -68,7 +68,7 @@ def passes(tests: str) -> bool:
     done = subprocess.run(command, cwd=COPY, env=environment, capture_output=True, text=True)
     if done.returncode not in (0, 1, 2):  # 2: stopped at a failure
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
-    return done.returncode == 0
+    return done.stdout[-2000:] if done.returncode else ""
 
 
 def noticed(mutant: Mutant) -> bool:
@@ -77,7 +77,7 @@ def noticed(mutant: Mutant) -> bool:
     text = file.read_text(encoding="utf-8")
     try:
         file.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
-        return not passes(mutant.tests)
+        return bool(failure(mutant.tests))
     finally:
         file.write_text(text, encoding="utf-8")
 
@@ -87,8 +87,8 @@ def main(words: list[str]) -> int:
     whole = mutants()
     chosen = [m for m in whole if not words or any(word in m.file for word in words)]
     copied()
-    if not passes(" ".join(sorted({folder for m in chosen for folder in m.tests.split()}))):
-        raise SystemExit("the tests fail without any mutant")
+    if printed := failure(" ".join(sorted({part for m in chosen for part in m.tests.split()}))):
+        raise SystemExit(f"{printed}\nthe tests fail without any mutant")
     missed = []
     for number, mutant in enumerate(chosen, 1):
         start = time.perf_counter()

@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
-from studies.frame import files
 from studies.frame.configuration import Configuration, configured, merged
+from studies.frame.yaml_files import DEFAULT as DEFAULT_FILE
+from studies.frame.yaml_files import read_plain
 
 ROOT = Path(__file__).parents[1]
-DEFAULT = files.read_plain(files.DEFAULT)
+DEFAULT = read_plain(DEFAULT_FILE)
 
 
 def keys_of(*changes: dict) -> dict:
@@ -16,7 +17,7 @@ def keys_of(*changes: dict) -> dict:
 
 def tiny(experiment: str) -> dict:
     """Keys of an experiment of seconds."""
-    return files.read_plain(ROOT / f"studies/{experiment}/tiny_{experiment}.yaml")
+    return read_plain(ROOT / f"studies/{experiment}/tiny_{experiment}.yaml")
 
 
 def study_of(*changes: dict) -> Configuration:

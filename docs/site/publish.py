@@ -18,8 +18,8 @@ from templates import ROOT, folder_of
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.frame.configuration import merged_study
-from studies.frame.files import provenance
-from studies.frame.jobs import check_folder
+from studies.frame.seals import check_folder
+from studies.frame.yaml_files import provenance
 
 
 def publish(results: Path, run: str, *further: str) -> Path:

@@ -7,9 +7,9 @@ import jointclosure as jc
 from jointclosure.engine.assess import COPIES, LADDER
 from studies.assessment.study import EXPERIMENT, ladders_of
 from studies.conftest import tables_of
-from studies.frame.files import read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import walls_of
+from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of, tiny
 
 TINY = tiny("assessment")

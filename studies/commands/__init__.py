@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from jointclosure.inputs import InputError
-from studies.frame.jobs import check_folder
+from studies.frame.seals import check_folder
 
 COMMANDS = {
     "compare": "list the differences between two studies",

@@ -10,9 +10,9 @@ from jointclosure.inputs.extras import needs
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.frame.configuration import model
-from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
-from studies.frame.jobs import check_folder
 from studies.frame.keys import json_schema
+from studies.frame.seals import check_folder
+from studies.frame.yaml_files import DEFAULT, PAPER_TABLE_3, read_plain
 
 _NEEDED = ("configuration.json", "max_closure.csv", "checks.csv")
 

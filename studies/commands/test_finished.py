@@ -5,7 +5,7 @@ import xarray as xr
 
 from jointclosure.storage.netcdf import write_netcdf
 from studies.__main__ import main
-from studies.frame.jobs import write_seal
+from studies.frame.seals import write_seal
 
 COMMANDS = {"compare": ["the other study"], "engineering": [], "report": []}
 

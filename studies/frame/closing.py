@@ -16,18 +16,17 @@ from jointclosure.engine.joints import Reading, Row, close_joint, read_joint, st
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among, possible_scenes
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.joint.warmup import kernels_of
+from jointclosure.joint.warmup import compile_all, kernels_of
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from jointclosure.walls import Walls
 from studies.frame.cases import block_settings, blocks_of, cases_of, dataset_of, ensembles_of
 from studies.frame.configuration import Configuration, resolved
-from studies.frame.files import provenance
-from studies.frame.jobs import compile_all
 from studies.frame.settings import BASE, SIDES, ClosureSettings, seeds_of, walls_of
 from studies.frame.tables import join_cases, succeeded
 from studies.frame.walls import cut_walls, described
+from studies.frame.yaml_files import provenance
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""

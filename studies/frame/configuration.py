@@ -17,9 +17,9 @@ from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, un
 from jointclosure.walls.roughness import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame import keys
-from studies.frame.files import DEFAULT, folder_of, merged, read_plain, refuse
 from studies.frame.keys import entry
 from studies.frame.rocks import StudyRock
+from studies.frame.yaml_files import DEFAULT, folder_of, merged, read_plain, refuse
 
 _Section = TypeVar("_Section", bound="StudySection")
 

@@ -15,14 +15,12 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.cache import Entry, digest, make_missing
-from jointclosure.joint.warmup import kernels_of
+from jointclosure.joint.warmup import compile_all, kernels_of
 from jointclosure.storage.logs import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.cases import base_case, block_settings
 from studies.frame.closing import Ensemble
 from studies.frame.configuration import Configuration, resolved, sections
-from studies.frame.files import folder_of, provenance
-from studies.frame.jobs import compile_all
 from studies.frame.plan import steps_of_products
 from studies.frame.points import (
     Jobs,
@@ -35,6 +33,7 @@ from studies.frame.points import (
 )
 from studies.frame.products import Step
 from studies.frame.settings import Case, ClosureSettings
+from studies.frame.yaml_files import folder_of, provenance
 
 TRIED = 3
 """Alike points of which one joint is closed to estimate the time of all."""

@@ -20,7 +20,7 @@ from jointclosure.parameters.units import documented, ends_of, name_and_unit, to
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
-from studies.frame.files import refuse, short
+from studies.frame.yaml_files import refuse, short
 
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")

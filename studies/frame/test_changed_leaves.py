@@ -16,8 +16,8 @@ import yaml
 from jointclosure.inputs import InputError
 from studies.frame.configuration import configured, merged_study
 from studies.frame.experiments import experiment_named
-from studies.frame.files import read_plain
 from studies.frame.test_configuration import STUDIES
+from studies.frame.yaml_files import read_plain
 
 MOST = None if os.environ.get("JOINTCLOSURE_LEAVES") == "all" else 8
 BAD = [

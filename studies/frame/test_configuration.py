@@ -14,9 +14,9 @@ from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
 from studies.frame.experiments import experiment_named
-from studies.frame.files import ConfigurationError, read_plain
 from studies.frame.points import close_points
 from studies.frame.settings import seeds_of
+from studies.frame.yaml_files import ConfigurationError, read_plain
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
 

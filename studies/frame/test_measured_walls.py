@@ -8,10 +8,10 @@ import jointclosure as jc
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import block_settings, cases_of, wall_name
-from studies.frame.files import ConfigurationError
 from studies.frame.keys import Grid
 from studies.frame.rocks import check_files
 from studies.frame.walls import Cutter, cut_walls, prepared_walls, windows
+from studies.frame.yaml_files import ConfigurationError
 from tests.joints import SPACING
 from tests.studied import study_of
 

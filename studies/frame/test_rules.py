@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.frame.jobs import write_seal
+from studies.frame.seals import write_seal
 from tests.workflow.runs import ROOT, answer
 
 
@@ -22,7 +22,7 @@ def write_number(start: int, log: Callable[[str], None]) -> pd.DataFrame:
 
 SNAKEFILE = f"""
 import os
-from studies.frame.jobs import withdraw_unmet
+from studies.frame.seals import withdraw_unmet
 from studies.frame.products import Step
 from studies.frame.test_rules import write_number
 

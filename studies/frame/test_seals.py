@@ -16,8 +16,9 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame import jobs
-from studies.frame.jobs import LOCK, ForeignFileError, enter_folder, job, settings_digest
+from studies.frame import lock
+from studies.frame.lock import LOCK, enter_folder
+from studies.frame.seals import ForeignFileError, check_folder, job, settings_digest, unmet_seals
 
 
 class Log(list):
@@ -49,7 +50,7 @@ def make_study(folder, value, **settings):
 def reasons_against(folder, **settings):
     """Reasons why seals of a study are not met, where its dataset has these settings."""
     expected = {str(folder / "study.nc"): settings_digest(settings)}
-    unmet = jobs.unmet_seals(folder, lambda seal: expected.get(next(iter(seal.files)), ""))
+    unmet = unmet_seals(folder, lambda seal: expected.get(next(iter(seal.files)), ""))
     return [reason for _, _, reason in unmet]
 
 
@@ -117,10 +118,10 @@ def test_no_job_reads_a_file_of_another_study_or_a_changed_one(mine, other, atta
 def test_a_folder_is_whole_wherever_it_was_moved_or_an_error(mine, tmp_path):
     there = tmp_path / "elsewhere"
     shutil.move(mine, there)
-    assert {path.name for path in jobs.check_folder(there)} == {"study.nc", "a.csv"}
+    assert {path.name for path in check_folder(there)} == {"study.nc", "a.csv"}
     (there / "tables/a.csv").unlink()
     with pytest.raises(ForeignFileError, match=r"a.csv: is missing"):
-        jobs.check_folder(there)
+        check_folder(there)
 
 
 # One run at a time in a folder that allows one; the lock of a killed run is nobody's
@@ -128,7 +129,7 @@ def test_a_folder_is_whole_wherever_it_was_moved_or_an_error(mine, tmp_path):
 
 HOLDS = """
 import os, sys, time
-from studies.frame.jobs import enter_folder
+from studies.frame.lock import enter_folder
 enter_folder()
 if not os.fork():  # as Snakemake under make
     enter_folder()
@@ -148,8 +149,8 @@ def entered(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def leave():
-        while jobs._held:
-            jobs._held.pop().close()
+        while lock._held:
+            lock._held.pop().close()
 
     yield leave
     leave()
@@ -183,7 +184,7 @@ def test_a_run_that_ends_leaves_no_name(entered):
 @pytest.mark.parametrize("host", ["", "other"])
 @pytest.mark.parametrize("boot", ["", "other"])
 def test_what_a_run_left_behind_locks_only_if_it_may_be_at_work_elsewhere(entered, host, boot):
-    here = jobs._this_process()
+    here = lock._this_process()
     left = here | {"host": here["host"] + host, "boot": here["boot"] + boot}
     LOCK.parent.mkdir()
     LOCK.write_text(json.dumps(left))
@@ -198,7 +199,7 @@ def test_without_locks_of_the_file_system_the_text_decides(entered, monkeypatch)
     def flock(*_):
         raise OSError(38, "Function not implemented")
 
-    monkeypatch.setattr(jobs.fcntl, "flock", flock)
+    monkeypatch.setattr(lock.fcntl, "flock", flock)
     enter_folder()
     entered()
     with pytest.raises(InputError, match="another run may be at work"):

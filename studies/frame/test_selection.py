@@ -13,6 +13,7 @@ from studies.frame.walls import prepared_walls
 from tests.joints import SPACING
 from tests.studied import study_of
 
+pytestmark = pytest.mark.usefixtures("times_by_effects")
 SMALL = {
     "study": {"rocks": ["slate"], "realizations": 4, "pool": None},
     "grid": {"cells_x": 16, "cells_y": 16},

@@ -13,8 +13,8 @@ from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import part_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, configured, resolved
-from studies.frame.files import merged, overlaid, refuse
 from studies.frame.settings import ClosureSettings
+from studies.frame.yaml_files import merged, overlaid, refuse
 from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
 
 SURFACES = 2

@@ -8,8 +8,8 @@ from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged
 from studies.frame.experiments import experiment_named
-from studies.frame.files import read_plain
 from studies.frame.points import close_points
+from studies.frame.yaml_files import read_plain
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from studies.global_sensitivity.table import (
     QUANTITIES,

@@ -11,8 +11,8 @@ from jointclosure.parameters import Effects, scene_name
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
 from studies.frame.configuration import model, resolved
-from studies.frame.files import PAPER_TABLE_3, provenance
 from studies.frame.keys import json_schema
+from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.checks import check_results
 from studies.paper.closures import elasticity_table, indifference_table, max_closure_table
 from studies.paper.judged_claims import Evidence, judge_claims

@@ -6,8 +6,8 @@ from pathlib import Path
 from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import dataset_of, ensembles_of
 from studies.frame.configuration import Configuration
-from studies.frame.files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.frame.plan import NEEDS, SETTINGS, UNTIMED, Need
+from studies.frame.yaml_files import DEFAULT, PAPER_TABLE_3, read_plain
 from studies.paper.measured import CurveSettings
 from studies.paper.products import pooled, variates
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from jointclosure.joint.warmup import compile_all
 from jointclosure.storage.logs import Logbook
 from studies.frame.closing import Ensemble
 from studies.frame.configuration import resolved
-from studies.frame.jobs import compile_all
 
 
 def price_accuracy(config: dict, folder: Path, log: Logbook) -> pd.DataFrame:

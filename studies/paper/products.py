@@ -13,10 +13,10 @@ from jointclosure.parameters import Numerics
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from studies.frame.files import configuration_text
 from studies.frame.keys import Accuracy, Grid, Statistics, Surface
 from studies.frame.products import figure_files, product, products_of
 from studies.frame.rocks import StudyRock
+from studies.frame.yaml_files import configuration_text
 from studies.paper import checks as checking
 from studies.paper import closures as closure_tables
 from studies.paper import judged_claims as published

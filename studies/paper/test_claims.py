@@ -7,7 +7,7 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import pool_of
-from studies.frame.files import PAPER_TABLE_3
+from studies.frame.yaml_files import PAPER_TABLE_3
 from studies.paper.claims import HERTZ_EXCESS, NEGLIGIBLE, TOLERANCE
 from studies.paper.judged_claims import Evidence, judge_claims
 from tests.studied import study_of

@@ -16,8 +16,8 @@ from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.cases import cases_of, closed_keys, ensembles_of, pool_of, wall_name
 from studies.frame.closing import Ensemble
-from studies.frame.files import PAPER_TABLE_3
 from studies.frame.keys import Accuracy
+from studies.frame.yaml_files import PAPER_TABLE_3
 from studies.paper.accuracy import START, Counts, next_counts, reached_table, start_counts
 from studies.paper.claims import TARGET
 from studies.paper.closures import (

@@ -29,8 +29,8 @@ from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
-from studies.frame.files import merged
 from studies.frame.keys import validated
+from studies.frame.yaml_files import merged
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
 from studies.verification.judged import Judge, JudgedSolver
 

@@ -12,11 +12,11 @@ import pandas as pd
 
 from jointclosure.compilation.sources import ROOTS
 from jointclosure.engine.assess import FEATURES
+from jointclosure.joint.warmup import compile_all
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import commit, processor, versions_of
-from studies.frame.files import read_plain
-from studies.frame.jobs import compile_all
 from studies.frame.products import Step
+from studies.frame.yaml_files import read_plain
 from studies.verification.hard_cases import (
     error_table,
     failed_requirements,

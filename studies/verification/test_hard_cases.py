@@ -7,7 +7,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.engine.assess import HARD_CASES
 from jointclosure.storage.files import read_csv
-from studies.frame.files import read_plain
+from studies.frame.yaml_files import read_plain
 from studies.verification.hard_cases import (
     ERRORS,
     FLOOR,

@@ -22,6 +22,7 @@ from jointclosure.engine.selection import (
 from jointclosure.joint.conditions import Conditions
 from tests.joints import DOLERITE, SPACING
 
+pytestmark = pytest.mark.usefixtures("times_by_effects")
 ALL, ELASTIC = jc.Effects(), jc.Effects(breakage=False, gouge=False)
 FEWER = jc.Effects(interaction=False)
 SETTING = {"spacing": SPACING, "rock": DOLERITE, "seating_stress": 0.0}

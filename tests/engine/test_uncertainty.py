@@ -30,7 +30,7 @@ from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.scan_errors import ScanErrors
-from studies.frame.files import read_plain
+from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair
 from tests.studied import ROOT
 

@@ -9,8 +9,8 @@ import yaml
 
 from jointclosure.parameters.units import in_unit, name_and_unit
 from studies.frame.configuration import USUAL, model
-from studies.frame.files import DEFAULT, read_plain
 from studies.frame.keys import json_schema
+from studies.frame.yaml_files import DEFAULT, read_plain
 
 ROOT = Path(__file__).parents[2]
 

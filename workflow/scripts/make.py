@@ -2,8 +2,8 @@
 
 from importlib import import_module
 
-from studies.frame.jobs import job, study_of
 from studies.frame.products import make_files
+from studies.frame.seals import job, study_of
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -20,9 +20,9 @@ from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_csv, write_text
 from studies.frame.configuration import Configuration, configured, merged_study, sections
 from studies.frame.experiments import experiment_named
-from studies.frame.files import merged, read_plain
-from studies.frame.jobs import enter_folder
 from studies.frame.keys import Accuracy
+from studies.frame.lock import enter_folder
+from studies.frame.yaml_files import merged, read_plain
 from studies.paper.accuracy import START, Counts, describe_reached, next_counts, start_counts
 from studies.paper.layout import closure_lines
 from studies.paper.measured import measured_curves

@@ -1,1 +1,1 @@
-"""The engine: quantities of a closed joint; joints closed alone, as ensembles and as points."""
+"""The engine: quantities of a closed joint, and joints closed alone or as ensembles."""

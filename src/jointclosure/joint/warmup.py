@@ -3,10 +3,11 @@
 Two that compile into an empty cache at the same time can store each other's machine code.
 """
 
+import logging
 import os
 import shutil
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
     scene_name,
+    scene_of,
     well_posed_scenes,
 )
 from jointclosure.solvers.interaction_operator import influence_matrix
@@ -49,6 +51,17 @@ def compile_kernels(
     strength_factor(0.2), von_mises_on_axis(0.5, 0.2)  # for a figure
     if not effects.breakage:
         equilibrium(*walls, closure=1e-4, **joint)
+
+
+def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
+    """Compile kernels of `kernels_of`, or load them; return their list as text."""
+    log(f"kernels are kept in {cache_folder()}")
+    # the announcement of a compilation is for the user
+    logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
+    for scene, peaks, bound, solver, breakage in kernels:
+        choices = Choices(peaks=peaks, strength_bound=bound)
+        compile_kernels(scene_of(scene), choices, solver, breakage)
+    return "".join(f"{', '.join(kernel)}\n" for kernel in kernels)
 
 
 def main(words: list[str]) -> None:

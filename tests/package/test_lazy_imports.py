@@ -44,7 +44,7 @@ def test_help_loads_no_command_and_a_command_no_other():
 
 FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 """What reading and writing datasets takes."""
-JOBS = [("paper.products", FILES | {"numba", "scipy.stats"}), ("frame.jobs", FILES)]
+JOBS = [("paper.products", FILES | {"numba", "scipy.stats"}), ("frame.seals", FILES)]
 JOBS += [
     (f"frame.{name}", HEAVY - {"matplotlib", "seaborn"}) for name in ("closing", "experiments")
 ]

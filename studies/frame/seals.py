@@ -1,4 +1,4 @@
-"""Runs and their jobs: lock of the folder, logs, check of inputs, and seals of written files.
+"""Seals of written files: only the file that a job wrote, of these settings and files, is read.
 
 A seal is a JSON file ``results/<study>/seals/<job>.json``: digests of the ``files`` that the job
 wrote and of the sealed ones that they were ``made_from``, by paths from the study's folder, and the
@@ -6,21 +6,14 @@ digest of the rule's ``settings``, its code among them. Snakemake compares times
 which a file from elsewhere may have too.
 """
 
-import atexit
-import fcntl
 import hashlib
 import json
-import logging
 import os
-import resource
-import shutil
-import socket
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+from typing import TYPE_CHECKING, NamedTuple
 
 from jointclosure.engine.workers import end_with_parent
 from jointclosure.inputs import InputError
@@ -29,107 +22,6 @@ from jointclosure.storage.logs import SHOWN, Logbook, logging_to
 
 if TYPE_CHECKING:
     from studies.frame.products import Step
-
-LOCK = Path(".snakemake/jointclosure.lock")
-HELD = "JOINTCLOSURE_LOCK"
-"""Variable of the environment with the number of the locked file, for programs that inherit it."""
-_BOOT = Path("/proc/sys/kernel/random/boot_id")
-_ENDING = 2.0
-"""Seconds within which the processes of a killed run have ended."""
-_OPEN_FILES = 128
-"""Open files that a run may have at once; on two cores it has less than 40."""
-_held: list[TextIO] = []
-
-
-def enter_folder() -> None:
-    """Lock the present folder for a run; `InputError` if another may be at work, or none can be.
-
-    The lock is held by this process and programs that inherit it, until the last of them ends.
-    """
-    folder = os.getcwd()
-    if found := sorted(set("{}\\") & set(folder)):  # Snakemake or netCDF replaces these
-        raise InputError(
-            f"{folder}: a run needs a folder without {' and '.join(found)} in its name"
-        )
-    most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    if 0 <= most < _OPEN_FILES:
-        raise InputError(f"ulimit -n = {most}: must be at least {_OPEN_FILES} for a run")
-    with suppress(KeyError, ValueError, OSError):  # else the process that started this has no lock
-        if os.path.samestat(os.fstat(int(os.environ[HELD])), os.stat(LOCK)):
-            return
-    if _held:
-        return
-    LOCK.parent.mkdir(exist_ok=True)
-    with ExitStack() as opened:
-        file = opened.enter_context(open(LOCK, "a+", encoding="utf-8"))
-        _lock(file)
-        opened.pop_all()  # it is open until this process ends
-    _held.append(file)
-    os.set_inheritable(file.fileno(), True)
-    os.environ[HELD] = str(file.fileno())
-    atexit.register(_unlock, file, os.getpid())
-    shutil.rmtree(".snakemake/locks", ignore_errors=True)  # of a Snakemake that was killed
-
-
-def _lock(file: TextIO) -> None:
-    """Lock a file, waiting for a killed run to end, and write this process into it.
-
-    The kernel holds the lock, so that it ends with the process, whatever ends this. On network file
-    systems it may not know of other hosts: what one of them has not removed is an error.
-    """
-    deadline, locked = time.monotonic() + _ENDING, False
-    while not locked:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            locked = True
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                named = _holder(file)[1]
-                raise InputError(f"another run is at work in this folder ({named})") from None
-            time.sleep(0.1)
-        except OSError:  # a file system without locks
-            break
-    (left, named), here = _holder(file), _this_process()
-    elsewhere = left.get("host") != here["host"] and left.get("boot") != here["boot"]
-    if left and (elsewhere or not locked):
-        raise InputError(
-            f"another run may be at work in this folder ({named}): delete {LOCK} if it has ended"
-        )
-    try:
-        _write(file, json.dumps(here))
-    except OSError as error:
-        raise InputError(f"{LOCK}: could not be written ({error})") from error
-
-
-def _unlock(file: TextIO, owner: int) -> None:
-    """Remove the name of the process that ends, but not when one of its forks does."""
-    if os.getpid() == owner and not file.closed:
-        _write(file, "")
-        file.close()
-
-
-def _write(file: TextIO, text: str) -> None:
-    file.truncate(0)
-    file.write(text)
-    file.flush()
-
-
-def _holder(file: TextIO) -> tuple[dict[str, str], str]:
-    """Return the process that a file of a lock names, empty for none, and words for it."""
-    file.seek(0)
-    left = {}
-    with suppress(ValueError, TypeError):
-        left = dict(json.loads(file.read()))
-    known = {"process": "?", "host": "?", "start": "?"} | left
-    return left, "process {process} on {host}, since {start}".format(**known)
-
-
-def _this_process() -> dict[str, str]:
-    host = socket.gethostname()
-    boot = _BOOT.read_text(encoding="utf-8").strip() if _BOOT.exists() else host
-    start = time.strftime("%Y-%m-%d %H:%M:%S")
-    return {"process": str(os.getpid()), "host": host, "boot": boot, "start": start}
-
 
 ENGINE = "JOINTCLOSURE_ENGINE"
 """Variable of the environment with the process of Snakemake, if that starts its jobs itself."""
@@ -289,21 +181,6 @@ def seals_in(folder: Path) -> dict[Path, Seal | None]:
             )
             seals[path] = Seal(content["settings"], files, made_from)
     return seals
-
-
-def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
-    """Compile kernels (`jointclosure.joint.warmup.kernels_of`), or load them; return their list."""
-    from jointclosure.compilation.kernels import cache_folder
-    from jointclosure.joint.warmup import compile_kernels
-    from jointclosure.parameters import Choices, scene_of
-
-    log(f"kernels are kept in {cache_folder()}")
-    # the announcement of a compilation is for the user
-    logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
-    for scene, peaks, bound, solver, breakage in kernels:
-        choices = Choices(peaks=peaks, strength_bound=bound)
-        compile_kernels(scene_of(scene), choices, solver, breakage)
-    return "".join(f"{', '.join(kernel)}\n" for kernel in kernels)
 
 
 def withdraw_unmet(steps: Iterable["Step"], report: Callable[[str], None], remove: bool) -> None:
