@@ -140,11 +140,11 @@ class Joints(NamedTuple):
             for each in (closures[kind, i, j, :CHECKED], fine)
         )
         changes: dict[str, tuple[float, float]] = {}
-        for name, (unit, values) in given.items():
+        for one, other in zip(given, finer, strict=True):
             with np.errstate(divide="ignore", invalid="ignore"):
-                ratios = values / finer[name][1] - 1.0
-            if unit != "%" and np.isfinite(ratios).all():
-                changes[name] = mean_of(ratios)
+                ratios = one.values / other.values - 1.0
+            if one.unit != "%" and np.isfinite(ratios).all():
+                changes[one.name] = mean_of(ratios)
         return changes
 
 

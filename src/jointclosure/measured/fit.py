@@ -12,7 +12,7 @@ from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.agreement import Agreement, agreements
+from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
     Interval,
     Likelihood,
@@ -33,6 +33,24 @@ STRENGTH_RANGE = (0.5, 2.0)
 DOUBTFUL = 0.01
 """Smallest p-value for which a mismatch wavelength explains the curve."""
 _CHECK = "check rock, roughness, roll-off, size and units"
+
+
+class Agreement(NamedTuple):
+    """Range of a fitted parameter at which simulated joints have a measured quantity."""
+
+    name: str
+    unit: str
+    measured: float
+    low: float  # wavelength [m], or strength [Pa] if the wavelength is known; NaN if there is none
+    high: float
+    least: float  # ends of the 95 % interval of a single joint nearest to the measured value
+    most: float
+    first_loading: bool
+
+    @property
+    def missed(self) -> bool:
+        """Whether no simulated joint has the measured quantity."""
+        return math.isnan(self.low)
 
 
 class Fit(NamedTuple):
@@ -88,7 +106,20 @@ class Fit(NamedTuple):
 
     def agreements(self) -> list[Agreement]:
         """Compare closure, stiffness and what stays with single joints, each by itself."""
-        return agreements(self.measured, self.simulated.logs, self.likelihood, self.closure_error)
+        axis, logs, likelihood = int(self.scanned), self.simulated.logs, self.likelihood
+        fine = (likelihood.wavelengths, likelihood.strengths)[axis]
+        other = likelihood.nodes(likelihood.best, logs.shape[:2])[1 - axis]
+        joints, result = np.exp(logs.take(other, axis=1 - axis)), []
+        nodes, at = np.linspace(0.0, 1.0, len(joints)), np.linspace(0.0, 1.0, fine.size)
+        for one, *ends in intervals(self.measured, joints, self.closure_error):
+            value, (least, most) = float(one.values), (np.interp(at, nodes, end) for end in ends)
+            apart = np.maximum(np.maximum(least - value, value - most), 0.0)
+            within, nearest = np.flatnonzero(apart == 0.0), int(apart.argmin())
+            low, high = fine[within[[0, -1]]].tolist() if within.size else (math.nan, math.nan)
+            of_nearest = float(least[nearest]), float(most[nearest])
+            about = low, high, *of_nearest, one.first_loading
+            result.append(Agreement(one.name, one.unit, value, *about))
+        return result
 
     def _missed_first_loading(self) -> list[str]:
         """Return readings of the first loading that no joint has, in words."""
@@ -96,10 +127,11 @@ class Fit(NamedTuple):
 
     def _compared(self) -> list[str]:
         """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
-        tried, scale, unit = self.likelihood.wavelengths, 1e3, "mm"
-        if self.scanned:
-            tried, scale, unit = self.likelihood.strengths, 1e-6, "MPa"
-        what = "strengths" if self.scanned else "mismatch wavelengths"
+        likelihood = self.likelihood
+        what, tried, scale, unit = (
+            ("mismatch wavelengths", likelihood.wavelengths, 1e3, "mm"),
+            ("strengths", likelihood.strengths, 1e-6, "MPa"),
+        )[self.scanned]
         lines = []
         for one in self.agreements():
             value, least, most = (significant(x, 3) for x in (one.measured, one.least, one.most))
@@ -108,8 +140,10 @@ class Fit(NamedTuple):
             high += f" {unit} or more" if one.high == tried[-1] else f" {unit}"
             where = f"joints have it at {what} from {low} to {high}"
             if one.missed:
-                where = f"no joint has it, the nearest have {least} to {most} {one.unit}"
-            lines.append(f"{one.name}, measured {value} {one.unit}: {where}")
+                where = f"no joint has it, the nearest have {least} to {most}"
+                where += f" {one.unit}".removesuffix(" 1")
+            value += f" {one.unit}".removesuffix(" 1")
+            lines.append(f"{one.name}, measured {value}: {where}")
         return lines
 
     def _unexplained(self, missed: list[str]) -> str:

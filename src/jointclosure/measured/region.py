@@ -20,13 +20,18 @@ from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.agreement import quantities
-from jointclosure.measured.calibration import CONFIDENCE, Likelihood, Readings, likelihood_of
+from jointclosure.measured.agreement import intervals
+from jointclosure.measured.calibration import (
+    CONFIDENCE,
+    Likelihood,
+    Readings,
+    likelihood_of,
+    logs_of,
+)
 from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
-from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import percent, significant
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
@@ -35,8 +40,6 @@ WAVELENGTHS, STRENGTHS = 6, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
-SAMPLES = 4000
-"""Random joints of which intervals of a quantity are computed."""
 NEITHER = "neither"
 _CHECK = "check rock, roughness, roll-off, size and units"
 
@@ -76,6 +79,7 @@ class Region(NamedTuple):
     compared: dict[Later, Likelihood]
     closures: np.ndarray  # [m] since seating, net, of axes as from `Joints.closures`
     stresses: np.ndarray  # [Pa]
+    error: float  # relative, of measured and simulated closures
     assumed: str
     scanned: bool
     left_out: list[str]  # sentences
@@ -129,20 +133,15 @@ class Region(NamedTuple):
 
     def quantities(self) -> pd.DataFrame:
         """Return measured quantities beside the 95 % interval of a joint nearest to the curve."""
-        rows = []
-        ends = 0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE
-        known = quantities(self.measured.values, self.measured)
+        rows, axis = [], int(self.scanned)
         for mechanism in self.mechanisms:
-            number, i, j = self.nearest(mechanism)
-            nearest = list(self.of(mechanism).values())[number]
-            mean, covariance = nearest.means[i, j], nearest.covariance[i]
-            draws = generator(seed_of(1, mechanism)).standard_normal((SAMPLES, mean.size))
-            logs = mean + draws @ np.linalg.cholesky(covariance).T
-            joints = quantities(np.exp(logs), self.measured)
-            for name, (unit, values) in joints.items():
-                low, high = np.nanquantile(values, ends)
-                about = {"mechanism": mechanism, "quantity": name, "unit": unit}
-                rows.append(about | {"measured": float(known[name][1]), "low": low, "high": high})
+            kind, *place = self.place(mechanism)
+            joints = np.exp(logs_of(self.closures[kind], self.stresses, self.measured))
+            joints = joints.take(place[1 - axis], axis=1 - axis)
+            for one, low, high in intervals(self.measured, joints, self.error):
+                about = {"mechanism": mechanism, "quantity": one.name, "unit": one.unit}
+                ends = {"low": low[place[axis]], "high": high[place[axis]]}
+                rows.append(about | {"measured": float(one.values)} | ends)
         return pd.DataFrame(rows)
 
     def p_value(self, mechanism: str) -> float:
@@ -290,7 +289,7 @@ def validate(
     kept = [laters.index(later) for later in compared]
     region = Region(
         measured, given.curve, compared, (closures - closures[..., :1, :1])[kept],
-        joints.stresses, assumed, pair is not None, left_out,
+        joints.stresses, error, assumed, pair is not None, left_out,
     )  # fmt: skip
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
     changes = joints.numerical_changes((kept[kind], i, j), closures)

@@ -12,7 +12,7 @@ from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.calibration import CONFIDENCE, Likelihood
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import MECHANISMS, NEITHER, Region
-from jointclosure.plotting.style import decimal_ticks, styled, subplots
+from jointclosure.plotting.style import StyledFigure, decimal_ticks, styled, subplots
 
 _LEAST = 1e-4
 """Smallest p-value of the scale of colours."""
@@ -23,14 +23,12 @@ def fit_figure(result: Fit, title: str) -> Figure:
     """Draw the curve on the band of the fitted joints; readings and likelihood by the parameter."""
     if not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
-    figure, panels = subplots(
-        2, 2, figsize=(12.5, 6.4), title=title, height_ratios=(2, 1), sharex="col"
-    )
-    above, below = panels[:, 1]
-    grid = panels[0, 0].get_gridspec()
-    for axes in panels[:, 0]:
-        axes.remove()
-    curve = figure.add_subplot(grid[:, 0])
+    figure = StyledFigure(figsize=(12.5, 6.4), layout="constrained")
+    figure.suptitle(title, parse_math=False)
+    panels = figure.subplot_mosaic("ca;cb", height_ratios=(2, 1))
+    curve, above, below = (panels[name] for name in "cab")
+    above.sharex(below)
+    above.tick_params(labelbottom=False)
     closures, kind = result.simulated.closures[_fitted(result)], ("nearest", "fitted")
     draw_measured(curve, result, closures, result.simulated.stresses, kind[result.reached])
     axis, scale = (1, 1e-6) if result.scanned else (0, 1e3)
@@ -107,19 +105,16 @@ def _fitted(result: Fit) -> np.ndarray:
 
     With them are all others within both intervals if these are valid.
     """
-    kept = np.ones(result.simulated.logs.shape[:3], bool)
-    fine = (result.likelihood.wavelengths, result.likelihood.strengths)
-    for axis, values in enumerate(fine):
-        count: int = kept.shape[axis]
-        nodes = np.geomspace(values[0], values[-1], count)
-        near = np.arange(count) == int(
-            np.abs(np.log(nodes / values[result.likelihood.best[axis]])).argmin()
-        )
+    likelihood, kept = result.likelihood, np.isfinite(result.simulated.logs).all(axis=-1)
+    best = likelihood.nodes(likelihood.best, kept.shape[:2])
+    for axis, values in enumerate((likelihood.wavelengths, likelihood.strengths)):
+        nodes = np.geomspace(values[0], values[-1], kept.shape[axis])
+        near = np.arange(nodes.size) == best[axis]
         if result.interval_holds and values.size > 1:
-            low, high = result.likelihood.interval(axis)[1:]
+            low, high = likelihood.interval(axis)[1:]
             near |= (nodes >= low) & (nodes <= high)
         kept &= np.expand_dims(near, [other for other in range(3) if other != axis])
-    return kept & np.isfinite(result.simulated.logs).all(axis=-1)
+    return kept
 
 
 @styled

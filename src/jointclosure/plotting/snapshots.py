@@ -123,75 +123,58 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
     figure = StyledFigure(figsize=(8.0, 6.0), layout="constrained")
     panels = figure.subplot_mosaic([["curve", "map"], ["walls", "walls"]])
     FigureCanvasAgg(figure)
-    kinds = {"curve": _curve, "map": _map, "walls": _walls}
-    draws = [draw(panels[name], closed) for name, draw in kinds.items()]
     figure.suptitle(title, parse_math=False)
-    for name in ("curve", "walls"):
-        sns.despine(ax=panels[name])
+    image = draw_map(panels["map"], closed, "change", 0)
+    label = "change of height (mm)"
+    figure.colorbar(image, ax=panels["map"], label=label, extend="both", shrink=0.85)
 
+    @styled
     def show(frame: int) -> list:
-        for draw in draws:
-            draw(frame)
+        for axes in panels.values():
+            axes.clear()
+        _draw_state(panels["curve"], closed, frame)
+        _draw_change(panels["map"], closed, frame)
+        _draw_walls(panels["walls"], closed, frame)
+        for name in ("curve", "walls"):
+            sns.despine(ax=panels[name])
         return []
 
     show(0)
     return FuncAnimation(figure, show, frames=closed.sizes["snapshot"], interval=_PAUSE)
 
 
-def _curve(axes, closed: xr.Dataset):
-    closure, stress = 1e3 * closed.closure.values, 1e-6 * closed.normal_stress.values
+def _draw_state(axes, closed: xr.Dataset, frame: int) -> None:
+    """Draw the curve, with the state of a snapshot."""
+    at = closed.isel(snapshot=frame)
+    state = closed.isel(step=int(at.snapshot_step))
     draw_curves(axes, closed, of=GROSS)
-    (place,) = axes.plot([], [], "o", color="black", ms=7, zorder=5)
-
-    def draw(frame: int) -> None:
-        at = closed.isel(snapshot=frame)
-        step = int(at.snapshot_step)
-        place.set_data([closure[step]], [stress[step]])
-        axes.set_title(describe_state(at)[0])
-
-    return draw
+    axes.plot(1e3 * state.closure, 1e-6 * state.normal_stress, "o", color="black", ms=7, zorder=5)
+    axes.set_title(describe_state(at)[0])
 
 
-def _map(axes, closed: xr.Dataset):
+def _draw_change(axes, closed: xr.Dataset, frame: int) -> None:
     """Draw the change of height of both walls, with contacts in black."""
-    change = 1e3 * change_of_height(closed)
-    image, none = draw_map(axes, closed, "change", 0), np.ma.masked_all(change[0].shape)
+    draw_map(axes, closed, "change", frame)
+    touching = closed.snapshot_force.values[frame] > 0.0
+    contacts = np.ma.masked_where(~touching, np.zeros(touching.shape))
     style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
-    contacts = draw_field(axes, none, spacing_of(closed), **style)
-    label = "change of height (mm)"
-    axes.figure.colorbar(image, ax=axes, label=label, extend="both", shrink=0.85)
-
-    def draw(frame: int) -> None:
-        touching = closed.snapshot_force.values[frame] > 0.0
-        image.set_data(change[frame])
-        contacts.set_data(np.ma.masked_where(~touching, np.zeros(touching.shape)))
-        axes.set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
-
-    return draw
+    draw_field(axes, contacts, spacing_of(closed), **style)
+    axes.set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
 
 
-def _walls(axes, closed: xr.Dataset):
+def _draw_walls(axes, closed: xr.Dataset, frame: int) -> None:
     """Draw both walls along the row that loses most, the upper one at its gap to the lower one."""
     row = int(np.abs(change_of_height(closed)[-1]).sum(axis=1).argmax())
     lower = 1e3 * closed.snapshot_lower.values[:, row]
     upper = lower + 1e3 * np.maximum(closed.snapshot_gap.values[:, row], 0.0)
-    pristine = 1e3 * closed.lower_first.values[row]
-    x = 1e3 * closed.x.values
+    pristine, x = 1e3 * closed.lower_first.values[row], 1e3 * closed.x.values
     low, high = min(lower.min(), pristine.min()), upper.max()
-    margin = 0.1 * (high - low)
-    axes.set(xlim=(x[0], x[-1]), ylim=(low - margin, high + margin))
-    axes.set(xlabel="x (mm)", ylabel="height (mm)")
+    low, high = low - 0.1 * (high - low), high + 0.1 * (high - low)
+    axes.fill_between(x, lower[frame], low, color="C1", alpha=0.55)
+    axes.fill_between(x, upper[frame], high, color="C0", alpha=0.55)
     axes.plot(x, pristine, ":", color="0.3", lw=1.0, zorder=4)
-    parts: list = []
-
-    def draw(frame: int) -> None:
-        while parts:
-            parts.pop().remove()
-        parts.append(axes.fill_between(x, lower[frame], low - margin, color="C1", alpha=0.55))
-        parts.append(axes.fill_between(x, upper[frame], high + margin, color="C0", alpha=0.55))
-        force = closed.snapshot_force.values[frame, row] > 0.0
-        parts.extend(axes.plot(x[force], lower[frame][force], "o", color="black", ms=4))
-
+    force = closed.snapshot_force.values[frame, row] > 0.0
+    axes.plot(x[force], lower[frame][force], "o", color="black", ms=4)
+    axes.set(xlim=(x[0], x[-1]), ylim=(low, high), xlabel="x (mm)", ylabel="height (mm)")
     where = 1e3 * float(closed.y.values[row])
     axes.set_title(f"walls at y = {where:.3g} mm; dotted: lower wall before; dots: contacts")
-    return draw
