@@ -65,6 +65,14 @@ def world(design):
     return closed
 
 
+def test_an_input_lies_between_its_ends_as_its_point_says(design):
+    point = design.points()[3, 0]
+    keys = keys_at(design, "slate", point)
+    modulus = 60.0 + (72.0 - 60.0) * point[1]  # Table 2
+    assert keys["rocks"]["slate"]["youngs_modulus_GPa"] == pytest.approx(modulus)
+    assert keys["choices"]["peaks"] == ("pristine" if point[4] < 0.5 else "current")
+
+
 MORE = {
     "effect": {"key": "effects.gouge", "values": [True, False]},
     "of_rock": {"key": "rocks.ROCK.effects.soft_peaks", "values": [True, False]},

@@ -7,6 +7,7 @@ from jointclosure.inputs import InputError
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from jointclosure.walls.synthesis import spectrum_of, wall_pair
 from studies.frame.points import gridded
+from studies.frame.settings import seeds_of
 from studies.misalignment.study import EXPERIMENT, rotated_pair, tilted
 from tests.joints import SPACING
 
@@ -55,10 +56,13 @@ def rotated(seed, rotation=0.0, wavelength=1.03e-3):
     return rotated_pair(Z2, SHAPE, SPACING, SPECTRUM, seed, wavelength, rotation)
 
 
-def test_walls_that_are_not_rotated_are_those_of_every_other_study():
-    own = rotated(3)
-    stated = wall_pair(8.0, SHAPE, SPACING, 3, mismatch_wavelength=1.03e-3, roll_off=ROLL_OFF)
-    for mine, other in zip(own, stated, strict=True):
+def test_aligned_walls_are_those_of_every_other_study(design):
+    aligned = design.jobs()["slate.770um"][0]
+    settings, made = aligned.settings, {"mismatch_wavelength": 0.77e-3}
+    made["roll_off"] = settings.surface.roll_off
+    spacing, seed = settings.grid.spacing, seeds_of(settings)[0]
+    stated = wall_pair(settings.case.jrc, settings.grid.shape, spacing, seed, **made)
+    for mine, other in zip(next(aligned.walls()), stated, strict=True):
         np.testing.assert_allclose(mine, other, atol=1e-11 * other.std())
 
 

@@ -35,7 +35,7 @@ def scans(inputs):
 @pytest.fixture(scope="module")
 def joint(scans):
     """The joint of both scans, closed by the library."""
-    return jc.close(*scans, units="mm", rock="granite", spacing=0.5e-3, single=True, **LOAD)
+    return jc.close(*scans, units="mm", rock="granite", spacing=1e-3, single=True, **LOAD)
 
 
 def contents(folder):
@@ -46,10 +46,10 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     scans, joint, tmp_path, command, undrawn
 ):
     folder = tmp_path / "j"
-    words = [*WORDS, "--spacing", 0.5, "--single"]
+    words = [*WORDS, "--spacing", 1, "--single"]
     code, _, err = command("close", *scans, *words, "--output", folder)
     assert (code, err) == (0, "")
-    pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 0.5e-3)
+    pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 1e-3)
     rock = jc.Rock(73e9, 0.25, 173e6)
     alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD, **RESOLVED)
     written = read_netcdf(folder / "joint.nc")
@@ -201,12 +201,14 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
 
 def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, command, undrawn):
     folder, words = tmp_path / "a", [*WORDS, "--cycles", 1, "--spacing", 1.5, "--within", 0.2]
+    words += ["--stress", 0.5]
     code, out, _ = command("assess", *scans, *words, "--output", folder)
     assert code in (0, 1)
     assert "without soft peaks" in out
     assert {"differences.csv", "assessment.json", "assessment.png"} <= set(contents(folder))
     pair = registered(*(jc.read_scan(file, units="mm") for file in scans), 1.5e-3)
-    load = {"rock": "granite", "spacing": pair.spacing, "cycles": 1, **LOAD}
+    load = {**LOAD, "rock": "granite", "spacing": pair.spacing, "cycles": 1}
+    load["max_normal_stress"] = 0.5e6
     joint = jc.assess((pair.upper, pair.lower), within=0.2, workers=1, folder=folder, **load)
     written = pd.read_csv(folder / "differences.csv")
     pd.testing.assert_frame_equal(written, joint.differences, rtol=1e-12)

@@ -88,7 +88,7 @@ def test_snapshots_are_pictures_that_differ_and_leave_no_trace_in_the_file(tmp_p
     stresses = snapshots.animated_stresses(16e6)
     assert (stresses[0], stresses[-1], len(stresses)) == (0.0, 16e6, snapshots.STRESSES + 1)
     assert (np.diff(stresses, 2) > 0.0).all()  # close where joints close fast
-    monkeypatch.setattr(snapshots, "STRESSES", 4)
+    monkeypatch.setattr(snapshots, "STRESSES", 2)
     file, gif = tmp_path / "a.nc", tmp_path / "joint.gif"
     words = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
     words += ["--output", str(file), "--snapshots", "1", "--animation", str(gif)]
@@ -99,6 +99,6 @@ def test_snapshots_are_pictures_that_differ_and_leave_no_trace_in_the_file(tmp_p
         for number in range(pictures.n_frames):
             pictures.seek(number)
             frames.append(np.asarray(pictures.convert("L"), dtype=float))
-    assert len(frames) > 3
+    assert len(frames) > 2
     for one, other in itertools.pairwise(frames):
         assert np.abs(one - other).max() > 50.0
