@@ -16,7 +16,7 @@ from jointclosure.mechanics.contact import (
 )
 from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
-from jointclosure.mechanics.interaction import far_field_factor, interaction_displacement
+from jointclosure.mechanics.interaction import far_field_factor
 from jointclosure.mechanics.strength import (
     critical_indentation,
     is_overstressed,
@@ -105,37 +105,15 @@ def profile_curvature(before, here, after, spacing):
 
 
 @given(st.lists(heights, min_size=5, max_size=5))
-def test_gaussian_curvature_is_the_geometric_mean_of_the_profiles(z):
+def test_gaussian_curvature_is_the_mean_of_the_profiles_and_of_caps_alone_if_valleys_are_flat(z):
     west, east, south, north, here = z
     h = 0.25e-3
     product = profile_curvature(west, here, east, h) * profile_curvature(south, here, north, h)
-    assert gaussian_curvature(west, east, south, north, here, 1.0, h) == pytest.approx(
-        np.sqrt(product), rel=1e-12, abs=1e-9
-    )
-
-
-@given(st.lists(heights, min_size=5, max_size=5))
-def test_a_valley_counts_as_the_peak_that_mirrors_it(z):
-    h = 0.25e-3
-    assert gaussian_curvature(*z, 1.0, h) == gaussian_curvature(*[-v for v in z], 1.0, h)
-
-
-@given(st.lists(heights, min_size=5, max_size=5))
-def test_a_flat_reading_leaves_convex_caps_and_levels_valleys_and_saddles(z):
-    west, east, south, north, here = z
-    h = 0.25e-3
-    convex = (west - here) + (east - here) < 0.0 and (south - here) + (north - here) < 0.0
-    expected = gaussian_curvature(*z, 1.0, h) if convex else 0.0
-    assert gaussian_curvature(*z, 0.0, h) == expected
-
-
-# products of heights far below any length would round as subnormal numbers do
-@given(st.lists(heights.map(lambda z: z if abs(z) > 1e-30 else 0.0), min_size=5, max_size=5))
-def test_curvature_scales_exactly_with_powers_of_64(z):
-    h = 0.25e-3
-    assert gaussian_curvature(*[64.0 * v for v in z], 1.0, 64.0 * h) == (
-        gaussian_curvature(*z, 1.0, h) / 64.0
-    )
+    found = gaussian_curvature(*z, 1.0, h)
+    assert found == pytest.approx(np.sqrt(product), rel=1e-12, abs=1e-9)
+    assert found == gaussian_curvature(*[-v for v in z], 1.0, h)
+    cap = (west - here) + (east - here) < 0.0 and (south - here) + (north - here) < 0.0
+    assert gaussian_curvature(*z, 0.0, h) == (found if cap else 0.0)
 
 
 def exact_profile(before, here, after, spacing):
@@ -172,7 +150,9 @@ neighbours = st.lists(st.floats(-1e-4, 1e-4), min_size=8, max_size=8).map(np.arr
 
 
 @given(neighbours, st.floats(-1e-4, 1e-4), st.floats(1e-9, 1e-4))
-def test_gouge_is_conserved_and_lifts_none_above_the_lowered_cell(around, height, loss):
+def test_gouge_is_conserved_laid_by_the_drop_and_lifts_none_above_the_lowered_cell(
+    around, height, loss
+):
     before, falls = around.copy(), np.empty(8)
     total, least = drops(height, around, 1e-12, falls)
     if total == 0.0:
@@ -182,25 +162,11 @@ def test_gouge_is_conserved_and_lifts_none_above_the_lowered_cell(around, height
     gained = around - before
     assert 0.0 < lost <= loss
     assert gained.sum() == pytest.approx(lost, rel=1e-12)
-    assert np.all(gained >= 0.0)
-    lifted = gained > 0.0
-    assert np.all(around[lifted] <= height - lost + 1e-18)
-
-
-@given(neighbours)
-def test_gouge_is_laid_in_proportion_to_the_drop(around):
-    height, before, falls = 1.1e-4, around.copy(), np.empty(8)
-    total, least = drops(height, around, 1e-12, falls)
-    lost = shed(around, 1e-9, falls, total, least)
-    np.testing.assert_allclose(around - before, lost * (height - before) / total, atol=1e-19)
-
-
-def test_a_cut_share_ends_level_with_the_closest_neighbour():
-    around, falls = np.array([-1e-6] + [-1e-4] * 7), np.empty(8)
-    total, least = drops(0.0, around, 1e-12, falls)
-    lost = shed(around, 5e-6, falls, total, least)
-    assert lost < 5e-6
-    assert around[0] == pytest.approx(-lost, rel=1e-12)
+    drop = np.where(height - before > 1e-12, height - before, 0.0)
+    np.testing.assert_allclose(gained, lost * drop / total, atol=1e-18)
+    highest = around[drop > 0.0].max()
+    assert highest <= height - lost + 1e-18
+    assert lost == loss or highest == pytest.approx(height - lost, abs=1e-18)  # cut short, level
 
 
 def test_nothing_flows_out_of_the_grid():
@@ -208,12 +174,9 @@ def test_nothing_flows_out_of_the_grid():
     assert drops(0.0, around, 1e-12, falls) == (0.0, np.inf)
 
 
-def test_the_sharper_asperity_loses_more():
+def test_the_sharper_asperity_loses_more_and_one_without_lower_neighbours_passes_its_share_on():
     assert upper_share(3.0, 1.0) == 0.75
     assert upper_share(0.0, 0.0) == 0.5
-
-
-def test_a_wall_without_lower_neighbours_passes_its_share_on():
     assert passed_share(0.3, 0.0, 1.0) == 0.0
     assert passed_share(0.3, 1.0, 0.0) == 1.0
     assert passed_share(0.3, 1.0, 1.0) == 0.3
@@ -245,25 +208,12 @@ def test_factor_keeps_14_digits_from_the_rim_to_a_billion_radii(ratios):
             assert abs(mpmath.mpf(float(far_field_factor(ratio))) / exact - 1) < 1e-14, ratio
 
 
-def test_displacement_is_continuous_with_the_substrate_at_the_rim():
-    # at the rim a Hertz pressure moves the surface by 3 F / (8 E* r)
-    at_rim = interaction_displacement(1.0, 1.0, 1.0)
-    assert at_rim == pytest.approx(3.0 / 8.0, rel=1e-14)
-
-
 @given(st.floats(0.0, 0.5))
 def test_eq_23_is_the_maximum_of_eq_21_within_1_5e_4(ratio):
     found = minimize_scalar(
         lambda z: -von_mises_on_axis(z, ratio), bounds=(0.2, 0.8), method="bounded"
     )
     assert strength_factor(ratio) == pytest.approx(-found.fun, abs=1.5e-4)
-
-
-def test_the_maximum_moves_from_0_38_to_0_55():
-    depths = np.linspace(0.0, 1.0, 10001)
-    for ratio, where in ((0.0, 0.382), (0.5, 0.548)):
-        stresses = [von_mises_on_axis(z, ratio) for z in depths]
-        assert depths[np.argmax(stresses)] == pytest.approx(where, abs=1e-3)
 
 
 @given(

@@ -26,7 +26,7 @@ def closed(effects, breakage="fixed_step"):
 
 
 CODE = """
-import json, pathlib, re
+import json, pathlib
 from jointclosure.compilation import kernels
 kernels.SHIPPED = pathlib.Path("no shipped code")
 from tests.solvers.test_effects_cost_nothing import closed
@@ -37,10 +37,8 @@ for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "res
     closed(Effects(gouge=gouge), breakage)
     kernel = breakage_kernel(gouge, False, breakage == "resolved", True)
     (signature,) = kernel.signatures
-    text, assembly = kernel.inspect_llvm(signature), kernel.inspect_asm(signature)
-    names = [name for name in ("measure_drops", "returning_losses") if name in text]
-    count = lambda name: len(re.findall(rf"\\bv?f?{name}p?s?d", assembly))
-    found.append([names, count("div") / count("sqrt")])
+    text = kernel.inspect_llvm(signature)
+    found.append([name for name in ("measure_drops", "returning_losses") if name in text])
 print(json.dumps(found))
 """
 
@@ -50,12 +48,9 @@ def test_code_of_an_effect_that_is_off_is_not_in_the_machine_code(tmp_path):
     # compiled anew: numba cannot show code that it took from its cache
     done = python("-c", CODE, JOINTCLOSURE_CACHE=str(tmp_path))
     full, without_gouge, resolved = json.loads(done.stdout.splitlines()[-1])
-    assert full[0] == ["measure_drops"]
-    assert without_gouge[0] == []
-    assert resolved[0] == ["measure_drops", "returning_losses"]
-    # of x86 and ARM; gouge divides where it is shared out and cut. For each root, that of a
-    # curvature: a loop may be unrolled into several copies
-    assert without_gouge[1] < full[1]
+    assert full == ["measure_drops"]
+    assert without_gouge == []
+    assert resolved == ["measure_drops", "returning_losses"]
 
 
 def refuse(*_):

@@ -5,10 +5,9 @@ import pytest
 import scipy.optimize
 
 import jointclosure as jc
-from jointclosure.engine import oracle
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers import elastic, equilibrium
-from tests.joints import DOLERITE, SPACING, balanced, bump, closed, pair
+from tests.joints import balanced, closed, pair
 
 SCENES = {
     "asperities": jc.Effects(False, False, False, False, True),
@@ -46,15 +45,6 @@ def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
     np.testing.assert_allclose(stepped.max_closure, curve.max_closure, rtol=1e-6)
 
 
-def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
-    upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4, roll_off=None)
-    lower = -upper + 1e-7 * np.random.default_rng(4).standard_normal(upper.shape)
-    curve = curve_of((upper, lower))
-    assert int(curve.status) == 0
-    assert float(curve.contact_fraction.max()) > 0.7
-    assert float(curve.equilibrium_residual.max()) <= 1e-10
-
-
 def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
     kernel = equilibrium.interacting_equilibrium
 
@@ -69,32 +59,6 @@ def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
     np.testing.assert_allclose(curve_of(small_joint).closure, usual.closure, rtol=1e-9)
     monkeypatch.setattr(scipy.optimize, "brentq", lambda at, low, high, **_: high)
     assert FLAGS[int(curve_of(small_joint).status)] == "not_converged"  # another force
-
-
-def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
-    apart, deeper = 16, 4e-7
-    shape = (5, apart + 5)
-    one = bump(shape, 2e-3, centre=(2, 2))
-    two = bump(shape, 3e-3, centre=(2, 2 + apart)) - deeper
-    upper, lower = np.maximum(one, two), np.zeros(shape)
-    curvature = oracle.curvature(upper, SPACING)[2, [2, 2 + apart]]
-    area = upper.size * SPACING**2
-    curve = curve_of((upper, lower), "hard peaks", 30.0 / area)
-    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
-    substrate = 0.75 / (0.5 * SPACING * modulus)
-    compliance = (9.0 * curvature / (16.0 * modulus**2)) ** (1.0 / 3.0)
-    # two Hertz pressures far apart: F / (pi E* zeta) (1 + (r / zeta)^2 / 10)
-    across = (1.0 + (0.5 / apart) ** 2 / 10.0) / (np.pi * modulus * apart * SPACING)
-
-    def closures(first):
-        forces = np.array([first, 30.0 - first])
-        own = substrate * forces + compliance * forces ** (2.0 / 3.0)
-        return own + across * forces[::-1] + [0.0, deeper]
-
-    first = scipy.optimize.brentq(lambda f: np.diff(closures(f))[0], 1.0, 29.0, xtol=1e-12)
-    closure = closures(first)[0]
-    assert round(float(curve.contact_fraction.max()) * upper.size) == 2
-    assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
 
 
 def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):

@@ -14,47 +14,23 @@ from jointclosure.solvers.interaction_operator import (
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 from tests.joints import SPACING, closed, pair
 
-NO_MATRIX = np.empty((0, 0))
-
-
-def by_distance(table, cells):
-    y, x = np.divmod(cells, SHAPE[1])
-    return table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-
-
 MODULUS = 4e10
-SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)
 
 
-def contacts_of(shape, share, seed=1):
-    """Influence, and some cells of a grid with their stiffness."""
-    influence = influence_of(influence_table(*shape, 0.5 * SPACING, MODULUS, SPACING))
-    rng = np.random.default_rng(seed)
-    cells = np.flatnonzero(rng.random(shape[0] * shape[1]) < share)
-    stiffness = rng.random(cells.size) / SUBSTRATE
-    stiffness[rng.random(cells.size) < 0.2] = 0.0
-    return influence, cells, stiffness
-
-
-SHAPE = (17, 23)
+def table_of(*shape):
+    return influence_table(*shape, 0.5 * SPACING, MODULUS, SPACING)
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 def test_a_kept_matrix_and_the_convolution_give_the_same_joint(monkeypatch, breakage):
-    walls, exact = (
-        pair(24, 5),
-        {"breakage": breakage, "force_tolerance": 1e-11, "strength_bound": "none"},
-    )
-    kept = closed(walls, **exact)
+    exact = {"breakage": breakage, "force_tolerance": 1e-11, "strength_bound": "none"}
+    kept = closed(pair(24, 5), **exact)
     monkeypatch.setattr(joint, "dense_limit", lambda _: 0)
-    convolved = closed(walls, **exact)
+    convolved = closed(pair(24, 5), **exact)
     assert kept.max_closure.values == pytest.approx(convolved.max_closure.values, rel=1e-6)
 
 
-SIZES = [1, 3, 4, 7, 8, 9, 31, 100]
-
-
-@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("n", [1, 3, 4, 7, 8, 9, 31, 100])
 def test_products_are_those_of_linear_algebra(n):
     random = np.random.default_rng(n)
     one, other = random.standard_normal((2, n))
@@ -67,15 +43,17 @@ def test_products_are_those_of_linear_algebra(n):
 
 @pytest.mark.parametrize("shortfall", [np.nan, 2.0])
 def test_direction_solves_newtons_equation(shortfall):
-    influence, cells, stiffness = contacts_of((30, 30), 0.5)
-    secant = np.where(stiffness > 0.0, 1.0 / np.maximum(stiffness, 1e-300), np.inf)
+    influence, random = influence_of(table_of(30, 30)), np.random.default_rng(1)
+    cells = np.flatnonzero(random.random(900) < 0.5)
+    active = random.random(cells.size) > 0.2
+    stiffness = active * random.random(cells.size) * SPACING * MODULUS
+    secant = np.where(active, 1.0 / np.where(active, stiffness, 1.0), np.inf)
     space = coarse_space(influence, cells, stiffness)
-    step = np.where(stiffness > 0.0, np.sin(np.arange(cells.size)), 0.0)
-    active = stiffness > 0.0
+    step = np.where(active, np.sin(np.arange(cells.size)), 0.0)
     forces = np.zeros((30, 30))
     forces.ravel()[cells[~active]] = 1e3  # of contacts at their limit, which do not move
     direction, shift, used = newton_direction(
-        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, forces
+        influence, np.empty((0, 0)), cells, space, step, secant, shortfall, 1e-12, forces
     )
     interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
     left = secant[active] * direction[active] + interaction @ direction[active]
@@ -90,7 +68,7 @@ def test_direction_solves_newtons_equation(shortfall):
 
 
 def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
-    table = influence_table(*SHAPE, 0.5 * SPACING, 4e10, SPACING)
+    table = table_of(17, 23)
     near, random = Neighbours(table), np.random.default_rng(2)
     begun_anew, largest = 0, 0
     for size in (3, 60, 61, 64, 90, 40, 150, 20, 391):
@@ -99,7 +77,9 @@ def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
         slots = near.slots(wanted)
         n = near.cells.size
         np.testing.assert_array_equal(near.cells[slots], wanted)
-        np.testing.assert_array_equal(near.matrix[:n, :n], by_distance(table, near.cells))
+        y, x = np.divmod(near.cells, 23)
+        expected = table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
+        np.testing.assert_array_equal(near.matrix[:n, :n], expected)
         assert n <= 1.25 * size or n == before.size
         begun_anew += not np.array_equal(near.cells[: before.size], before)
         largest = max(largest, n)
