@@ -1,6 +1,7 @@
 """Every function that closes joints takes the same conditions, and refuses the same ones."""
 
 import functools
+import re
 import warnings
 
 import numpy as np
@@ -84,20 +85,67 @@ def test_a_unit_a_thousand_times_off_is_refused_or_warned_of(door, what, factor)
             DOORS[door](*walls, spacing=spacing, rock=DOLERITE, max_normal_stress=1e6)
 
 
+NUMERICS, CHOICES = jc.Numerics(), jc.Choices()
+# changed by _replace, which checks nothing
+SETTINGS = [
+    (CHOICES, {"base_radius_in_cells": 1.5}, "base_radius_in_cells = 1.5: must lie in (0, 1]"),
+    (CHOICES, {"peak_modulus_ratio": 0.0}, "peak_modulus_ratio = 0.0: must lie in (0, 1]"),
+    (CHOICES, {"tie_tolerance": 1e-3}, "tie_tolerance = 0.001: must lie in (0, 0.001)"),
+    (CHOICES, {"largest_radius": 1e-4}, "largest_radius = 0.0001 m: must be at least the grid"),
+    (CHOICES, {"peaks": "some"}, "peaks = 'some'"),
+    (CHOICES, {"peaks": "current", "crushed_strength_ratio": 0.8}, "must be 1 with peaks"),
+    (NUMERICS, {"breakage_step": 12.5e-6}, "breakage_step = 1.25e-05"),
+    (NUMERICS, {"later_breakage_step": 7e-6}, "later_breakage_step = 7e-06"),
+    (NUMERICS, {"breakage": "some"}, "breakage = 'some'"),
+    (NUMERICS, {"breakage": "resolved", "solver": "reference"}, "not with solver = 'reference'"),
+    (NUMERICS, {"breakage": "resolved", "target": "interpolate"}, "interpolate"),
+    *(
+        (NUMERICS, {name: value}, f"{name} = {value!r}")
+        for name, values in {
+            "idle_interaction": (-0.1, np.nan, 1.0),
+            "tolerance": (0.0, 0.11),
+            "curve_points": (0, 2.5, True),
+            "most_steps": (0, -1.0, np.nan, "x"),
+            "force_tolerance": (1e-18, 1.0),
+        }.items()
+        for value in values
+    ),
+]
+SOFT = DOLERITE._replace(youngs_modulus=78, compressive_strength=165)
 REFUSED = [
-    ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
     ({"effects": jc.Effects(substrate=False)}, "substrate = False needs interaction = False"),
+    ({"effects": {"gouge": False}}, "must be an Effects"),
     ({"seating_stress": 9e6}, "seating_stress"),
-    ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
-    ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
-    ({"max_normal_stress": 5}, "is 5 MPa meant, 5e+06 Pa?"),
-    ({"max_normal_stress": 5e12}, "is 5e+06 Pa meant?"),
-    ({"max_normal_stress": [5e6, 0.0, 8]}, "max_normal_stress = 8 Pa: not usual"),
     ({"seating_stress": 0.5}, "seating_stress = 0.5 Pa: not usual"),
+    ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
+    ({"rock": DOLERITE._replace(youngs_modulus=-1.0)}, "youngs_modulus = -1.0"),
+    ({"rock": DOLERITE._replace(poisson_ratio="a")}, "poisson_ratio = 'a': must be a number"),
+    ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
+    ({"spacing": "x"}, "spacing = 'x'"),
+    ({"cycles": True}, "cycles = True"),
+    ({"max_normal_stress": [5e6, 1e6, 6e6], "cycles": 3}, "cycles = 3"),
+    ({"max_normal_stress": 1e6, "rock": SOFT, "unusual_values": True}, "must be below the rock's"),
+    *(
+        ({"max_normal_stress": load}, printed)
+        for load, printed in (
+            (5, "is 5 MPa meant, 5e+06 Pa?"),
+            (5e12, "is 5e+06 Pa meant?"),
+            ([5e6, 0.0, 8], "max_normal_stress = 8 Pa: not usual"),
+            ([], "needs a maximum"),
+            ([5e6, 6e6], "minimum 6e+06 must be"),
+            ([5e6, -1e6], "minimum -1e+06 must be"),
+            ([0.0, 0.0], "must be positive and finite"),
+            (True, "must be a number"),
+        )
+    ),
     ({"numerics": jc.Numerics(displacement_step=12.5)}, "displacement_step = 12.5 m: not"),
     ({"choices": jc.Choices(largest_radius=20.0)}, "largest_radius = 20.0 m: not usual"),
+    *(
+        ({type(settings).__name__.lower(): settings._replace(**change)}, named)
+        for settings, change, named in SETTINGS
+    ),
 ]
-OTHERWISE = {"close": "spacing", "fit": "max_normal_stress"}
+OTHERWISE = {"close": {"spacing"}, "fit": {"max_normal_stress", "cycles"}}
 """Conditions that a function reads of its scans, or of its curve."""
 
 
@@ -111,14 +159,21 @@ def test_conditions_that_cannot_be_are_refused_before_a_joint_is_closed(
     door, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("jointclosure.joint.protocol.run_cycles", None)
-    curve = tmp_path / "lab.csv"
+    curve, walls = tmp_path / "lab.csv", pair(24 if door == "close" else 6)
     curve.write_text(GOOD)
     doors = CLOSE | {"fit": functools.partial(fitted, curve=curve)}
     usual = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "seating_stress": 0.0}
     for change, printed in REFUSED:
-        stated = usual | change
-        if OTHERWISE.get(door) in change:
+        if OTHERWISE.get(door, set()) & change.keys():
             continue
         with pytest.raises(jc.InputError) as refused:
-            doors[door](*pair(6), **stated)
+            doors[door](*walls, **usual | change)
         assert printed in str(refused.value), change
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(("settings", "change", "named"), SETTINGS)
+def test_settings_are_refused_when_they_are_made(settings, change, named):
+    if "largest_radius" not in change:  # whose bound is the spacing
+        with pytest.raises(jc.InputError, match=re.escape(named)):
+            type(settings)(**settings._asdict() | change)

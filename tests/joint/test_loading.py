@@ -8,20 +8,15 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.conditions import SEATING_STRESS, LoadCycle, load_cycles
+from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
-from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.joint.states import fields_of
-from jointclosure.solvers.joint import Effort, Joint
-from jointclosure.solvers.registry import solver_named
 from tests import joints
-from tests.joints import DOLERITE, ELASTIC, SPACING, pair
+from tests.joints import ELASTIC, SPACING, pair
 from tests.studied import study_of
 
 SCENES = {"all": jc.Effects(), "elastic": ELASTIC}
 TURNS = [3e6, 1e6, 6e6, 2e6, 6e6, 2e6, 4e6]
-TOLERANCE = jc.Numerics().stress_tolerance
 
 
 def closed(effects=SCENES["all"], stress=6e6, **load):
@@ -40,27 +35,10 @@ def history(scene):
     return closed(scene, TURNS, seating_stress=0.5e6, strength_bound="none")
 
 
-def along(history, number, branch):
-    here = (history.load_cycle.values == number) & (history.branch.values == branch)
-    return history.normal_stress.values[here]
-
-
 def test_equal_cycles_to_last_contact_are_bit_for_bit_those_of_one_maximum(scene):
     xr.testing.assert_identical(
         closed(scene, stress=6e6, cycles=3), closed(scene, stress=[6e6, 0, 6e6, 0, 6e6])
     )
-
-
-def test_the_load_turns_where_it_was_told_to(history):
-    assert int(history.status) == 0
-    turns = [*TURNS, 0.0]
-    for number in range(1, 5):
-        maximum, minimum = turns[2 * number - 2 : 2 * number]
-        up, down = (along(history, number, branch) for branch in ("loading", "unloading"))
-        assert up[-1] == pytest.approx(maximum, rel=TOLERANCE)
-        assert down[-1] == pytest.approx(minimum, rel=TOLERANCE)
-        assert (down[:-1] > minimum).all()
-        assert (up <= maximum * (1.0 + TOLERANCE)).all()
 
 
 def test_a_cycle_counts_from_where_its_own_loading_starts(history):
@@ -83,26 +61,6 @@ def test_breakage_remembers_the_largest_stress_only_through_the_walls():
     assert low_first.residual_closure.values[0] < low_first.residual_closure.values[1]
 
 
-@pytest.mark.parametrize(
-    ("load", "cycles", "printed"),
-    [
-        ([], None, "needs a maximum"),
-        ([5e6, 6e6], None, "minimum 6e+06 must be"),
-        ([5e6, -1e6], None, "minimum -1e+06 must be"),
-        ([0.0, 0.0], None, "must be positive and finite"),
-        (True, None, "must be a number"),
-        ([5e6, 1e6, 6e6], 3, "cycles = 3"),
-    ],
-)
-def test_a_load_that_cannot_be_is_refused_in_a_line(load, cycles, printed):
-    with pytest.raises(jc.InputError) as refused:
-        load_cycles(load, cycles)
-    assert printed in str(refused.value)
-    assert "\n" not in str(refused.value)
-    assert load_cycles([5e6, 1e6, 6e6], 2) == (LoadCycle(5e6, 1e6), LoadCycle(6e6, 0.0))
-    assert load_cycles(5e6) == (LoadCycle(5e6, 0.0),) * 2
-
-
 def test_the_rocks_of_the_paper_are_those_of_the_default_study():
     study = study_of()
     assert study.rocks.keys() == ROCKS.keys() - {"granite"}
@@ -123,12 +81,10 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
 # Flow and snapshots at the steps of a history: what they add, and what they leave alone
 
 
-FLOW = ["hydraulic_aperture", "flow_status", "flow_imbalance", "largest_hydraulic", "direction"]
 SHAPE, STRESS, ASKED = (20, 24), 5e6, [5e6, 0.0, 2e6]
 AREA = 20 * 24 * SPACING**2
-CHOICES = jc.Choices(strength_bound="none")  # by which the second unloading breaks nothing
 OFFSET = 0.3
-"""Of the upper wall of snapshots [m]: walls are told as they were given."""
+"""Of the upper wall [m]: walls are told as they were given."""
 
 
 def lifted():
@@ -136,38 +92,26 @@ def lifted():
     return upper + OFFSET, lower
 
 
-def passage(overlap):
-    """Hydraulic apertures in both directions of a field of overlaps; contacts pass nothing."""
-    aperture = np.maximum(-overlap, 0.0)
-    return [flow_along(aperture, direction).hydraulic_aperture for direction in DIRECTIONS]
-
-
 @pytest.fixture(scope="module", params=SCENES)
-def flows(request):
-    """A joint without flow and with it."""
-    about = {"effects": SCENES[request.param], "choices": CHOICES}
-    return [joints.closed(pair(SHAPE), STRESS, flow=on, **about) for on in (False, True)]
+def observed(request):
+    """A joint, and the same one with flow and snapshots."""
+    # without a bound of strength the second unloading breaks nothing, and is replayed
+    about = {"effects": SCENES[request.param], "strength_bound": "none", "cycles": 3}
+    asked = {"flow": True, "snapshots": ASKED}
+    return [joints.closed(lifted(), STRESS, **about, **more) for more in ({}, asked)]
 
 
-@pytest.fixture(scope="module", params=SCENES)
-def snapshots(request):
-    """A joint without snapshots and with them."""
-    about = {"effects": SCENES[request.param]}
-    return [joints.closed(lifted(), STRESS, snapshots=asked, **about) for asked in ((), ASKED)]
-
-
-def test_observers_change_no_bit_of_anything_else(flows, snapshots):
-    without, closed = flows
-    assert set(FLOW[:-1]) == set(closed.data_vars) - set(without.data_vars)
-    xr.testing.assert_identical(without, closed.drop_vars(FLOW))
-    without, closed = snapshots
-    added = [name for name in closed.variables if name not in without.variables]
-    assert all(name.startswith("snapshot_") or name.endswith("_first") for name in added)
+def test_observers_change_no_bit_of_anything_else(observed):
+    without, closed = observed
+    added = set(closed.variables) - set(without.variables)
+    flow = {"hydraulic_aperture", "flow_status", "flow_imbalance", "largest_hydraulic", "direction"}
+    others = {name for name in added if name.startswith("snapshot_") or name.endswith("_first")}
+    assert added - others == flow
     xr.testing.assert_identical(without, closed.drop_vars(added))
 
 
-def test_every_step_has_a_flow_that_falls_as_the_joint_closes(flows):
-    closed = flows[1]
+def test_every_step_has_a_flow_that_falls_as_the_joint_closes(observed):
+    closed = observed[1]
     assert closed.hydraulic_aperture.dims == ("step", "direction")
     assert tuple(closed.direction.values) == DIRECTIONS
     assert closed.hydraulic_aperture.attrs["units"] == "m"
@@ -177,60 +121,21 @@ def test_every_step_has_a_flow_that_falls_as_the_joint_closes(flows):
         here = (closed.branch == branch).values & (closed.load_cycle == 2).values
         order = np.argsort(closed.closure.values[here])
         assert (np.diff(closed.hydraulic_aperture.values[here][order], axis=0) < 0.0).all()
-    summed = sum(pair(SHAPE))  # at first touch the field is the walls' distance
-    at_touch = passage(summed - summed.max())
-    np.testing.assert_allclose(closed.hydraulic_aperture[0], at_touch, rtol=1e-12)
 
 
-def observed(effects, observe, cycles, seating=0.0):
-    """The history of a joint whose steps are observed, and the joint."""
-    rocks = DOLERITE, DOLERITE
-    joint = Joint(*pair(SHAPE), SPACING, rocks, effects, CHOICES, jc.Numerics())
-    load = [LoadCycle(STRESS * AREA)] * cycles
-    fast = solver_named("fast")
-    history = run_cycles(joint, fast, jc.Numerics(), load, seating * AREA, observers=[observe])
-    return history, joint
-
-
-def test_what_an_observer_is_shown_is_the_joint_at_that_step(flows):
-    closed, shown = flows[1], []
-
-    def observe(joint, step):
-        overlap = fields_of(joint, step.settled.closure)[0]
-        means = step.settled.closure, -overlap.mean(), (overlap > 0.0).mean()
-        shown.append((*means, *passage(overlap)))
-
-    effects = jc.Effects(**json.loads(closed.attrs["effects"]))
-    observed(effects, observe, 2, closed.attrs["seating_stress_Pa"])
-    closure, mean, contact, *along = np.array(shown).T
-    assert np.array_equal(closure, closed.closure)
-    assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)
-    assert np.allclose(contact, closed.contact_fraction, rtol=1e-12, atol=0.0)
-    assert np.allclose(np.transpose(along), closed.hydraulic_aperture, rtol=1e-9, atol=0.0)
-
-
-def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps():
-    seen = []
-    effects = jc.Effects()
-    history, joint = observed(effects, lambda at, step: seen.append((at.force.sum(), step)), 3)
-    assert all(step.settled.effort == Effort() for step in history.steps if step.cycle == 3)
-    assert len(seen) == len(history.steps)
-    assert all(total == step.settled.total_force for total, step in seen)
-    assert joint.force.sum() == 0.0
-
-
-def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_step(snapshots):
-    closed = snapshots[1]
+def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_step(observed):
+    closed = observed[1]
     at = (closed[f"snapshot_{name}"].values.tolist() for name in ("cycle", "branch", "stress"))
     up, down = [2e6, 5e6], [2e6, 0.0]
     assert list(zip(*at, strict=True)) == [
         (cycle, branch, stress)
         for cycle, branch, stresses in (
-            *((1, "loading", [0.0, *up]), (1, "unloading", down)),
-            *((2, "loading", up), (2, "unloading", down)),
+            (1, "loading", [0.0, *up]), (1, "unloading", down),
+            (2, "loading", up), (2, "unloading", down),
+            (3, "loading", up), (3, "unloading", down),
         )
         for stress in stresses
-    ]
+    ]  # fmt: skip
     stress = closed.normal_stress.values
     for snapshot in range(1, closed.sizes["snapshot"]):
         here = closed.isel(snapshot=snapshot)
@@ -242,8 +147,8 @@ def test_each_branch_is_shown_where_it_first_passes_each_stress_at_the_nearer_st
         assert here.snapshot_step.item() == nearer
 
 
-def test_forces_gap_and_contacts_are_those_of_the_step(snapshots):
-    closed = snapshots[1]
+def test_forces_gap_contacts_and_flow_are_those_of_the_step_also_of_a_replayed_cycle(observed):
+    closed = observed[1]
     steps = closed.isel(step=closed.snapshot_step.values)
     force = closed.snapshot_force.sum(("y", "x")).values
     np.testing.assert_allclose(force / AREA, steps.normal_stress, rtol=1e-9, atol=1e-6)
@@ -252,10 +157,16 @@ def test_forces_gap_and_contacts_are_those_of_the_step(snapshots):
     contact = (closed.snapshot_gap < 0.0).mean(("y", "x")).values
     np.testing.assert_allclose(contact, steps.contact_fraction, rtol=1e-12, atol=0.0)
     assert ((closed.snapshot_force > 0.0) == (closed.snapshot_gap < 0.0)).all()
+    passed = [
+        [flow_along(np.maximum(gap, 0.0), way).hydraulic_aperture for way in DIRECTIONS]
+        for gap in closed.snapshot_gap.values
+    ]
+    np.testing.assert_allclose(steps.hydraulic_aperture, passed, rtol=1e-9)
+    assert int(closed.replayed_cycles) > 0 or not json.loads(closed.attrs["effects"])["breakage"]
 
 
-def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(snapshots):
-    closed = snapshots[1]
+def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(observed):
+    closed = observed[1]
     lost = np.zeros(closed.sizes["snapshot"])
     for name, given in zip(("upper", "lower"), lifted(), strict=True):
         taken = closed[f"snapshot_{name}"].values

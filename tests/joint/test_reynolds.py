@@ -30,32 +30,6 @@ def along_first_axis(field: np.ndarray, direction: str) -> np.ndarray:
     return field.T if direction == "x" else field
 
 
-@pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
-def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
-    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""
-    phase = 2.0 * np.pi * (np.arange(256) + 0.5) / 256
-    gap = np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
-    along = 2e-4 * ((1.0 - contrast**2) ** 2.5 / (1.0 + 0.5 * contrast**2)) ** (1.0 / 3.0)
-    across = 2e-4 * (1.0 + 1.5 * contrast**2) ** (1.0 / 3.0)
-    assert flow_along(gap, "x").hydraulic_aperture == pytest.approx(along, rel=1e-12)
-    assert flow_along(gap, "y").hydraulic_aperture == pytest.approx(across, rel=1e-12)
-    assert flow_along(gap.T, "y").hydraulic_aperture == pytest.approx(along, rel=1e-12)
-
-
-@pytest.mark.parametrize("direction", DIRECTIONS)
-@pytest.mark.parametrize("seed", range(5))
-def test_a_random_field_lies_between_strips_that_do_not_mix_and_sections_that_mix_fully(
-    seed, direction
-):
-    """Cutting faces along the flow can only lower it, shorting sections only raise it."""
-    field = random_field(seed, contact=0.0) + 1e-6
-    cubes = along_first_axis(field, direction) ** 3
-    low = np.mean(1.0 / np.mean(1.0 / cubes, axis=0)) ** (1.0 / 3.0)
-    high = largest_hydraulic(field, direction)
-    found = flow_along(field, direction).hydraulic_aperture
-    assert 1.001 * low < found < 0.999 * high
-
-
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_a_blocked_field_has_an_upper_bound_unless_a_whole_line_is_shut(direction):
     field = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((2, 2)))  # joined at corners only
@@ -63,37 +37,6 @@ def test_a_blocked_field_has_an_upper_bound_unless_a_whole_line_is_shut(directio
     assert largest_hydraulic(field, direction) == pytest.approx(0.5 ** (1.0 / 3.0))
     along_first_axis(field, direction)[3] = 0.0
     assert largest_hydraulic(field, direction) == 0.0
-
-
-def test_a_smooth_gap_converges_with_the_square_of_the_spacing():
-    def found(cells: int) -> float:
-        x, y = np.meshgrid(*2 * [(np.arange(cells) + 0.5) / cells])
-        gap = 1.0 + 0.5 * np.sin(2.0 * np.pi * (x + 0.7 * y)) * np.cos(3.0 * y + x)
-        return flow_along(gap, "x").hydraulic_aperture
-
-    coarse, middle, fine = (found(cells) for cells in (40, 80, 160))
-    order = np.log2((coarse - middle) / (middle - fine))
-    assert order == pytest.approx(2.0, abs=0.1)
-
-
-@pytest.mark.parametrize("direction", DIRECTIONS)
-@pytest.mark.parametrize("contact", [0.0, 0.1, 0.3])
-def test_what_flows_in_flows_out_of_every_cell_and_pressure_stays_between_the_sides(
-    contact, direction
-):
-    field = random_field(3, contact=contact)
-    flow = flow_along(field, direction)
-    assert flow.status == FLOWS
-    assert flow.imbalance < 1e-11
-    reached = flow.pressure[np.isfinite(flow.pressure)]
-    assert reached.min() >= 0.0
-    assert reached.max() <= 1.0
-    assert np.isnan(flow.pressure[field == 0.0]).all()
-    cubes = along_first_axis(field, direction) ** 3
-    pressure = along_first_axis(flow.pressure, direction)
-    last = np.nansum(2.0 * cubes[-1] * pressure[-1])
-    length, width = cubes.shape
-    assert flow.hydraulic_aperture == pytest.approx((last * length / width) ** (1 / 3), rel=1e-12)
 
 
 def test_a_wall_of_contacts_blocks_one_direction_and_one_open_cell_opens_it():
@@ -131,23 +74,36 @@ def test_a_published_flow_with_periodic_sides_is_reproduced(cells):
     assert flow.hydraulic_aperture**3 == pytest.approx(PUBLISHED_FLUXES[cells], rel=1e-9)
 
 
-def test_pressures_are_those_of_a_dense_solution():
+@pytest.mark.parametrize("sides", ["closed", "periodic"])
+@pytest.mark.parametrize("direction", DIRECTIONS)
+@pytest.mark.parametrize("contact", [0.0, 0.3])
+def test_pressures_and_flow_are_those_of_a_dense_solution(contact, direction, sides):
     """Every other cell is eliminated by hand: the pressures are compared with a plain matrix."""
-    field = random_field(6, (9, 7)) + 1e-6
-    cubes = (field / field.max()) ** 3
-    cells = np.arange(field.size).reshape(field.shape)
+    field = random_field(6, (9, 7), contact)
+    rows = along_first_axis(field / field.max(), direction) ** 3
+    cells = np.arange(field.size).reshape(rows.shape)
     matrix, load = np.zeros((field.size, field.size)), np.zeros(field.size)
-    along = zip(cells[:, :-1].flat, cells[:, 1:].flat, strict=True)
-    across = zip(cells.flat, np.roll(cells, -1, axis=0).flat, strict=True)
+    along = zip(cells[:-1].flat, cells[1:].flat, strict=True)
+    beside = np.roll(cells, -1, axis=1)[:, : None if sides == "periodic" else -1]
+    across = zip(cells[:, : beside.shape[1]].flat, beside.flat, strict=True)
     for a, b in (*along, *across):
-        face = 2.0 / (1.0 / cubes.flat[a] + 1.0 / cubes.flat[b])
+        one, other = rows.flat[a], rows.flat[b]
+        face = 2.0 * one * other / max(one + other, 1e-300)
         matrix[[a, b], [a, b]] += face
         matrix[[a, b], [b, a]] -= face
     for side in (0, -1):
-        matrix[cells[:, side], cells[:, side]] += 2.0 * cubes[:, side]
-    load[cells[:, 0]] = 2.0 * cubes[:, 0]
-    pressure = flow_along(field, "x", "periodic").pressure
-    assert pressure.ravel() == pytest.approx(np.linalg.solve(matrix, load), rel=1e-10)
+        matrix[cells[side], cells[side]] += 2.0 * rows[side]
+    load[cells[0]] = 2.0 * rows[0]
+    expected = np.linalg.lstsq(matrix, load, rcond=1e-14)[0].reshape(rows.shape)
+    flow = flow_along(field, direction, sides)
+    assert flow.status == FLOWS
+    assert flow.imbalance < 1e-11
+    pressure = along_first_axis(flow.pressure, direction)
+    assert np.isnan(pressure[rows == 0.0]).all()
+    known = np.isfinite(pressure)
+    np.testing.assert_allclose(pressure[known], expected[known], rtol=1e-9)
+    outflow = 2.0 * (rows[-1] * expected[-1]).sum() * rows.shape[0] / rows.shape[1]
+    assert flow.hydraulic_aperture == pytest.approx(field.max() * np.cbrt(outflow), rel=1e-9)
 
 
 def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():

@@ -1,5 +1,7 @@
 """Steps of resolved breakage: stiffnesses do not depend on them."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -23,8 +25,7 @@ def closed(wavelength, strength, seed, numerics):
 
 @pytest.fixture(scope="module")
 def pairs():
-    joints = [(length, strength, seed) for length in (1.6e-3, 6e-3) for strength in (60e6, 173e6)
-              for seed in (1, 2)]  # fmt: skip
+    joints = itertools.product((1.6e-3, 6e-3), (60e6, 173e6), (1,))
     return [[closed(*joint, numerics) for numerics in (USUAL, FINER)] for joint in joints]
 
 
