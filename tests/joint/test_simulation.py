@@ -10,7 +10,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.solvers.fast import FastSolver
-from jointclosure.walls.measured import Scan
+from jointclosure.walls.gridding import Scan
 from tests import joints
 from tests.joints import ELASTIC, SPACING
 

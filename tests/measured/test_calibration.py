@@ -1,7 +1,7 @@
 """A joint fitted to its measured closure: the interval covers the mismatch it was made with."""
 
+import functools
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.closing import Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
+from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.plotting.measured import fit_figure
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
@@ -32,21 +33,15 @@ CONDITIONS = Conditions(SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), PAPE
 WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
 
 
-class Walls(NamedTuple):
-    """Walls of simulated joints."""
-
-    def pair(self, number, wavelength, scans=None):
-        return jc.wall_pair(10.0, SHAPE, SPACING, number, mismatch_wavelength=wavelength)
-
-
-walls = Walls().pair
+WALLS = SimulatedWalls((10.0, 10.0), SHAPE, SPACING, 1, 0.8, 3e-3)
+walls = functools.partial(WALLS.pair, scans=None)
 
 
 def closures_of(asked, wavelengths, surfaces, workers=1):
     """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
     given = SimpleNamespace(
         joint=SimpleNamespace(surfaces=surfaces), measured=asked, wavelengths=wavelengths,
-        walls=Walls(), scans=None,
+        walls=WALLS, scans=None,
     )  # fmt: skip
     made = CONDITIONS, (GRANITE.compressive_strength,), (surfaces, 0, 1), (Later(),)
     joints = Joints(given, *made, None, workers, lambda line: None)

@@ -152,8 +152,10 @@ def test_a_damaged_file_is_one_clear_error(form, damage, wall, tmp_path):
     noise = np.random.default_rng(3).integers(0, 256, 500, dtype=np.uint8).tobytes()
     cut = whole[:9] if form.endswith(("csv", "xyz", "asc", "txt")) else whole[: len(whole) // 3]
     files[0].write_bytes({"truncated": cut, "empty": b"", "noise": noise}[damage])
-    with pytest.raises(jc.InputError, match=files[0].name):
+    with pytest.raises(jc.InputError, match=files[0].name) as error:
         wall_on_grid(read_scan(files if len(files) > 1 else files[0], **given), SPACING)
+    assert str(error.value).isprintable()
+    assert "\\x" not in str(error.value)
 
 
 @pytest.mark.parametrize("name", ["a.npy", "a.npz"])
@@ -285,13 +287,8 @@ def test_a_matrix_with_places_on_one_side_is_refused_and_a_plane_is_heights(wall
     np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
 
 
-def test_vectors_of_places_of_a_matlab_file_are_read_and_structs_are_refused(wall, tmp_path):
-    x, y = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
-    scipy.io.savemat(tmp_path / "a.mat", {"x": x, "y": y, "Z": wall.T})
-    scan = read_scan(tmp_path / "a.mat", units="mm")
-    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
-    assert scan.spacing == pytest.approx((SPACING, SPACING))
-    scipy.io.savemat(tmp_path / "a.mat", {"S": {"x": x, "y": y, "Z": wall}})
+def test_structs_of_a_matlab_file_are_refused(wall, tmp_path):
+    scipy.io.savemat(tmp_path / "a.mat", {"S": {"Z": wall}})
     with pytest.raises(jc.InputError, match="save arrays of S as variables of their own"):
         read_scan(tmp_path / "a.mat", units="mm")
 
@@ -316,8 +313,6 @@ LINES = [b"v 0 0 0", b"v 1 0 0", b"v 0 1 0", b"v 1 1 0"]
 OBJ = b"\n".join(LINES[:3]) + b"\n"
 REFUSED = {
     "png.stl": (b"\x89PNG\r\n\x1a\n" + bytes(80), "its content is that of a PNG"),
-    "b.foo": (bytes(range(256)), "is of no form that is read here"),
-    "empty.xyz": (b"", "the file is empty"),
     "1.csv": (b"1 2\n3 4\n", "2 columns that are not named"),
     "3.csv": (b"x,y,z\n1,,3\n", "1 points lack x or y, the first is number 1"),
     "a.obj": (b"v 0 0 0\nv 1 0 x\n", "could not convert string 'x' to float64 at row 1"),
@@ -326,12 +321,9 @@ REFUSED = {
     "b.ply": (PLY.rpartition(b"0 1 2\n3")[0], "declares 6 vertices, and contains 5"),
     "e.ply": (PLY.replace(b"3 0 1 2", b"3 0 1 9"), "vertices 1 to 10, but there are 6 vertices"),
     "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "text must be .txt, .csv or .xyz"),
-    "a.grd": (b"DSRB" + bytes(4), "cannot be read as a Surfer grid ("),
     "c.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "(c.grd, band 1: IRead"),
     "d.grd": (b"DSBB" + struct.pack("<2h6d", 30_000, 30_000, *range(6)), "at most 800 MB"),
     "a.ply": (STL, "cannot be read as PLY"),
-    "cut.stl": (STL[:200], "has 0 vertices, too few for a wall: is the file incomplete?"),
-    "noise.npy": (bytes(range(256)), "cannot be read as an array of numbers"),
 }
 
 
@@ -509,13 +501,6 @@ def test_a_file_too_large_to_be_read_as_a_whole_is_one_error(name, tmp_path):
         file.truncate(20_000_000_000)
     with pytest.raises(jc.InputError, match=rf"{name}: 20 GB: must be at most 2 GB"):
         read_scan(tmp_path / name, units="mm")
-
-
-def test_a_solid_is_refused_and_not_taken_for_another_form(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
-    (tmp_path / "a.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
-    with pytest.raises(jc.InputError, match=r"must be cut to one wall$"):
-        read_scan(tmp_path / "a.stl", units="mm")
 
 
 @pytest.mark.parametrize(

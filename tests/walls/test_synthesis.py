@@ -3,11 +3,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.walls.roughness import RELATIONS, detrended, jrc_of_z2, rms_slope, z2_of_jrc
-from jointclosure.walls.synthesis import (
-    Spectrum,
-    gaussian_field,
-    power,
-)
+from jointclosure.walls.synthesis import Spectrum, gaussian_field, power
 from tests.joints import SPACING
 
 
@@ -17,12 +13,6 @@ def test_every_wall_has_exactly_the_slope_of_its_jrc_and_no_plane(shape):
         assert wall.shape == shape
         assert rms_slope(wall, SPACING) == pytest.approx((8.0 + 4.51) / 60.32, rel=1e-12)
         np.testing.assert_allclose(wall, detrended(wall), atol=1e-15)
-
-
-def test_a_seed_is_a_surface():
-    one, same, other = (jc.wall_pair(8.0, (9, 9), SPACING, seed=s) for s in (1, 1, 2))
-    np.testing.assert_array_equal(one, same)
-    assert np.abs(one[0] - other[0]).max() > 0.0
 
 
 def test_walls_are_independent_unless_a_correlation_is_given():
