@@ -30,6 +30,29 @@ def along_first_axis(field: np.ndarray, direction: str) -> np.ndarray:
     return field.T if direction == "x" else field
 
 
+@pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
+def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
+    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""
+    phase = 2.0 * np.pi * (np.arange(256) + 0.5) / 256
+    gap = np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
+    along = 2e-4 * ((1.0 - contrast**2) ** 2.5 / (1.0 + 0.5 * contrast**2)) ** (1.0 / 3.0)
+    across = 2e-4 * (1.0 + 1.5 * contrast**2) ** (1.0 / 3.0)
+    assert flow_along(gap, "x").hydraulic_aperture == pytest.approx(along, rel=1e-12)
+    assert flow_along(gap, "y").hydraulic_aperture == pytest.approx(across, rel=1e-12)
+    assert flow_along(gap.T, "y").hydraulic_aperture == pytest.approx(along, rel=1e-12)
+
+
+def test_a_smooth_gap_converges_with_the_square_of_the_spacing():
+    def found(cells: int) -> float:
+        x, y = np.meshgrid(*2 * [(np.arange(cells) + 0.5) / cells])
+        gap = 1.0 + 0.5 * np.sin(2.0 * np.pi * (x + 0.7 * y)) * np.cos(3.0 * y + x)
+        return flow_along(gap, "x").hydraulic_aperture
+
+    coarse, middle, fine = (found(cells) for cells in (40, 80, 160))
+    order = np.log2((coarse - middle) / (middle - fine))
+    assert order == pytest.approx(2.0, abs=0.1)
+
+
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_a_blocked_field_has_an_upper_bound_unless_a_whole_line_is_shut(direction):
     field = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((2, 2)))  # joined at corners only

@@ -239,3 +239,10 @@ def test_walls_that_cannot_be_the_pristine_ones_are_refused(walls):
             jc.simulate(*walls, pristine=one, **WEAK)
     with pytest.raises(jc.InputError, match="pristine: not with peaks = 'current'"):
         jc.simulate(*walls, pristine=walls, choices=jc.Choices(peaks="current"), **WEAK)
+
+
+def test_a_contact_that_is_locked_and_flat_is_counted_once():
+    pair = 5e-5 * np.random.default_rng(1).standard_normal((2, 12, 12))
+    joint = joints.closed((pair[0], pair[1]), 5e7, rock=jc.Rock(50e9, 0.25, 1e6))
+    assert float(joint.locked_share.max()) == pytest.approx(1.0)
+    assert float(joint.flat_share.max()) == 0.0

@@ -16,7 +16,7 @@ from jointclosure.mechanics.contact import (
 )
 from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
-from jointclosure.mechanics.interaction import far_field_factor
+from jointclosure.mechanics.interaction import far_field_factor, interaction_displacement
 from jointclosure.mechanics.strength import (
     critical_indentation,
     is_overstressed,
@@ -241,3 +241,16 @@ def test_overstress_by_overlap_agrees_with_eq_22(deformation, curvature, modulus
 def test_a_flat_contact_breaks_only_where_strength_is_bounded():
     assert not is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9, 0.0)
     assert is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9, 1.0)
+
+
+def test_displacement_is_continuous_with_the_substrate_at_the_rim():
+    # at the rim a Hertz pressure moves the surface by 3 F / (8 E* r)
+    at_rim = interaction_displacement(1.0, 1.0, 1.0)
+    assert at_rim == pytest.approx(3.0 / 8.0, rel=1e-14)
+
+
+def test_the_maximum_moves_from_0_38_to_0_55():
+    depths = np.linspace(0.0, 1.0, 10001)
+    for ratio, where in ((0.0, 0.382), (0.5, 0.548)):
+        stresses = [von_mises_on_axis(z, ratio) for z in depths]
+        assert depths[np.argmax(stresses)] == pytest.approx(where, abs=1e-3)
