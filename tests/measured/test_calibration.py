@@ -22,9 +22,8 @@ from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.plotting.measured import fit_figure
-from jointclosure.walls.gridding import Scan
-from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING
+from tests.measured.test_region import scanned_pair
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
 SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6
@@ -205,9 +204,7 @@ def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
 
 
 def test_the_strength_of_scanned_walls_is_within_its_interval():
-    upper, lower = jc.wall_pair(10.0, SHAPE, SPACING, 3, mismatch_wavelength=3e-3)
-    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
-    pair = registered(*scans, orientation="common_frame", spikes="keep")
+    pair = scanned_pair(24)
     weak = GRANITE._replace(compressive_strength=130e6)
     curve = curve_of(close_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
     given = {"rock": GRANITE, "pair": pair, "seating_stress": SEATING, "choices": PAPER}

@@ -122,7 +122,6 @@ FILES = {
     "dx alone": ({"dx": 0.4}, {}, (0.4, 0.4)),
     "one coordinate": ({"x": X}, {}, "does not state the spacing of its grid along y:"),
     "one coordinate and a spacing": ({"x": X}, {"scan_spacing": 4e-4}, (0.4, 0.4)),
-    "one coordinate and another spacing": ({"x": X}, {"scan_spacing": 3e-4}, "the file states 0.4"),
     "one coordinate and dy": ({"x": X, "dy": 0.3}, {}, (0.3, 0.4)),
     "one uneven coordinate": ({"x": X**2}, {}, "x: must be evenly spaced"),
     "returning coordinates": ({"x": FOLDED, "y": Y}, {}, "places have several heights"),

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -63,18 +65,6 @@ def test_the_power_is_flat_beyond_the_roll_off_and_unchanged_below_it(rule):
     assert rolled[0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
-class Impulse:
-    """In place of a generator: 1 in one cell, so that a field is a column of its filter."""
-
-    def __init__(self, cell):
-        self.cell = cell
-
-    def standard_normal(self, shape):
-        noise = np.zeros(shape)
-        noise.flat[self.cell] = 1.0
-        return noise
-
-
 def test_a_walk_has_the_law_of_independent_slopes_projected_on_the_nearest_heights():
     shape = (4, 6)
     cells = np.arange(24).reshape(shape)
@@ -83,9 +73,11 @@ def test_a_walk_has_the_law_of_independent_slopes_projected_on_the_nearest_heigh
         [np.eye(24)[np.roll(cells, -1, axis).ravel()] - np.eye(24) for axis in (0, 1)]
     )
     nearest = np.linalg.pinv(steps)  # heights from all slopes, by least squares
-    filtered = np.array(
-        [gaussian_field(shape, Spectrum(0.8, "walk"), Impulse(i), 1).ravel() for i in range(24)]
-    )
+    # of noise that is 1 in one cell, a field is a column of its filter
+    noises = np.eye(24).reshape(24, *shape)
+    generators = [SimpleNamespace(standard_normal=lambda _, noise=noise: noise) for noise in noises]
+    fields = [gaussian_field(shape, Spectrum(0.8, "walk"), one, 1) for one in generators]
+    filtered = np.reshape(fields, (24, 24))
     found, expected = filtered.T @ filtered, nearest @ nearest.T
     np.testing.assert_allclose(found / found[0, 0], expected / expected[0, 0], atol=1e-12)
 
