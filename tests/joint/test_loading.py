@@ -24,24 +24,17 @@ def closed(effects=SCENES["all"], stress=6e6, **load):
     return joints.closed(walls, stress, effects=effects, **load)
 
 
-@pytest.fixture(scope="module", params=SCENES)
-def scene(request):
-    return SCENES[request.param]
-
-
-@pytest.fixture(scope="module")
-def history(scene):
-    # whose force does not jump where its load turns
-    return closed(scene, TURNS, seating_stress=0.5e6, strength_bound="none")
-
-
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_equal_cycles_to_last_contact_are_bit_for_bit_those_of_one_maximum(scene):
     xr.testing.assert_identical(
         closed(scene, stress=6e6, cycles=3), closed(scene, stress=[6e6, 0, 6e6, 0, 6e6])
     )
 
 
-def test_a_cycle_counts_from_where_its_own_loading_starts(history):
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_a_cycle_counts_from_where_its_own_loading_starts(scene):
+    # whose force does not jump where its load turns
+    history = closed(scene, TURNS, seating_stress=0.5e6, strength_bound="none")
     ends = [
         float(history.closure.values[history.load_cycle.values == number][-1])
         for number in range(1, 5)

@@ -36,14 +36,14 @@ WALLS = SimulatedWalls((10.0, 10.0), SHAPE, SPACING, 1, 0.8, 3e-3)
 walls = functools.partial(WALLS.pair, scans=None)
 
 
-def closures_of(asked, wavelengths, surfaces, workers=1):
+def closures_of(asked, wavelengths, surfaces):
     """Closures (wavelengths, joints, cycles, 2, stresses) [m] of simulated joints."""
     given = SimpleNamespace(
         joint=SimpleNamespace(surfaces=surfaces), measured=asked, wavelengths=wavelengths,
         walls=WALLS, scans=None,
     )  # fmt: skip
     made = CONDITIONS, (GRANITE.compressive_strength,), (surfaces, 0, 1), (Later(),)
-    joints = Joints(given, *made, None, workers, lambda line: None)
+    joints = Joints(given, *made, None, 1, lambda line: None)
     return joints.closures()[0, :, 0], joints.stresses
 
 
@@ -76,15 +76,11 @@ def test_a_curve_is_read_as_the_history_that_it_was_measured_of(history):
     assert len(measured.names()) == len(measured.values)
 
 
-def test_joints_are_the_same_by_any_number_of_workers_and_their_curves_those_of_the_readings(
-    history,
-):
+def test_curves_of_the_joints_are_those_of_the_readings(history):
     asked = readings_of_curve(curve_of(history), SEATING)
     asked = asked._replace(cycles=2, unloaded=(1, 2), read=())
     asked = asked._replace(values=np.ones(len(asked.places())))
-    one, two = (closures_of(asked, WAVELENGTHS[:2], 1, workers) for workers in (1, 2))
-    np.testing.assert_array_equal(one[0], two[0])
-    closures, stresses = one
+    closures, stresses = closures_of(asked, WAVELENGTHS[:2], 1)
     readings = np.exp(logs_of(closures, stresses, asked))[:, 0].reshape(2, 2, -1)
     assert np.isfinite(readings).all()  # of both cycles, the last recovered
     loading, unloading = np.moveaxis(closures[:, 0] - closures[:, 0, :, :1, :1], 2, 0)
