@@ -8,20 +8,24 @@ import pandas as pd
 import pytest
 
 from jointclosure.parameters import PROPERTIES
+from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.configuration import model
+from studies.frame.configuration import merged, model, resolved
 from studies.frame.keys import json_schema
 from studies.frame.plan import inputs_of, settings_of
 from studies.frame.products import Product, make_files
 from studies.frame.settings import walls_of
+from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper import figures as plotting
 from studies.paper import needs  # noqa: F401
+from studies.paper.closures import max_closure_table
 from studies.paper.layout import case_table, rock_table, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
 from studies.paper.report.content import (
     STAYS,
+    Material,
     content,
     departures,
     headline,
@@ -37,7 +41,7 @@ from studies.paper.responses import (
     measure_covariates,
 )
 from studies.paper.test_table_3 import study as three_surfaces
-from tests.studied import ROOT, study_of
+from tests.studied import DEFAULT, ROOT, keys_of, study_of
 from tests.world import world
 
 
@@ -83,29 +87,39 @@ def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
 # The page of a study
 
 
-@pytest.fixture(scope="module")
-def page(material):
-    return content(material)
+KEYS = keys_of(
+    {"study": {"name": "made_up", "rocks": ["slate", "granite"], "realizations": 8}},
+    {"rocks": {"granite": merged(DEFAULT["rocks"]["slate"], {"title": "Granite", "jrc": 9})}},
+)
 
 
-def test_the_first_screen_has_the_numbers_of_the_tables(page, material):
-    row = page["frames"]["in_short"].iloc[0, 1:]
-    closures = material.tables["max_closure"]
-    base = closures[closures.parameter == "base"]
-    own = base[base.rock == base.rock.iloc[0]].set_index("cycle")
-    assert row["Net closure since seating, cycle 2 (mm)"] == own.max_closure_seated_net_mean_mm[2]
-    stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]
+def test_the_first_screen_has_the_numbers_of_the_tables():
+    """In every case one joint failed."""
+    study = world(resolved(KEYS))
+    status = np.zeros(study.seed.shape, dtype=np.int16)
+    status[:, 3] = 16
+    study = study.assign(
+        status=(study.seed.dims, status), stiffness_net=1e6 / study.max_closure
+    ).assign_attrs({"references": "the paper"} | provenance(KEYS))
+    study = study.assign_coords(scene=("case", ["all"] * study.sizes["case"]))
+    checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
+    tables = {"max_closure": max_closure_table(study), "checks": checks}
+    paper, schema = read_csv(PAPER_TABLE_3), json_schema(model())
+    shown = content(Material(study, tables, paper, DEFAULT, schema, {}))
+    row = shown["frames"]["in_short"].iloc[0, 1:]
+    base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
+    assert row["Net closure since seating, cycle 2 (mm)"] == base.max_closure_seated_net_mean_mm[2]
+    stays = base.residual_closure_seated_net_mean_mm[1] / base.max_closure_seated_net_mean_mm[1]
     assert row[STAYS] == pytest.approx(100.0 * stays)
-    study = material.study
-    case = study.sel(case=study.case[study.parameter == "base"][0], cycle=1)
+    case = study.sel(case="slate-base", cycle=1)
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
 
 
-def test_settings_that_differ_from_the_papers_are_found(configuration, default):
+def test_settings_that_differ_from_the_papers_are_found():
     schema = json_schema(model())
-    assert departures(setting_rows(default, default, schema)) == []
-    rows = setting_rows(configuration, default, schema)
+    assert departures(setting_rows(DEFAULT, DEFAULT, schema)) == []
+    rows = setting_rows(KEYS, DEFAULT, schema)
     found = departures(rows)
     assert {"study.realizations", "rocks.granite.jrc"} <= set(found)
     assert not any(key.startswith("rocks.slate") for key in found)

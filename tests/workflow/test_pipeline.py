@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.storage.netcdf import read_netcdf
-from tests.workflow.runs import assert_same, checkout, planned, snakemake
+from tests.workflow.runs import assert_same, checkout, planned, snakemake, studies_command
 
 pytestmark = pytest.mark.slow
 RESULTS = "results/tiny"
@@ -27,7 +27,7 @@ def test_kernels_are_compiled_by_the_job_that_is_there_for_it_and_by_no_other(tm
     assert not [log.name for log in logs if "compiling kernels" in log.read_text()]
 
 
-def test_the_run_writes_what_the_readme_promises(study):
+def test_the_run_writes_what_the_readme_promises(study, tmp_path):
     results = study / RESULTS
     figures = list((results / "figures").iterdir())
     assert len({path.stem for path in figures}) == 8
@@ -38,6 +38,9 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert checks.passed.all()
     assert set(checks.ensemble) == {"cases", "pool"}
     assert planned(study) == {}
+    page = tmp_path / "page.html"
+    made = studies_command("report", results, "--output", page)
+    assert (made.returncode, page.read_text().count("<img") >= 8) == (0, True), made.stderr
 
 
 def test_the_dataset_has_coordinates_units_and_provenance(study):
