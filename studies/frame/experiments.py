@@ -62,7 +62,7 @@ class Design(NamedTuple):
     def kernels(self) -> list[list[str]]:
         """Return the kernels that are compiled before the jobs start."""
         conditions = [point.settings.conditions for point in self.points()]
-        return kernels_of((one.effects, one.choices, one.numerics) for one in conditions)
+        return kernels_of(one.model for one in conditions)
 
     def entries(self) -> list[Entry]:
         """Return the files of the jobs."""

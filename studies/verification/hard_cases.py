@@ -153,16 +153,12 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
     return Effects(**case["effects"]), *changed
 
 
-_compile_once = lru_cache(maxsize=None)(compile_kernels)
-
-
 @lru_cache(maxsize=None)
 def _run(frozen: str) -> Outcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
-        effects, choices, numerics = _model(case)
-        compiled = Choices(peaks=choices.peaks, strength_bound=choices.strength_bound)
-        _compile_once(effects, compiled, numerics.solver, numerics.breakage)
+        for kernel in kernels_of([_model(case)]):
+            compile_kernels(*kernel)
     setting = _setting(case)
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))

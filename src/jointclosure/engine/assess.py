@@ -28,16 +28,14 @@ from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
-from jointclosure.joint.warmup import compile_kernels
+from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
 from jointclosure.walls import Walls
 
-CLOSURE = "max_closure_seated_net"
-"""Closure by which copies of a joint are compared."""
-JUDGED = (CLOSURE, "max_closure")
-"""Closures to which a request applies: net since seating, and gross from first touch."""
+CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
+JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch
 ASSESSED = {
     CLOSURE: "net closure",
     "max_closure": "gross closure",
@@ -45,8 +43,7 @@ ASSESSED = {
     "mean_aperture_at_max": "aperture",
 }
 """Quantities that are compared, and their short titles."""
-REFINEMENT = 5.0
-"""Tolerance of a resolved setting over that of the next finer one."""
+REFINEMENT = 5.0  # tolerance of a resolved setting over that of the next finer one
 FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",
             "stress_over_strength", "spread")  # fmt: skip
 """Quantities by which joints are placed among the hard cases, and the spread of copies [1]."""
@@ -64,14 +61,11 @@ DROPS = (
 """Effects that are left out together."""
 READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
 """Quantities that are read of every closure; the last one only where states are judged."""
-
-
 LADDER = {"the paper's steps": Numerics()} | {
     f"tolerance {numerics.tolerance:g}": numerics
     for numerics in (coarser(RESOLVED, REFINEMENT**power) for power in (1, 0, -1))
 }
-"""Settings of the numerics that are compared, from the cheapest to the finest. First steps shrink
-with the tolerance."""
+"""Settings of the numerics that are compared, from the cheapest to the finest."""
 FINEST = list(LADDER.values())[-1]
 
 
@@ -101,28 +95,26 @@ class Assessment:
 
     @cached_property
     def differences(self) -> pd.DataFrame:
-        """Mean difference of each variant, quantity of `ASSESSED` and cycle from a ``reference``.
+        """Mean difference of each variant from its ``reference`` on the same walls, over its mean.
 
-        It is that on the same walls, over the mean of the reference, with its 95 % interval
-        (``value``, ``low``, ``high`` [1]), beside the ``seconds`` of a joint. The reference of a
-        setting of the numerics is the finest one, that of a scene without effects has all of them.
+        It is that of each quantity of `ASSESSED` and cycle, with its 95 % interval (``value``,
+        ``low``, ``high`` [1]), beside the ``seconds`` of a joint.
         """
+        names = ["variant", "reference", "seconds", "quantity", "cycle", *Interval._fields]
         rows = []
         every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
         for (variant, seconds), quantity, cycle in every:
             reference = self.stated if str(variant).startswith(_EFFECT) else self.ladder[-1]
-            row = {"variant": variant, "reference": reference, "seconds": seconds}
-            row |= {"quantity": quantity, "cycle": cycle}
-            rows.append(row | self._apart((variant, reference), cycle, quantity)._asdict())
-        return pd.DataFrame(rows)
+            apart = self._apart((variant, reference), cycle, quantity)
+            rows.append((variant, reference, seconds, quantity, cycle, *apart))
+        return pd.DataFrame(rows, columns=names)
 
     @cached_property
     def hardness(self) -> pd.DataFrame:
-        """Verdict on each joint, the worst first: ``verdict``, its ``reason``, and what gave it.
+        """Verdict on each joint, the worst first: ``verdict``, ``reason``, and what gave it.
 
         That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
-        of all copies), the ``nearest`` hard case and the ``distance`` to it, and ``oracle_ratio``,
-        of scenes with all effects.
+        of all copies), the ``nearest`` hard case, the ``distance`` to it, and ``oracle_ratio``.
         """
         of_scene = self.closures[~self.closures.variant.str.startswith(_EFFECT)]
         rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
@@ -165,15 +157,13 @@ class Assessment:
             return "needed: fails"
         rows = self.differences[self.differences.variant == variant]
         ends = rows.loc[rows.quantity.isin(JUDGED), list(Interval._fields)].dropna()
-        inside = [Interval(*row).within(self.within) for row in ends.to_numpy()]
+        inside = {Interval(*row).within(self.within) for row in ends.to_numpy()}
         return (
             "needed" if False in inside else "not decided" if None in inside else "can be left out"
         )
 
     def __str__(self) -> str:
-        effects = self.effects[
-            [c for c in self.effects if not c.startswith(("net st", "aperture"))]
-        ]
+        effects = self.effects.filter(regex="^(?!net st|aperture)")
         tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
         return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
 
@@ -223,15 +213,14 @@ class Assessment:
         features = features_of(own, self.stated, self.ladder[-1])
         nearest, hard, distance = nearest_hard_case(features)
         share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
-        failed = own[~(own.status < FAILURE)]
+        failed, verdict = own[~(own.status < FAILURE)], "not stable"
         if len(failed):
-            first, verdict = failed.iloc[0], "not stable"
+            first = failed.iloc[0]
             flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
             reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
         elif judged > 1.0:
-            verdict = "not stable"
-            reason = f"the independent implementation finds a state {judged:.2g} times beyond a "
-            reason += "limit"
+            found = f"a state {judged:.2g} times beyond a limit"
+            reason = f"the independent implementation finds {found}"
         else:
             easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
             verdict = "easy" if easy else "hard"
@@ -380,12 +369,10 @@ def assess(
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    given = given._replace(spacing=spacing, flow=False).checked()
-    stated, ladder, variants = variants_of(given)
+    stated, ladder, variants = variants_of(given._replace(spacing=spacing, flow=False).checked())
     tasks = [
         (name, joint, copy)
-        for name in variants
-        for joint in range(len(pairs))
+        for name, joint in itertools.product(variants, range(len(pairs)))
         for copy in (COPIES if name == stated or len(pairs) == 1 else ["as it is"])
     ]
     closures = closures_of(tasks, stated, variants, pairs, folder, workers, report)
@@ -465,9 +452,8 @@ def closures_of(
         )
         for name, joint, copy in missing
     ]
-    used = (reading.conditions for _, reading in asked)
-    for one in {(v.effects, v.choices, v.numerics.solver, v.numerics.breakage) for v in used}:
-        compile_kernels(*one)  # before processes need them, and no part of a measured time
+    for kernel in kernels_of({variants[name].model for name, *_ in missing}):
+        compile_kernels(*kernel)  # before processes need them, and no part of a measured time
     for done, (at, row) in enumerate(shared(close_joint, asked, processes), start=1):
         name, key = missing[at][0], keys[missing[at]]
         if isinstance(row, Failed):
@@ -507,10 +493,8 @@ def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, f
 
 
 def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
-    """Return the hard case with the most similar features, what is hard on it, and its distance.
-
-    It is the root mean square, over the features, of the difference between the shares of hard
-    cases that have less.
+    """Return the hard case with the most similar features, what is hard on it, and its distance:
+    the rms, over the features, of the difference between the shares of hard cases that have less.
     """
     cases, apart = read_csv(HARD_CASES), []
     for name in FEATURES:

@@ -46,8 +46,7 @@ QUANTITIES = {
     )
 }
 """Headings of results with a range, by column of `results_of`."""
-ORDER = "order"
-"""Source of another order of breakage: copies that differ in rounding, or are mirrored."""
+ORDER = "order"  # source of another order of breakage: copies that differ in rounding, or mirrored
 TITLES = {
     "spacing": "grid spacing",
     "breakage": "numerical error",
@@ -59,7 +58,6 @@ TITLES = {
     "peaks": "choice of soft peaks",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
-
 MEASURED = (
     "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
     "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
@@ -71,20 +69,13 @@ MEASURED = (
     *measured_range("later_residual_share"),
 )
 """What is known of the model from three measured granodiorite joints."""
-
-ALL = "all together"
-"""Source of the variants in which all sources have random values."""
-OUTLYING = 0.15
-"""Share of joints with random values below or above a best value that lies at their edge."""
-OUTSIDE = 0.05
-"""Probability of a result below the range, and of one above it."""
-NUMBERS = ["best", "median", "low", "high"]
-"""Columns of `Budget.ranges` that are no shares."""
-NOT_MODELLED = "not modelled"
-"""Text of a result that is 0 in all variants: the model cannot give it."""
-
-SHARED = "shared"
-"""Kind of a source whose second value all variants have."""
+ALL = "all together"  # source of the variants in which all sources have random values
+OUTLYING = 0.15  # share of joints with random values beyond a best value that lies at their edge
+OUTSIDE = 0.05  # probability of a result below the range, and of one above it
+NUMBERS = ["best", "median", "low", "high"]  # columns of `Budget.ranges` that are no shares
+NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
+ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
+SHARED = "shared"  # kind of a source whose second value all variants have
 
 
 class Source(NamedTuple):
@@ -108,13 +99,10 @@ class Source(NamedTuple):
         return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
 
     def changes_at(self, changes: np.ndarray, shares: np.ndarray) -> np.ndarray:
-        """Return the expected change of a result at shares (n,), from that at each value (k,).
-
-        Linear between the ends of a range. A change that is not known counts as 0.
-        """
+        """Return the expected change of a result at shares (n,), from that at each value (k,)."""
         if self.kind == "random":
             return np.zeros(shares.shape)
-        changes = np.nan_to_num(changes)
+        changes = np.nan_to_num(changes)  # what is not known counts as 0
         if self.kind == "range":
             return changes[0] + shares * (changes[1] - changes[0])
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
@@ -213,15 +201,11 @@ class Budget(NamedTuple):
         return table_of(self.ranges.index.unique("cycle"), self.text)
 
     def text(self, cycle: int, quantity: str) -> str:
-        """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
-
-        The first number is the median. Numbers are 0 if they are next to nothing of the width of
-        the range.
-        """
+        """Format the median and the range of a result with two digits: "0.18 (0.13 to 0.24)"."""
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
-        least = 0.005 * (row.high - row.low)
+        least = 0.005 * (row.high - row.low)  # less is shown as 0
         values = (row["median"], row.low, row.high)
         first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
         return f"{first} ({low} to {high})"
@@ -236,10 +220,6 @@ class Budget(NamedTuple):
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
         return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
-
-
-ROUNDING = 1e-12
-"""Largest closure [mm] that is the rounding of 0."""
 
 
 def _two_digits(value: float) -> str:
@@ -268,10 +248,8 @@ def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataF
 def ranges_of(
     results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
 ) -> pd.DataFrame:
-    """Compute `Budget.ranges` of `Budget.results`.
-
-    ``shares`` (draws, sources) are the random values of the joints that were closed with `ALL`, as
-    for `Source.at`, and ``further`` (any, sources) further ones.
+    """Compute `Budget.ranges` of `Budget.results`, of which ``shares`` (draws, sources) are the
+    random values of the joints closed with `ALL`, as for `Source.at`, and ``further`` (n, sources).
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
@@ -357,8 +335,8 @@ def bands_of(
 def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:
     """Return the slope of changes (draws,) against those expected, and departures from the line.
 
-    Expected changes are reduced if joints change less (a slope below 1, as sources with the same
-    effect do not add up). Departures are scaled from a sample to a further joint.
+    It is at most 1, as sources with the same effect do not add up. Departures are scaled from a
+    sample to a further joint.
     """
     known = np.isfinite(drawn)
     drawn, sums = drawn[known], sums[known]
@@ -375,11 +353,8 @@ def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]
 def total_indices(
     alone: Mapping[str, float], random: Mapping[str, np.ndarray], departures: float
 ) -> dict[str, float]:
-    """Return the total index of each source.
-
-    ``alone`` are variances by each source alone, ``random`` the changes of a result in the draws
-    of a random source, and ``departures`` the variance that random sources and interactions have
-    together.
+    """Return the total index of each source, from the variances by each source ``alone``, the
+    changes of a result in the draws of each ``random`` source, and the variance of departures.
     """
     scatter = {}
     for name, values in random.items():

@@ -12,8 +12,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.scan_errors import ScanErrors
 
-WINDOW = 128
-"""Cells a side of the window of the walls that is closed to estimate the time."""
+WINDOW = 128  # cells a side of the window of the walls that is closed to estimate the time
 EXPONENTS = (1.15, 1.75)
 """Smallest and largest power of the number of cells with which the time of a closure grows. From
 128 x 128 to 300 x 300 cells of eight pairs of walls (granite, JRC 8, 10 MPa, resolved breakage) it
@@ -22,16 +21,11 @@ beyond 3 or 10 mm or have a roll-off of 3 mm."""
 SCATTER = 1.4
 """Factor by which a single time is shorter or longer than by these powers: with it, all times of
 these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
-BYTES = 1000
-"""Memory for each cell; 1.0 kB was measured between 100 x 100 and 400 x 400 cells."""
-BASE_BYTES = 300e6
-"""Memory of the program with a small joint."""
-SMALL = 150 * 150
-"""Number of cells up to which a joint with its range takes about 20 s or less."""
-LARGEST = 1000 * 1000
-"""Largest number of cells that is closed without a stated grid spacing."""
-SUGGESTED = 200
-"""Cells along the longer side for which a coarser spacing is suggested."""
+BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 400 cells
+BASE_BYTES = 300e6  # memory of the program with a small joint
+SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
+LARGEST = 1000 * 1000  # most cells that are closed without a stated grid spacing
+SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 
 
 class Cost(NamedTuple):
@@ -80,9 +74,8 @@ def expected_cost(
 ) -> Cost | None:
     """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
 
-    A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
-    powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``, of which
-    ``workers`` are closed at the same time.
+    The time of a window of the walls is multiplied by the powers `EXPONENTS` of the cells, and by
+    the closures of a range unless ``single``, of which ``workers`` are closed at the same time.
     """
     sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
     if upper.size <= SMALL:

@@ -64,10 +64,7 @@ def read_joint(joint: ClosedWalls, names: Iterable[str]) -> Row:
 
 
 def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
-    """Join rows of joints along ``realization``, with coordinates, titles and units.
-
-    What a row lacks is NaN, a count 0.
-    """
+    """Join rows of joints along ``realization``; what a row lacks is NaN, a count 0."""
     about = {"long_name": "nominal normal stress", "units": "Pa"}
     joined = xr.Dataset(
         coords={
@@ -158,14 +155,12 @@ def simulate_ensemble(
         f"{type(a.error).__name__}: {a.error}" if isinstance(a, Failed) else "" for a in answers
     ]
     ensemble = stacked(rows, np.arange(len(rows)), labels, reading)
-    about = ensemble.status.attrs
+    about, why = ensemble.status.attrs, {"long_name": "why a joint failed"}
     about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
     about["flag_meanings"] += " not_simulated"
-    why = {"long_name": "why a joint failed"}
-    attributes = {"title": "closure of many rough joints"} | conditions.attributes()
-    return ensemble.assign(error=("realization", np.array(errors, dtype=object), why)).assign_attrs(
-        attributes
-    )
+    ensemble["error"] = "realization", np.array(errors, dtype=object), why
+    title = "closure of many rough joints"
+    return ensemble.assign_attrs({"title": title} | conditions.attributes())
 
 
 def _rows(

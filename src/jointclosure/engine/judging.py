@@ -9,22 +9,15 @@ from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.registry import solver_named
 
-VOLUME_TOLERANCE = 1e-12
-STRENGTH_TOLERANCE = 1e-6
-"""Allowed relative excess over strength of a contact at rest, due to the last change of the
-interaction."""
-LOAD_TOLERANCE = 1e-12
-ROUNDINGS = 16.0
-"""Allowed error of an overlap, in units in the last place of the heights."""
-SOLVED = 1.01
-"""Allowed residual over a solver's tolerance; the solver sums its residual in another order."""
+VOLUME_TOLERANCE = LOAD_TOLERANCE = 1e-12
+STRENGTH_TOLERANCE = 1e-6  # of a contact at rest, due to the last change of the interaction
+ROUNDINGS = 16.0  # allowed error of an overlap, in units in the last place of the heights
+SOLVED = 1.01  # allowed residual over a solver's tolerance, who sums it in another order
 
 
 def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
-    """Return the limits of the numbers of an `oracle.Verdict`, by name; others are 0.
-
-    Forces may have the error of the solver's tolerance plus the effect of the last digits of the
-    heights. ``rounding`` and, if broken material vanishes, ``volume`` are only reported.
+    """Return the limits of the numbers of an `oracle.Verdict` by name, infinite if only reported;
+    others are 0. Forces have the solver's error and that of the last digits of the heights.
     """
     digits = ROUNDINGS * verdict.rounding
     solved = SOLVED * tolerances["residual"] + digits
@@ -41,9 +34,8 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
 
 
 def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]:
-    """Return the limits of the oracle's numbers that follow from effects and numerics, by name.
-
-    ``by_stress``: whether stresses were solved for, and not a closure.
+    """Return limits of the oracle's numbers by effects and numerics; ``by_stress``: that or a
+    closure was solved for.
     """
     residual = numerics.force_tolerance
     if by_stress and not effects.breakage and solver_named(numerics.solver).elastic_curve:
@@ -53,10 +45,7 @@ def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]
 
 
 def largest_ratio(numbers: Mapping[str, float], limits: Mapping[str, float]) -> float:
-    """Return the largest number over its limit; infinite for a number above a limit of 0.
-
-    Numbers that are only reported, whose limit is infinite, do not count.
-    """
+    """Return the largest number over its finite limit; infinite for one above a limit of 0."""
     both = ((value, limits.get(name, 0.0)) for name, value in numbers.items())
     judged = [(value, limit) for value, limit in both if limit < math.inf and (value or limit)]
     return float(np.max([value / limit if limit else math.inf for value, limit in judged]))

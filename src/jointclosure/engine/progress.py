@@ -4,14 +4,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-_BETWEEN_LINES, _PART = 30.0, 0.1
-"""Time [s], or share of the work, between two lines."""
+_BETWEEN_LINES, _PART = 30.0, 0.1  # time [s], or share of the work, between two lines
+_FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
 
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar on a terminal, else a line now and then; yield what takes the finished part
-    and the present step."""
+    """Show a bar on a terminal, else lines; yield what takes the finished part and the step."""
     # jobs do without it, and hundreds of them are started
     from rich import console, progress
 
@@ -32,28 +31,19 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
 
 @contextmanager
 def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
-    """Show a bar for the load cycles of a joint, and yield what `jointclosure.simulate` reports to.
-
-    The first loading takes about five times as long as a later cycle: 4 to 10 were measured on
-    joints of the paper's size without roll-off whose later cycles were solved and not replayed; the
-    first unloading takes a third of a cycle.
-    """
-    first = 5.0
+    """Show a bar for the load cycles of a joint; yield what `jointclosure.simulate` reports to."""
     with bar("closing") as show:
 
         def report(cycle: int, branch: str, share: float) -> None:
             share = min(share, 1.0) if branch == "loading" else 1.0
-            done = first * share if cycle == 1 else first + cycle - 2 + share
-            show(done / (first + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
+            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
+            show(done / (_FIRST_LOADING + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
 
         yield report
 
 
 class Countdown:
-    """Count of the parts of some work, with the remaining time: reported now and then.
-
-    ``report`` receives a line whenever a tenth of the ``total`` was done, or half a minute passed.
-    """
+    """Count of the parts of some work, reported with the remaining time now and then."""
 
     def __init__(self, title: str, total: int, report: Callable[[str], None]):
         self.title, self.total, self.done = title, total, 0

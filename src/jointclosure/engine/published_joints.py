@@ -1,7 +1,6 @@
-"""Measured values of three granodiorite joints (docs/measured.md).
+"""Measured values of three granodiorite joints (docs/measured.md), read off publications.
 
-They are read off publications and public files. ``published_joints.csv`` beside this module has the
-source, the way of reading and the range of each value.
+``published_joints.csv`` has the source, the way of reading and the range of each value.
 """
 
 from functools import cache
@@ -14,8 +13,7 @@ from jointclosure.storage.files import read_csv
 
 _TABLE = Path(__file__).with_name("published_joints.csv")
 JOINTS = ("1", "2", "3")
-ALL = "all"
-"""Entry of the column ``joint`` for values that hold for all joints, or for their range."""
+ALL = "all"  # in the column ``joint``: a value that holds for all joints, or for their range
 
 
 class Measured(NamedTuple):
@@ -28,9 +26,8 @@ class Measured(NamedTuple):
 
 @cache
 def _table() -> pd.DataFrame:
-    """Return the table: joint, quantity, value, low, high; with ratios of later stiffness to first.
-
-    Which joint has which of the first stiffnesses is not recorded: ratios are over both ends.
+    """Return joint, quantity, value, low, high; with ratios of later stiffness to the first, whose
+    ends are those of all joints, as it is not recorded which joint has which.
     """
     table = read_csv(_TABLE).astype({"joint": str})
     first = table[table.quantity == "first_stiffness"].iloc[0]

@@ -31,10 +31,8 @@ from jointclosure.walls.roughness import bearing_depths, rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")
-_ROUNDING = 1e-13
-"""Change of a height [m] that is no breakage."""
-_MOST_CONTACTS = 20_000
-"""Number of cells in contact above which no snapshot is judged, because the oracle is dense."""
+_ROUNDING = 1e-13  # change of a height [m] that is no breakage
+_MOST_CONTACTS = 20_000  # cells in contact above which no snapshot is judged by the dense oracle
 _SHOWN = {
     "m": ("mm", 1e3),
     "Pa": ("MPa", 1e-6),
@@ -63,9 +61,8 @@ def heading(title: str, unit: str) -> str:
 
 @dataclass(frozen=True)
 class ClosedWalls:
-    """Walls (y, x) [m] before loading, how they closed, and processor time of that [s].
-
-    ``closed`` is as from `jointclosure.simulate`; curves are read at ``stresses`` (n,) [Pa].
+    """Walls (y, x) [m] before loading, how they closed, processor time of that [s], and stresses
+    (n,) [Pa] at which curves are read.
     """
 
     walls: Walls
@@ -79,7 +76,7 @@ class ClosedWalls:
         """Walls (y, x) [m] at the end."""
         return self.closed.upper_final.values, self.closed.lower_final.values
 
-    @property
+    @cached_property
     def summed(self) -> np.ndarray:
         """Summed heights (y, x) of the pristine walls [m]."""
         return self.walls[0] + self.walls[1]
@@ -111,11 +108,9 @@ class ClosedWalls:
 
 
 class Quantity(NamedTuple):
-    """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity.
-
-    ``symbol`` is in the mathematical notation of matplotlib; ``further`` are attributes of a
-    variable: a comment, or meanings of bits. ``of_effort`` says what the computation did; failed
-    joints have no other quantities.
+    """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity, its symbol
+    as matplotlib writes formulas, and ``further`` attributes: a comment, or meanings of bits. Those
+    ``of_effort`` say what the computation did; failed joints have no others.
     """
 
     title: str

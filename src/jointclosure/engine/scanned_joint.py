@@ -16,12 +16,7 @@ from jointclosure.engine.uncertainty import uncertainty_budget
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.joint.conditions import (
-    Changes,
-    Conditions,
-    conditions_from,
-    takes_conditions,
-)
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.curves import cycle_table, with_snapshots
 from jointclosure.joint.laws import JointLaws, laws_of_joint
 from jointclosure.joint.protocol import FAILURE, Report
@@ -66,9 +61,7 @@ class ClosedJoint(NamedTuple):
         step = 1e3 * self.pair.spacing
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
-        net, gross = (
-            ", ".join(self._closure(column, table)) for column in (CLOSURE_NET, CLOSURE_GROSS)
-        )
+        net, gross = (self._closures(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
             f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
@@ -89,11 +82,11 @@ class ClosedJoint(NamedTuple):
         seating = float(self.history.attrs["seating_stress_Pa"])
         return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count)
 
-    def _closure(self, column: str, table: pd.DataFrame) -> list[str]:
+    def _closures(self, column: str, table: pd.DataFrame) -> str:
         """Format a closure of each cycle, with its range if that is known."""
         if self.budget is None:
-            return [f"{value:.4g}" for value in table[column]]
-        return [self.budget.text(cycle, column) for cycle in table.cycle]
+            return ", ".join(f"{value:.4g}" for value in table[column])
+        return ", ".join(self.budget.text(cycle, column) for cycle in table.cycle)
 
 
 @takes_conditions

@@ -28,7 +28,7 @@ from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.inputs import check_below, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import warn_of_doubts
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
 from jointclosure.walls import Walls
@@ -46,30 +46,24 @@ those of `benchmarks/effects_auto.py`."""
 SCATTER, WEIGHT = 0.1, 2.0
 """Standard deviation of the change in a joint [1] that is expected before joints show it, and the
 number of joints that this counts for."""
-ENOUGH = 0.6
-"""Probability of changes within the tolerance from which effects are left out."""
-LIMIT = 2.5
-"""Standard deviations at which the limit of a change lies; true changes have longer tails than
-normal ones."""
+ENOUGH = 0.6  # probability of changes within the tolerance from which effects are left out
+LIMIT = 2.5  # deviations at which the limit of a change lies, whose tails are longer than normal
 PART = 0.1
 """Part that a pair may cost of the time that may be saved, which is weighted by the probability of
 the less likely decision."""
-LOSS = 0.02
-"""Largest share of the time of all joints that tests may lose if all effects act."""
+LOSS = 0.02  # largest share of the time of all joints that tests may lose if all effects act
 SAVED = {"breakage": 0.9, "interaction": 0.5}
 """Share of time that is expected to be saved, before a joint was closed without the effect. Soft
 peaks are always kept: without them most joints take as long or longer, as more cells break."""
 LONGER = 4.0
 """Breakage steps after which a joint without an effect is given up, over those with all effects:
 without interaction a mated joint took 16 times as long."""
-WORTH = 0.1
-"""Least share of time that leaving out effects must save."""
+WORTH = 0.1  # least share of time that leaving out effects must save
 FEWEST_PAIRS = {"breakage": 10, "interaction": 1}
 """Fewest pairs without an effect. Frozen walls do not show breakage, and where few asperities carry
 load, few joints break, but much. They show what interaction does, but not what it costs."""
-MOST_PAIRS = 20
-"""Number of pairs of walls that are closed at most."""
-_CORNER, _POINTS = 16, 4
+MOST_PAIRS = 20  # pairs of walls that are closed at most
+_POINTS = 4  # of elastic curves
 _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
 # stiffnesses are read as their inverse, because their mean over joints is harmonic
 _READ = ["compliance_net" if name == "stiffness_net" else name for name in ASSESSED]
@@ -118,10 +112,7 @@ class Change(NamedTuple):
 
 
 class Pilot:
-    """Pairs of walls that are closed with some effects, at most once.
-
-    ``conditions`` have all effects that may act; ``joints`` will be closed with the selected ones.
-    """
+    """Pairs of walls closed at most once with each of some effects, for ``joints`` that will be."""
 
     longer = LONGER
 
@@ -129,7 +120,7 @@ class Pilot:
         self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
         self.closed: dict[Effects, list[ClosedWalls]] = {}
         self.frozen_seconds = 0.0
-        self._pairs, self._loaded = pairs, set[Effects]()
+        self._pairs = pairs
 
     def values(self, effects: Effects, count: int) -> np.ndarray:
         """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
@@ -150,10 +141,8 @@ class Pilot:
             steps = self.longer * float(full[0].closed.breakage_steps) / walls[0].size
             most = max(1.0, min(steps, stated.numerics.most_breakage_steps))
             stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
-        if effects not in self._loaded:  # the time to load kernels is not that of the first joint
-            upper, lower = (wall[:_CORNER, :_CORNER] for wall in walls)
-            close_walls(upper, lower, stated)
-            self._loaded.add(effects)
+        for kernel in kernels_of([stated.model]):  # no part of the time of the first joint
+            compile_kernels(*kernel)
         return closed_walls(walls, stated)
 
     def predicted(self, fewer: Effects) -> Change:
@@ -192,16 +181,13 @@ class Pilot:
         return self.frozen_seconds + sum(joint.seconds for joints in others for joint in joints)
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
-        """Return why effects are kept without a test, from the first joint; "" if they are not.
-
-        A joint that only deforms elastically has the same closure in every cycle. Whatever it is,
-        one of the cycles is then off by at least (largest - least) / (largest + least).
-        """
+        """Return why effects are kept without a test, from the first joint; "" if they are not."""
         gross = self.values(self.effects, 1)[0, 0]
         if not np.isfinite(gross).any():
             return "cannot be computed"
-        least, repeated = np.ptp(gross) / (gross.max() + gross.min()), self.conditions.load
-        if "breakage" in names and len(set(repeated)) == 1 and least > tolerance:
+        # whatever the one closure of an elastic joint is, it is off by as much in some cycle
+        least = np.ptp(gross) / (gross.max() + gross.min())
+        if "breakage" in names and len(set(self.conditions.load)) == 1 and least > tolerance:
             return f"of a cycle changes by {percent(least)} or more, as all cycles would be alike"
         return ""
 

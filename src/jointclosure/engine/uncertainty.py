@@ -27,45 +27,32 @@ from jointclosure.engine.budget import (
     results_of,
 )
 from jointclosure.engine.workers import in_threads, number_of_workers
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import stress_levels, stress_table
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import close_walls
-from jointclosure.parameters import (
-    OF_ROCK,
-    PLAUSIBLE,
-    Choices,
-    Numerics,
-    acting,
-    both_walls,
-    key_of,
-)
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, both_walls, key_of
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
-COARSER = 2
-"""Spacing of the coarser grid, over that of the joint."""
+COARSER = 2  # spacing of the coarser grid, over that of the joint
 VARIED = {name: key_of(name) for name in OF_ROCK} | {
     "peak_modulus_ratio": "peak_modulus_ratio",
     "base_radius_in_cells": "base_radius_in_cells",
     "spacing": "spacing_mm",
 }
 """Sources whose range can be stated, and their keys with units."""
-DRAWS = 16
-"""Number of joints that are closed with random values of all sources."""
+DRAWS = 16  # joints that are closed with random values of all sources
 SEED = 3496
 """Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
 sources that are always there, 0.35 with those of the rock; medians of all seeds 0.50, 0.56), so
 that sources are not confounded."""
-FURTHER = 10_000
-"""Number of further joints with random values whose results are estimated for the range."""
-CELLS = 2_000_000
-"""Number of cells of all joints that are closed at the same time; each takes 1 kB."""
-FEWER = 10
-"""Part of the further joints that bands of curves are estimated from."""
+FURTHER = 10_000  # further joints with random values whose results are estimated for the range
+FEWER = 10  # part of them that bands of curves are estimated from
+CELLS = 2_000_000  # of all joints that are closed at the same time; each takes 1 kB
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "as it is": lambda wall: wall,
     "last digits": lambda wall: wall * (1.0 + 1e-12),
@@ -78,10 +65,8 @@ _FIELDS = {"spacing": "step", "registration": "place", "noise": "noise", ORDER: 
 
 
 class Variant(NamedTuple):
-    """A joint in which sources of uncertainty have other values.
-
-    Of the grid every ``step``-th cell is kept. ``place`` and ``noise`` are numbers of random draws
-    of the errors of the scans, 0 for none; ``copy`` is one of `COPIES`.
+    """A joint with other values: every ``step``-th cell of the grid, random draws of errors of the
+    scans by their number (``place``, ``noise``; 0 for none), and one of `COPIES`.
     """
 
     source: str
@@ -118,10 +103,7 @@ class Variant(NamedTuple):
 
 
 def coarser(numerics: Numerics, factor: float) -> Numerics:
-    """Return resolved numerics with a tolerance, and first steps, that are ``factor`` times larger.
-
-    By the factor 2 results change as much as they are still off, if errors shrink in proportion.
-    """
+    """Return resolved numerics with ``factor`` times the tolerance and the first steps."""
     steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
     scaled = {name: factor * getattr(numerics, name) for name in (*steps, "tolerance")}
     return numerics._replace(**scaled)
@@ -133,10 +115,7 @@ def sources_of(
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
 ) -> dict[str, Source]:
-    """Return the sources of uncertainty of a joint of (ny, nx) cells, by name.
-
-    ``ranges`` are the lowest and highest value [SI] by name of `VARIED`; they replace `PLAUSIBLE`.
-    """
+    """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
     _check_ranges(conditions, ranges)
     effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
     sources = {}
@@ -192,10 +171,7 @@ def variants_of(
 
 
 def random_shares(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
-    """Draw a share of the range of each source (draws, sources) in [0, 1), as a Latin hypercube.
-
-    Random numbers of a source follow from its name, whatever the other sources are.
-    """
+    """Draw a share of the range of each source (draws, sources) in [0, 1), as a Latin hypercube."""
     columns = []
     for name in names:
         random = generator(seed_of(seed, "range", name))
@@ -230,8 +206,7 @@ def uncertainty_budget(
     """Close walls (y, x) [m] with each source of uncertainty changed alone, and all at random.
 
     ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
-    and the name of the variant; ``errors`` are those of scanned walls. Joints are closed in
-    ``workers`` threads, by default one for each processor available to this process.
+    and the name of the variant; ``errors`` are those of scanned walls.
     """
     conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges, errors)
@@ -281,6 +256,7 @@ def threads_for(cells: int, workers: int | None = None) -> int:
 
 
 def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+    first, second = both_walls(conditions.rock)
     for name, ends in ranges.items():
         if name not in VARIED:
             raise InputError(f"ranges: {name!r}: must be one of {', '.join(VARIED)}")
@@ -290,29 +266,21 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
             check_number(f"ranges: {name}", end)
         if not ends[0] < ends[1]:
             raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
-        if name in OF_ROCK:
-            first, second = both_walls(conditions.rock)
-            if first != second:
-                raise InputError(f"ranges: {name}: both walls must be of one rock")
-            for end in ends:
-                OF_ROCK[name].check(f"ranges: {name}", end)
-            _check_contains(name, ends, getattr(first, name))
-        elif name in PLAUSIBLE:
-            for end in ends:
-                changed: dict[str, Any] = {name: end}
-                Choices(**changed)  # raises the error that names its range
-            _check_contains(name, ends, getattr(conditions.choices, name))
-
-
-def _check_contains(name: str, ends: tuple[float, float], value: float) -> None:
-    """Refuse a range that does not contain the value of the joint."""
-    if not ends[0] <= value <= ends[1]:
-        unit = name_and_unit(VARIED[name])[1]
-        low, high, joint = (in_unit(each, unit) for each in (*ends, value))
-        raise InputError(
-            f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
-            f"{joint:g}"
-        )
+        if name in OF_ROCK and first != second:
+            raise InputError(f"ranges: {name}: both walls must be of one rock")
+        if name == "spacing":  # `_coarser` checks it
+            continue
+        given = first if name in OF_ROCK else conditions.choices
+        for end in ends:
+            with naming("ranges"):
+                type(given)(**given._asdict() | {name: end})
+        if not ends[0] <= getattr(given, name) <= ends[1]:
+            unit = name_and_unit(VARIED[name])[1]
+            low, high, joint = (in_unit(each, unit) for each in (*ends, getattr(given, name)))
+            raise InputError(
+                f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
+                f"{joint:g}"
+            )
 
 
 def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:

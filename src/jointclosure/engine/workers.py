@@ -1,8 +1,7 @@
-"""Work shared among processes, with one task at a time for each process.
+"""Work shared among processes that run `work`, with one task at a time for each of them.
 
-A worker is a process that runs `work`. Unlike the workers of `multiprocessing` it never runs the
-script of the caller again, and if it dies only its current task is lost. It is killed when its
-caller ends, also in a task.
+Unlike those of `multiprocessing` they never run the script of the caller again, and if one dies
+only its current task is lost. They are killed when their caller ends, also in a task.
 """
 
 import ctypes
@@ -65,10 +64,10 @@ def shared(
 def in_threads(
     function: Callable[..., Any], tasks: Sequence[Any], threads: int
 ) -> Iterator[tuple[int, Any]]:
-    """Call a function of kernels for each task in threads: (place, result), as finished.
+    """Call a function of a task in threads: (place, result), as finished.
 
-    ``function`` receives a task, and what it must call now and then: that raises
-    `InterruptedError` once the results are no longer wanted.
+    It also receives what it must call now and then, and what raises `InterruptedError` once the
+    results are no longer wanted.
     """
     ended = threading.Event()
 
@@ -112,9 +111,8 @@ class _Workers:
         except (EOFError, OSError, pickle.UnpicklingError):
             self._of_thread.worker = None
             worker.kill()
-            code = worker.wait()
-            message = f"its process ended with code {code} before it was done"
-            return Failed(ProcessLostError(message))
+            ended = f"its process ended with code {worker.wait()} before it was done"
+            return Failed(ProcessLostError(ended))
 
     def _start(self) -> subprocess.Popen:
         environment = os.environ | dict.fromkeys(_ONE_THREAD, "1")
@@ -163,10 +161,7 @@ def _kill_without(parent: int) -> None:
 
 
 def work(parent: int) -> None:
-    """Answer requests on standard input until it, or the parent, ends.
-
-    Nothing else may write to the standard output.
-    """
+    """Answer requests on standard input, where nothing else writes, until it or the parent ends."""
     end_with_parent(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is interrupted too, and ends this
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")

@@ -23,8 +23,7 @@ from jointclosure.parameters import (
 )
 
 USUAL_CYCLES = 2
-SEATING_STRESS = 0.5e6
-"""Usual stress [Pa] from which seated closures count, as laboratory curves do."""
+SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as in laboratories
 LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
 """Largest seating stress, and default where the usual one is too large, over the least maximum."""
 
@@ -42,9 +41,7 @@ def load_cycles(
     """Check a load and return its cycles [Pa]."""
     if cycles is not None:
         check_count("cycles", cycles)
-    turns = _turns(max_normal_stress)
-    history = turns is not None
-    given = [cast(float, max_normal_stress)] if turns is None else turns
+    given, history = _turns(max_normal_stress)
     if not given:
         raise InputError("max_normal_stress = []: a load history needs a maximum")
     for turn in given:
@@ -79,15 +76,14 @@ def usual_seating(least: float) -> float:
 
 def largest_stress(max_normal_stress: float | Sequence[float]) -> float:
     """Return the largest stress of a maximum or a load history, unchecked."""
-    return max(_turns(max_normal_stress) or [cast(float, max_normal_stress)])
+    return max(_turns(max_normal_stress)[0])
 
 
-def _turns(stress: float | Sequence[float]) -> list[float] | None:
-    """Return the stresses of a load history, or None for a single maximum."""
+def _turns(stress: float | Sequence[float]) -> tuple[list[float], bool]:
+    """Return the stresses of a load, and whether it is a history and no single maximum."""
     many = isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
-    if many or (isinstance(stress, np.ndarray) and stress.ndim == 1):
-        return [*cast(Sequence[float], stress)]
-    return None
+    many |= isinstance(stress, np.ndarray) and stress.ndim == 1
+    return list(cast(Sequence[float], stress if many else [stress])), many
 
 
 class Changes(TypedDict, total=False):
@@ -156,7 +152,6 @@ class Conditions(NamedTuple):
 
     @property
     def cycle_count(self) -> int:
-        """Number of load cycles."""
         return len(self.load)
 
     @property
@@ -171,10 +166,15 @@ class Conditions(NamedTuple):
         """Largest normal stress of all cycles [Pa]."""
         return largest_stress(self.max_normal_stress)
 
+    @property
+    def model(self) -> tuple[Effects, Choices, Numerics]:
+        """Effects, choices and numerics."""
+        return self.effects, self.choices, self.numerics
+
     def load_text(self) -> str:
         """Describe the load in words: its stresses in MPa, and its cycles."""
-        given = _turns(self.max_normal_stress) or [cast(float, self.max_normal_stress)]
-        stresses, cycles = ", ".join(f"{1e-6 * stress:g}" for stress in given), self.cycle_count
+        given, cycles = _turns(self.max_normal_stress)[0], self.cycle_count
+        stresses = ", ".join(f"{1e-6 * stress:g}" for stress in given)
         return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
     def attributes(self) -> dict[str, Any]:
@@ -182,8 +182,7 @@ class Conditions(NamedTuple):
         load = self.load
         repeated = load == (LoadCycle(load[0].maximum),) * len(load)
         turns = [stress for cycle in load for stress in cycle]
-        model = self.effects, self.choices, self.numerics
-        return model_attributes(self.rock, self.grid_spacing, *model) | {
+        return model_attributes(self.rock, self.grid_spacing, *self.model) | {
             "max_normal_stress_Pa": load[0].maximum if repeated else turns,
             "seating_stress_Pa": float(cast(float, self.seating_stress)),
         }
@@ -199,7 +198,7 @@ class Conditions(NamedTuple):
         check_choices(self.choices, self.spacing or 0.0)
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
-            for maximum in (_turns(self.max_normal_stress) or [largest])[::2]:
+            for maximum in _turns(self.max_normal_stress)[0][::2]:
                 check_usual(pair, **given | {"max_normal_stress": maximum})
         least = min(cycle.maximum for cycle in load)
         seating = usual_seating(least) if self.seating_stress is None else self.seating_stress

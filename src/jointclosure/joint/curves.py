@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -10,28 +9,23 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.joint.protocol import FLAGS, LOADING, UNLOADING
+from jointclosure.joint.protocol import BRANCHES, FLAGS, LOADING, UNLOADING
 
 NET, GROSS = "closure_net", "closure"
 """Names of closures: net, without the indentation of the half-spaces (`read_along`), or with it."""
-LEVELS = 20
-"""Number of stresses of a table, evenly spaced from seating to the maximum."""
-POINTS = 60
-"""Number of intervals of stress by which the slope of a curve is computed."""
-LAST_CHORD = 0.15
-"""Part of the range of stress over which its last stiffness is read at least."""
+LEVELS = 20  # stresses of a table, evenly spaced from seating to the maximum
+POINTS = 60  # intervals of stress by which the slope of a curve is computed
+LAST_CHORD = 0.15  # least part of the range of stress over which its last stiffness is read
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
 """Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
-KINDS = {"net": NET, "gross": GROSS}
-"""Kinds of closure in names of columns, and their names for `read_along`."""
+KINDS = {"net": NET, "gross": GROSS}  # in names of columns
 
 
 def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     """Read a variable at each step of a history (steps,), by default the net closure.
 
-    It is the gross closure less ``bulk_indentation``, the displacement of the half-spaces of intact
-    rock under the loaded patch as a whole (docs/model.md, "Interaction"), as laboratories report
-    it.
+    It is the gross one less the displacement of the half-spaces under the loaded patch as a whole
+    (docs/model.md, "Interaction"), as laboratories report it.
     """
     if of == NET:
         return history.closure.values - history.bulk_indentation.values
@@ -44,6 +38,14 @@ def branch_of(history: xr.Dataset, cycle: int, branch: str) -> np.ndarray:
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
     return here
+
+
+def _branches(history: xr.Dataset, cycles: int) -> Iterator[tuple[tuple[int, int], np.ndarray]]:
+    """Generate the place (cycle, branch) and the steps (n,) of each branch that has any."""
+    for place in np.ndindex(cycles, 2):
+        here = branch_of(history, place[0] + 1, BRANCHES[place[1]])
+        if here.size > 1:
+            yield place, here
 
 
 def maxima_of(history: xr.Dataset) -> np.ndarray:
@@ -74,7 +76,7 @@ def _whole_cycles(
     """Generate index, loading and unloading of the cycles that were unloaded to a minimum [Pa]."""
     stress = history.normal_stress.values
     for index, minimum in enumerate(minima):
-        loading, unloading = (branch_of(history, index + 1, name) for name in (LOADING, UNLOADING))
+        loading, unloading = (branch_of(history, index + 1, name) for name in BRANCHES)
         if min(loading.size, unloading.size) > 1 and stress[unloading[-1]] <= minimum:
             yield index, loading, unloading
 
@@ -135,14 +137,12 @@ def cycle_closures(
     closure = read_along(history, of)
     minima = np.full(int(history.load_cycle.max()), np.inf) if minima is None else minima
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
-    closures = {name: np.full(len(minima), np.nan) for name in names}
+    closures = np.full((len(names), len(minima)), np.nan)
     for index, loading, unloading in _whole_cycles(history, minima):
-        seat, back = (seat_of(history, index + 1, name, of) for name in (LOADING, UNLOADING))
+        seat, back = (seat_of(history, index + 1, name, of) for name in BRANCHES)
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
-        values = maximum - closure[loading[0]], end, maximum - seat, back - seat
-        for name, value in zip(names, values, strict=True):
-            closures[name][index] = value
-    return closures
+        closures[:, index] = maximum - closure[loading[0]], end, maximum - seat, back - seat
+    return dict(zip(names, closures, strict=True))
 
 
 def unloading_excess(history: xr.Dataset, minima: np.ndarray) -> np.ndarray:
@@ -171,18 +171,15 @@ def values_at_stresses(
 ) -> np.ndarray:
     """Read values of steps, such as closures, at stresses of both branches (cycles, 2, levels)."""
     answer = np.full((cycles, 2, levels.size), np.nan)
-    for index, side in np.ndindex(cycles, 2):
-        branch = (LOADING, UNLOADING)[side]
-        here = branch_of(history, index + 1, branch)
-        if here.size < 2:
-            continue
+    near = 1.0 + 1.01 * tolerance
+    for place, here in _branches(history, cycles):
         stress = history.normal_stress.values[here]
         maximum, minimum = stress.max(), stress.min()
-        near = 1.0 + 1.01 * tolerance
         read = np.where((levels < minimum) & (minimum <= levels * near), minimum, levels)
         read = np.where((maximum < read) & (read <= maximum * near), maximum, read)
         asked = read >= minimum
-        answer[index, side, asked] = values_where(history, here, values, read[asked], branch)
+        branch = BRANCHES[place[1]]
+        answer[(*place, asked)] = values_where(history, here, values, read[asked], branch)
     return answer
 
 
@@ -207,14 +204,11 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure over stress by cycle and branch, one row per step."""
     area, rows = area_of(history), []
     closures = {kind: read_along(history, of) for kind, of in KINDS.items()}
-    for cycle, branch in product(np.unique(history.load_cycle).tolist(), (LOADING, UNLOADING)):
-        here = branch_of(history, cycle, branch)
-        if here.size < 2:
-            continue
-        columns = {"cycle": cycle, "branch": branch}
+    for (index, side), here in _branches(history, int(history.load_cycle.max())):
+        columns: dict[str, Any] = {"cycle": index + 1, "branch": BRANCHES[side]}
         columns["normal_stress_MPa"] = 1e-6 * history.normal_stress.values[here]
         for kind, of in KINDS.items():
-            since = closures[kind][here] - seat_of(history, cycle, LOADING, of)
+            since = closures[kind][here] - seat_of(history, index + 1, LOADING, of)
             columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
         columns |= {f"closure_{kind}_mm": 1e3 * along[here] for kind, along in closures.items()}
         aperture = history.mean_aperture.values[here]
@@ -225,7 +219,8 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
             "contact_area_mm2": 1e6 * area * contact,
             "contact_fraction": contact,
         }
-        rows.append(pd.DataFrame(columns | _flow_columns(history, here)))
+        flow = {name: values[here] for name, values in _flow_columns(history).items()}
+        rows.append(pd.DataFrame(columns | flow))
     return pd.concat(rows, ignore_index=True)
 
 
@@ -239,22 +234,19 @@ def mean_hydraulic(history: xr.Dataset, of: str = "hydraulic_aperture") -> np.nd
     return np.sqrt(history[of].prod("direction", skipna=False).values)
 
 
-def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray]:
-    """Return hydraulic apertures at steps and ratios to the mean aperture; {} without flow."""
+def _flow_columns(history: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return hydraulic apertures (steps,) and ratios to the mean aperture; {} without flow."""
     columns: dict[str, np.ndarray] = {}
-    mean = history.mean_aperture.values[here]
     for name in history.direction.values if has_flow(history) else ():
-        hydraulic = history.hydraulic_aperture.sel(direction=name).values[here]
+        hydraulic = history.hydraulic_aperture.sel(direction=name).values
         columns[f"hydraulic_aperture_{name}_mm"] = 1e3 * hydraulic
-        columns[f"hydraulic_ratio_{name}"] = hydraulic / mean
+        columns[f"hydraulic_ratio_{name}"] = hydraulic / history.mean_aperture.values
     return columns
 
 
 def net_responses(history: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the net closures and stiffness of each cycle, as a laboratory reports them.
-
-    The stiffness is the chord of a loading from half of its maximum, or from a higher former
-    maximum.
+    """Return the net closures of each cycle, as a laboratory reports them, and the stiffness: the
+    chord of a loading from half of its maximum, or from a higher former maximum.
     """
     completed = np.isfinite(history.max_closure.values)
     begun, net = int(history.load_cycle.max()), cycle_closures(history)
@@ -285,23 +277,15 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
         columns[f"residual_closure_seated{net}_mm"] = residual
         columns[f"residual_share{net}"] = residual / since
         columns[f"max_closure{net}_mm"] = closures["max_closure"]
-    states = [_state_of(history, number) for number in numbers]
-    return pd.DataFrame(columns).join(pd.DataFrame(states))
-
-
-def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
-    """Return apertures and contact of a row of `cycle_table`, by names of columns."""
-    at_max = branch_of(history, cycle, UNLOADING)[:1]
-
-    def read(values: np.ndarray) -> float:
-        return float(values[0]) if at_max.size else float("nan")
-
-    state = {"mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture")}
-    state["mean_aperture_at_max_mm"] = 1e3 * read(history.mean_aperture.values[at_max])
-    for name, values in _flow_columns(history, at_max).items():
-        if name.endswith("_mm"):
-            state[f"{name.removesuffix('_mm')}_at_max_mm"] = read(values)
-    return state | {"contact_at_max": read(history.contact_fraction.values[at_max])}
+    seats = [seat_of(history, number, LOADING, "mean_aperture") for number in numbers]
+    columns["mean_aperture_at_seating_mm"] = 1e3 * np.array(seats)
+    highest = [next(iter(branch_of(history, number, UNLOADING)), -1) for number in numbers]
+    states = {"mean_aperture_mm": 1e3 * history.mean_aperture.values} | _flow_columns(history)
+    for name, values in (states | {"contact": history.contact_fraction.values}).items():
+        if "ratio" not in name:
+            column = f"{name.removesuffix('_mm')}_at_max{'_mm' if name.endswith('_mm') else ''}"
+            columns[column] = np.where(np.array(highest) < 0, np.nan, values[highest])
+    return pd.DataFrame(columns)
 
 
 def hysteresis(closed: xr.Dataset) -> np.ndarray:
@@ -328,10 +312,7 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa]."""
     closures = np.full((int(history.load_cycle.max()), 2, levels.size), np.nan)
-    for index, side in np.ndindex(closures.shape[:2]):
-        here = branch_of(history, index + 1, (LOADING, UNLOADING)[side])
-        if here.size < 2:
-            continue
+    for (index, side), here in _branches(history, len(closures)):
         here = here[::-1] if side else here
         stress, closure = history.normal_stress.values[here], read_along(history, of)[here]
         # a maximum within a percent below a level counts as reaching it
@@ -439,7 +420,7 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
         read = {n: np.maximum(closures_at(flows, levels, f"{n}_mean"), 0.0) for n in means}
         columns |= {f"{name}_mm": 1e3 * values for name, values in read.items()}
     index = pd.MultiIndex.from_product(
-        [range(1, begun + 1), (LOADING, UNLOADING), 1e-6 * levels],
+        [range(1, begun + 1), BRANCHES, 1e-6 * levels],
         names=["cycle", "branch", "normal_stress_MPa"],
     )
     flat = {name: values.ravel() for name, values in columns.items()}

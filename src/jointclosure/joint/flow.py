@@ -35,8 +35,7 @@ class Flow(NamedTuple):
 
     ``hydraulic_aperture`` [unit of the apertures] of parallel plates that pass as much is 0 if
     blocked, NaN if not solved, a lower bound for `AT_LEAST`; ``imbalance`` the sum of the cells'
-    mass balances over the inflow; ``pressure`` (y, x) 1 at the inlet, 0 at the outlet, NaN in cells
-    without flow.
+    mass balances over the inflow; ``pressure`` (y, x) 1 at the inlet, 0 at the outlet, or NaN.
     """
 
     hydraulic_aperture: float
@@ -55,7 +54,6 @@ class _Network(NamedTuple):
 
     @property
     def nodes(self) -> int:
-        """Number of nodes."""
         return self.shape[0] * self.shape[1] + 2
 
     def part(self, faces: np.ndarray) -> "_Network":
@@ -221,8 +219,8 @@ ATTRIBUTES: dict[str, dict[str, Any]] = OF_HISTORY | {
         "flag_meanings": " ".join(STATUSES),
     }
 }
-_DIRECTION = np.array(DIRECTIONS, dtype=object), {"long_name": "direction of the flow"}
-COORDINATE = {"direction": ("direction", *_DIRECTION)}
+_ABOUT = {"long_name": "direction of the flow"}
+COORDINATE = {"direction": ("direction", np.array(DIRECTIONS, dtype=object), _ABOUT)}
 
 
 class FlowAlongHistory:

@@ -15,16 +15,11 @@ import scipy
 import xarray as xr
 
 from jointclosure.joint import curves
-from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.protocol import BRANCHES, LOADING
 
-POINTS = 60
-"""Number of evenly spaced stresses at which a law is fitted, with equal weights."""
-_STRAIGHT = 1e3
-"""Largest closure of a hyperbola over that of a curve that does not bend as one does."""
-FAILS = 0.05
-"""Largest error of a law within its range, over the largest closure."""
-
-
+POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
+_STRAIGHT = 1e3  # Vm of a hyperbola over the closure of a curve that does not bend as one does
+FAILS = 0.05  # largest error of a law within its range, over the largest closure
 _COLUMNS = [
     *("cycle", "branch", "law", "parameter", "value", "standard_error"),
     *("r_squared", "rms_mm", "holds_from_MPa", "holds_to_MPa"),
@@ -83,7 +78,7 @@ def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, n
     for index in range(int(history.load_cycle.max())):
         levels = curves.stress_levels(history, POINTS, index + 1)
         branches = curves.closures_at(history, levels)[index]
-        for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
+        for name, closure in zip(BRANCHES, branches, strict=True):
             beyond = name == LOADING and curves.former_maximum(history, index + 1) > 0.0
             if beyond or not np.isfinite(closure).all():
                 continue
@@ -98,7 +93,7 @@ def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, n
 def fitted_laws(
     history: xr.Dataset,
     laws: Sequence[str] = tuple(LAWS),
-    branches: Sequence[str] = (LOADING, UNLOADING),
+    branches: Sequence[str] = BRANCHES,
 ) -> pd.DataFrame:
     """Fit laws by least squares of closure, for each cycle and branch."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
@@ -191,9 +186,7 @@ _CONSTANTS = {
     3: (-0.1032, -0.0074, 1.1350, -0.2510),
 }
 CYCLES = tuple(_CONSTANTS)
-"""Cycles that the law has constants for."""
-UNCHECKED = (2,)
-"""Cycles whose constants were not checked against a source."""
+UNCHECKED = (2,)  # cycles whose constants were not checked against a source
 
 
 def law_holds(jrc: float) -> bool:
@@ -243,9 +236,7 @@ class JointLaws(NamedTuple):
 
 def laws_of_joint(jrc: float, strength: float, seating: float, cycles: int) -> JointLaws:
     """Return the laws of a joint of a strength [Pa] whose walls are not weathered."""
-    laws = {}
-    for cycle in CYCLES[: cycles if law_holds(jrc) else 0]:
-        law = barton_bandis(jrc, strength, 1.0, cycle)
-        if min(law) > 0.0:
-            laws[cycle] = law.since(seating)
-    return JointLaws(jrc, strength, seating, laws)
+    known = CYCLES[: cycles if law_holds(jrc) else 0]
+    laws = {cycle: barton_bandis(jrc, strength, 1.0, cycle) for cycle in known}
+    since = {cycle: law.since(seating) for cycle, law in laws.items() if min(law) > 0.0}
+    return JointLaws(jrc, strength, seating, since)

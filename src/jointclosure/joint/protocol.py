@@ -1,12 +1,13 @@
 """Load cycles of a joint under displacement control, with any solver of the registry."""
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.joint.step_control import StepControl
+from jointclosure.joint.step_control import StepControl, must_repeat
 from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled, Solver
 
@@ -30,25 +31,20 @@ FLAG_OF_OUTCOME = {
     Outcome.NOT_AT_REST: 2 * FAILURE,
     Outcome.RIGID_CONTACT: 4 * FAILURE,
 }
-LARGEST_UNBREAKABLE_SHARE = 0.1
-"""Largest share of the force on contacts that cannot break for which the model is valid."""
-
-LOADING, UNLOADING = "loading", "unloading"
+LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
+BRANCHES = LOADING, UNLOADING = "loading", "unloading"
 Observer = Callable[[Joint, "Step"], None]
 """Called with the joint at every step of the history, in order; must not change the joint."""
 Report = Callable[[int, str, float], None]
 """Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
 
-_SMALLEST_STEP = 1e-6
-"""Share of a step, or of the closure if less, below which a jump of the stress is accepted."""
-
+_SMALLEST_STEP = 1e-6  # share of a step, or the closure if less, below which stresses may jump
 _FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
 """Fewest cells in contact at the maximum, at a pressure of the strength, and largest stress over
 it, for leaving out the interaction. With 300 to 600 contacts means of second cycles moved by up to
 12 %; above that stress breakage takes nearly all of the time."""
 _MOST_SECANTS = 2
-_MISLED = 0.1
-"""Share of the step that passed a target below which shorter ones give up the search for it."""
+_MISLED = 0.1  # share of the step that passed a target below which the search for it is given up
 
 
 class Step(NamedTuple):
@@ -61,10 +57,8 @@ class Step(NamedTuple):
 
 
 class History(NamedTuple):
-    """All accepted steps in order, status bits, total effort, and number of replayed cycles.
-
-    In ``idle_steps`` of the first loading the interaction, which would displace no contact by more
-    than ``idle_displacement`` of the closure, was left out.
+    """All accepted steps in order, status bits, total effort, replayed cycles, and steps without
+    interaction, which would displace no contact by more than ``idle_displacement`` of the closure.
     """
 
     steps: list[Step]
@@ -89,8 +83,11 @@ class _Run:
         largest = max(cycle.maximum for cycle in cycles)
         self.closure_limit = closure_limit(joint, largest)
         self.idle_steps, self.idle_displacement = 0, 0.0
-        share = numerics.idle_interaction if joint.interaction_acts else 0.0
-        self.leaves_interaction_out = share > 0.0 and _pays_without_interaction(joint, largest)
+        may_be_idle = joint.interaction_acts and numerics.idle_interaction > 0.0
+        # it pays where neither few nor most cells carry the largest force at the strength
+        cells = largest / (joint.compressive_strength * joint.law.spacing**2)
+        few_enough = _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
+        self.leaves_interaction_out = may_be_idle and few_enough
         if self.leaves_interaction_out:
             joint.interaction_acts = False
 
@@ -116,6 +113,11 @@ class _Run:
         force, effort = self.solver.predict(self.joint, self.closure + step, residual)
         self.effort = self.effort.plus(effort)
         return force
+
+    def control(self, step: float, former: float) -> StepControl | None:
+        """Return what selects the steps of a branch, given a step [m] and a former maximum [N]."""
+        resolved = self.numerics.breakage == "resolved"
+        return StepControl(self.numerics, step, self.target_force, former) if resolved else None
 
     def is_idle(self, settled: Settled) -> bool:
         """Return whether a state settled without interaction may be kept in the first loading."""
@@ -177,7 +179,9 @@ def run_cycles(
             break
         at_rest = numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
         elastic = at_rest and run.effort.breakage_steps == broken  # on the way from the maximum
-        _note_held(run, cycle, maximum if elastic else -np.inf)
+        intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
+        # up to here the joint is elastic
+        joint.held_to = max(maximum, joint.held_to if intact else -np.inf) if elastic else -np.inf
     idle = run.idle_steps, run.idle_displacement
     return History(run.steps, run.status, run.effort, replayed, *idle)
 
@@ -189,26 +193,24 @@ def unbreakable_share(joint: Any) -> Any:
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
     """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
-    start = _untouched(joint)
+    start, height = _untouched(joint), _mean_height(joint)
     forces = _elastic_forces(numerics, cycles, extra_force)
     curve = solver.elastic_curve(joint, forces[1:])
     failed = curve[-1].outcome != Outcome.CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
     known = [start, *(curve[:-1] if failed else curve)]
-    height = _mean_height(joint)
-    steps, at = [Step(1, LOADING, start, height)], 0
-    for turn in range(2 * len(cycles)):
-        cycle, branch = turn // 2, (LOADING, UNLOADING)[turn % 2]
-        to = int(np.abs(forces - cycles[cycle][turn % 2]).argmin())
+    steps = [Step(1, LOADING, start, height)]
+    turns = [int(np.abs(forces - force).argmin()) for cycle in cycles for force in cycle]
+    for turn, (at, to) in enumerate(pairwise([0, *turns])):
         way = range(at - 1, to - 1, -1) if turn % 2 else range(at + 1, to + 1)
-        steps += [Step(cycle + 1, branch, known[i], height) for i in way if i < len(known)]
+        place = turn // 2 + 1, BRANCHES[turn % 2]
+        steps += [Step(*place, known[i], height) for i in way if i < len(known)]
         if to >= len(known):  # the solution failed at a smaller force
             break
-        at = to
     if not failed:
         joint.force[:] = 0.0
-        if at:
-            solver.elastic_curve(joint, forces[at : at + 1])
+        if turns[-1]:
+            solver.elastic_curve(joint, forces[turns[-1] :][:1])
     counts = zip(*(settled.effort for settled in curve), strict=True)
     return History(steps, status, Effort(*map(sum, counts)))
 
@@ -218,9 +220,7 @@ def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
     # skip a turn or seating that equals one of them up to rounding: its step would have no length
-    turns = {force for cycle in cycles for force in cycle}
-    if 0.0 < extra_force < largest:
-        turns.add(extra_force)
+    turns = {force for cycle in [*cycles, [extra_force]] for force in cycle if force <= largest}
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
     return np.union1d(forces, apart) if apart else forces
 
@@ -245,11 +245,8 @@ def _load(
     """Close by steps until the force passes the target, then approach it; former maximum [N]."""
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
-    control = None
-    if run.numerics.breakage == "resolved":
-        control = StepControl(run.numerics, displacement_step, run.target_force, former)
+    control, step = run.control(displacement_step, former), displacement_step
     run.cycle_start = run.closure
-    step = displacement_step
     while True:
         if run.closure > run.closure_limit:
             run.status |= 8 * FAILURE
@@ -274,7 +271,7 @@ def _load(
             return
         if control:
             step = control.following(taken, run.total_force, settled)
-            if control.must_repeat(taken, step):
+            if must_repeat(taken, step):
                 run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < run.target_force:
@@ -363,9 +360,7 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
 def _unload(run: _Run, cycle: int, minimum: float) -> None:
     """Open by steps; shorten the last one to end at the minimum or at last contact."""
     step = run.numerics.later_displacement_step
-    control = None
-    if run.numerics.breakage == "resolved":
-        control = StepControl(run.numerics, step, run.target_force, np.inf)
+    control = run.control(step, np.inf)
     while True:
         before = run.joint.snapshot() if minimum or control else ()
         end = run.joint.last_touch
@@ -375,7 +370,7 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
         if control:
             left = settled.total_force
             taken, step = step, control.after(step, left, run.total_force - left)
-            if control.must_repeat(taken, step):
+            if must_repeat(taken, step):
                 run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < minimum:
@@ -413,20 +408,12 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
     run.accept(cycle, UNLOADING, low)
 
 
-def _note_held(run: _Run, cycle: int, maximum: float) -> None:
-    """Store the closure [m] up to which the joint is elastic, -inf if there is none."""
-    intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
-    earlier = run.joint.held_to if intact else -np.inf
-    run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
-
-
 def _repeat_elastic(run: _Run, cycle: int) -> None:
     """Append a cycle equal to the one before, whose unloading broke nothing."""
     opened = sum(step[:2] == (cycle - 1, UNLOADING) for step in run.steps)
     loop = [step.settled._replace(effort=Effort()) for step in run.steps[-opened - 1 :]]
     forces = tuple(run.forces)
-    up, down = range(opened - 1, -1, -1), range(1, opened + 1)
-    for branch, order in ((LOADING, up), (UNLOADING, down)):
+    for branch, order in zip(BRANCHES, (range(opened)[::-1], range(1, opened + 1)), strict=True):
         for i in order:
             if forces:
                 run.joint.force[:] = forces[i]
@@ -440,12 +427,6 @@ def _untouched(joint: Joint) -> Settled:
 
 def _mean_height(joint: Joint) -> float:
     return float(joint.upper.mean() + joint.lower.mean())
-
-
-def _pays_without_interaction(joint: Joint, largest: float) -> bool:
-    """Return whether neither few nor most cells carry a force [N] at the strength."""
-    cells = largest / (joint.compressive_strength * joint.law.spacing**2)
-    return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
 
 
 def closure_limit(joint: Joint, target_force: float) -> float:

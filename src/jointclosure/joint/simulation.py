@@ -144,8 +144,7 @@ def close_walls(
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
-    area = upper.size * spacing**2
-    observers: list[Any] = []
+    area, observers = upper.size * spacing**2, list[Any]()
     if conditions.flow:
         from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
 
@@ -265,47 +264,44 @@ def equilibrium(
             f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "
             f"usual {largest_stress:g} Pa; is the unit right? {AS_IT_IS}"
         )
-    on_cells = {"force": joint.force, "overlap": overlap}
-    on_cells["interaction_displacement"] = displacement
+    cells = {"force": joint.force, "overlap": overlap, "interaction_displacement": displacement}
     once = {"normal_stress": stress, "equilibrium_residual": run.residual, "status": status}
-    attributes = model_attributes(pair, spacing, effects, choices, numerics)
-    variables = _variables((("y", "x"), on_cells), ((), once))
-    return xr.Dataset(
-        variables,
-        _grid(upper.shape, spacing),
-        {"title": "equilibrium of a rough joint"} | attributes,
-    )
+    attributes = {"title": "equilibrium of a rough joint"}
+    attributes |= model_attributes(pair, spacing, effects, choices, numerics)
+    variables = _variables((("y", "x"), cells), ((), once))
+    return xr.Dataset(variables, _grid(upper.shape, spacing), attributes)
 
 
 def _history_dataset(
     joint: Joint, history: protocol.History, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
-    settled = [step.settled for step in history.steps]
-    cycle = np.array([step.cycle for step in history.steps], dtype=np.int32)
-    branch = np.array([step.branch for step in history.steps])
+    cycle, branch, settled, heights = zip(*history.steps, strict=True)
     attributes = {"title": "closure of a rough joint"} | conditions.attributes()
-    closure = np.array([point.closure for point in settled])
-    bulk = np.array([point.mean_interaction for point in settled])
-    heights = np.array([step.mean_height for step in history.steps])
+
+    def along(field: str) -> np.ndarray:
+        return np.array([getattr(point, field) for point in settled])
+
+    closure, bulk = along("closure"), along("mean_interaction")
     along_step = {
         "closure": closure,
-        "normal_stress": np.array([point.total_force for point in settled]) / area,
-        "contact_fraction": np.array([p.contacts for p in settled]) / joint.upper.size,
+        "normal_stress": along("total_force") / area,
+        "contact_fraction": along("contacts") / joint.upper.size,
         "bulk_indentation": bulk,
-        "equilibrium_residual": np.array([p.residual for p in settled]),
-        "mean_aperture": joint.first_touch - heights - closure + bulk,
+        "equilibrium_residual": along("residual"),
+        "mean_aperture": joint.first_touch - np.array(heights) - closure + bulk,
     }
+    numbers = np.array(cycle, dtype=np.int32)
     coordinates = {
         "cycle": ("cycle", np.arange(1, len(load) + 1), {"long_name": "load cycle"}),
-        "load_cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
-        "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
+        "load_cycle": ("step", numbers, {"long_name": "load cycle of the step"}),
+        "branch": ("step", np.array(branch), {"long_name": "branch of the load cycle"}),
     }
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
     unloading = (
-        curves.branch_of(closed, number + 1, protocol.UNLOADING) for number in range(len(load))
+        curves.branch_of(closed, number, protocol.UNLOADING) for number in closed.cycle.values
     )
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
     along_cycle = curves.cycle_closures(closed, curves.GROSS, reached)
@@ -328,10 +324,8 @@ def _history_dataset(
         "solver_iterations": effort.products,
     }
     walls = {"upper_final": joint.upper, "lower_final": joint.lower}
-    variables = _variables(
-        ("step", along_step), ("cycle", along_cycle), (("y", "x"), walls), ((), once)
-    )
-    return xr.Dataset(variables, closed.coords, attributes)
+    groups = ("step", along_step), ("cycle", along_cycle), (("y", "x"), walls), ((), once)
+    return xr.Dataset(_variables(*groups), closed.coords, attributes)
 
 
 def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, ...]]:

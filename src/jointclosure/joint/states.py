@@ -29,11 +29,11 @@ _FIELDS = {
     "broken_volume": ("volume missing where walls are lower than at first touch", "m3"),
 }
 _STEP = "step that is shown: the nearer one in stress of those before and after"
-_PLACES: dict[str, tuple[str, dict[str, str], type]] = {
-    "stress": ("stress that was asked for", {"units": "Pa"}, np.float64),
-    "cycle": ("load cycle in which it was passed", {}, np.int32),
-    "branch": ("branch on which it was passed", {}, object),
-    "step": (_STEP, {}, np.int32),
+_PLACES: dict[str, tuple[dict[str, str], type]] = {
+    "stress": ({"long_name": "stress that was asked for", "units": "Pa"}, np.float64),
+    "cycle": ({"long_name": "load cycle in which it was passed"}, np.int32),
+    "branch": ({"long_name": "branch on which it was passed"}, object),
+    "step": ({"long_name": _STEP}, np.int32),
 }
 
 
@@ -60,28 +60,25 @@ class Snapshots:
         state = self._state(joint, step)
         self._first = self._first or state
         before = self._last or state._replace(normal_stress=-np.inf)
+        earlier, now = before.normal_stress, state.normal_stress
         for stress in self._stresses:
             place = (stress, step.cycle, step.branch)
-            passed = self._passes(stress, before.normal_stress, state.normal_stress, step.branch)
+            low, high = ((1.0 + part * self._tolerance) * stress for part in (-1.0, 1.0))
+            passed = earlier < low <= now if step.branch == LOADING else now <= high < earlier
             if passed and place not in self._kept:  # breakage can lower the stress on loading
                 nearer = min(before, state, key=lambda kept: abs(kept.normal_stress - stress))
                 self._kept[place] = nearer
         self._last = state
 
     def _state(self, joint: Joint, step: Step) -> _State:
-        cell, lost = joint.law.spacing**2, 0.0
+        cell = joint.law.spacing**2
         fields = {name: getattr(joint, name).copy() for name in ("upper", "lower", "force")}
         pristine = self._first.fields if self._first else fields
-        for name in ("upper", "lower"):
-            lost += cell * float(np.maximum(pristine[name] - fields[name], 0.0).sum())
+        lowered = (np.maximum(pristine[name] - fields[name], 0.0) for name in ("upper", "lower"))
+        lost = sum(cell * float(wall.sum()) for wall in lowered)
         fields |= {"gap": -fields_of(joint, step.settled.closure)[0], "broken_volume": lost}
         stress = step.settled.total_force / (joint.upper.size * cell)
         return _State(self._last.step + 1 if self._last else 0, stress, fields)
-
-    def _passes(self, stress: float, before: float, now: float, branch: str) -> bool:
-        if branch == LOADING:
-            return before < (1.0 - self._tolerance) * stress <= now
-        return now <= (1.0 + self._tolerance) * stress < before
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with its snapshots along ``snapshot``, in order of time."""
@@ -101,8 +98,8 @@ class Snapshots:
             about = {"long_name": f"{name} wall at first touch", "units": "m"}
             variables[f"{name}_first"] = ("y", "x"), first.fields[name] + datum, about
         rows = [(*place, state.step) for place, state in self._kept.items()]
-        coordinates = {}
-        for k, (name, (text, about, kind)) in enumerate(_PLACES.items()):
-            column: np.ndarray = np.array([row[k] for row in rows], dtype=kind)
-            coordinates[f"snapshot_{name}"] = "snapshot", column, {"long_name": text} | about
+        coordinates: dict[str, Any] = {
+            f"snapshot_{name}": ("snapshot", np.array([row[k] for row in rows], dtype=kind), about)
+            for k, (name, (about, kind)) in enumerate(_PLACES.items())
+        }
         return closed.assign(variables).assign_coords(coordinates)

@@ -11,23 +11,18 @@ from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
 
-_CORRECTION = 40.0
-"""Allowed relative error of the predicted force of a step, over `Numerics.tolerance`."""
+_CORRECTION = 40.0  # allowed relative error of a step's predicted force, over the tolerance
 _VIRGIN, _LATER = (1.0, 7.5), (10.0, 50.0)
 """Allowed change of force beyond the former maximum, and elsewhere: over the maximum and over the
 force, both over `Numerics.tolerance`. Longer steps crush too many asperities."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
 """Largest allowed changes at any tolerance; share of the maximum that is added to the force."""
-LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
-"""Largest and smallest step over the configured step."""
+LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0  # over the configured step
 _AIM, _RETRY = 0.8, 0.4
 """Target of the next step over what is allowed; share below which the step is repeated."""
-_MOST_LOST = 0.75
-"""Largest share of a predicted rise of the force that breakage is expected to remove."""
-_RESIDUAL, _LOOSEST = 0.25, 0.04
-"""Relative residual of a prediction over the allowed rise, and its upper bound."""
-_NEAR = 0.97
-"""Target of a step that should reach the end of the loading, as a share of the allowed rise."""
+_MOST_LOST = 0.75  # most of a predicted rise of the force that breakage is expected to remove
+_RESIDUAL, _LOOSEST = 0.25, 0.04  # relative residual of a prediction over the rise, and bound
+_NEAR = 0.97  # target of a step that should reach the end of the loading, over the allowed rise
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
 """If a shorter step has over the first share of the rise, the next is at most the second of it."""
 _MOST_SHORTENED = 4
@@ -40,14 +35,7 @@ class StepControl:
         self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
         self._smallest = given * _SMALLEST_STEP
         self._target, self._former = target_force, former
-        self._limits = {
-            virgin: (
-                min(numerics.tolerance * rise, _MOST_RISE) * target_force,
-                min(numerics.tolerance * steepest, _STEEPEST),
-            )
-            for virgin, (rise, steepest) in ((True, _VIRGIN), (False, _LATER))
-        }
-        self._most_missed = _CORRECTION * numerics.tolerance
+        self._tolerance = numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
@@ -83,7 +71,8 @@ class StepControl:
             lost = 1.0 - rise / (self._predicted - force)
             self._lost = min(max(lost, 0.0), _MOST_LOST)
         scale = settled.total_force + 0.05 * self._target
-        return self.after(step, force, rise, settled.correction / (self._most_missed * scale))
+        allowed = _CORRECTION * self._tolerance * scale
+        return self.after(step, force, rise, settled.correction / allowed)
 
     def after(self, step: float, force: float, change: float, missed: float = 0.0) -> float:
         """Return the step [m] after a ``change`` of force [N]; ``missed`` error over allowed."""
@@ -93,13 +82,15 @@ class StepControl:
 
     def _most_change(self, force: float) -> float:
         """Return the change of the force [N] that a step from a force [N] may have."""
-        rise, steepest = self._limits[self._former <= force and self._former < self._target]
-        return min(rise, steepest * (force + _FAINT * self._target))
+        virgin = self._former <= force and self._former < self._target
+        rise, steepest = (self._tolerance * change for change in (_VIRGIN if virgin else _LATER))
+        faint = force + _FAINT * self._target
+        return min(min(rise, _MOST_RISE) * self._target, min(steepest, _STEEPEST) * faint)
 
-    @staticmethod
-    def must_repeat(step: float, following: float) -> bool:
-        """Return whether a step was so long that it must be repeated."""
-        return following < _RETRY * step
+
+def must_repeat(step: float, following: float) -> bool:
+    """Return whether a step was so long that it must be repeated, by the one that follows."""
+    return following < _RETRY * step
 
 
 _CRUSHING = 3e6

@@ -8,7 +8,9 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterable
-from typing import Any, Literal
+from functools import lru_cache
+from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +32,7 @@ from jointclosure.walls.synthesis import wall_pair
 
 
 def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[list[str]]:
-    """Return distinct scene, peaks, bound of strength, solver and breakage, as words."""
+    """Return distinct scene, peaks, bound of strength, solver and breakage of models, as words."""
     distinct = {
         (scene_name(scene), choices.peaks, choices.strength_bound, given.solver, given.breakage)
         for scene, choices, given in settings
@@ -38,10 +40,10 @@ def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[li
     return [list(kernel) for kernel in sorted(distinct)]
 
 
-def compile_kernels(
-    effects: Effects, choices: Choices, solver: str, breakage: Literal["fixed_step", "resolved"]
-) -> None:
-    """Close a small joint in a scene, to compile the kernels that it needs."""
+@lru_cache(maxsize=None)
+def compile_kernels(scene: str, peaks: Any, bound: Any, solver: str, breakage: Any) -> None:
+    """Close a small joint, to compile the kernels of an entry of `kernels_of`, or load them."""
+    effects, choices = scene_of(scene), Choices(peaks=peaks, strength_bound=bound)
     joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}
     joint |= {"choices": choices, "numerics": Numerics(solver=solver, breakage=breakage)}
     walls = wall_pair(8.0, (24, 24), joint["spacing"], seed=1)
@@ -58,9 +60,8 @@ def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
     log(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
-    for scene, peaks, bound, solver, breakage in kernels:
-        choices = Choices(peaks=peaks, strength_bound=bound)
-        compile_kernels(scene_of(scene), choices, solver, breakage)
+    for kernel in kernels:
+        compile_kernels(*kernel)
     return "".join(f"{', '.join(kernel)}\n" for kernel in kernels)
 
 
@@ -77,16 +78,15 @@ def main(words: list[str]) -> None:
             shutil.rmtree(old) if old.is_dir() else old.unlink()
         os.execve(sys.executable, program, os.environ | environment)
     only_close = words == ["close"]
-    for scene in [Effects()] if only_close else well_posed_scenes():
-        for peaks in ("pristine", "current"):
-            choices = Choices(peaks=peaks)
-            for name in ["fast"] if only_close else SOLVER_NAMES:
-                compile_kernels(scene, choices, name, "fixed_step")
-            compile_kernels(scene, choices, "fast", "resolved")
-            if scene.breakage and not only_close:
-                unbounded = choices._replace(strength_bound="none")
-                compile_kernels(scene, unbounded, "fast", "fixed_step")
-                compile_kernels(scene, unbounded, "fast", "resolved")
+    scenes = [Effects()] if only_close else well_posed_scenes()
+    for scene, peaks in product(scenes, ("pristine", "current")):
+        kernels = [("base", "fast", "fixed_step"), ("base", "fast", "resolved")]
+        if not only_close:
+            kernels += [("base", name, "fixed_step") for name in SOLVER_NAMES if name != "fast"]
+        if scene.breakage and not only_close:
+            kernels += [("none", "fast", "fixed_step"), ("none", "fast", "resolved")]
+        for kernel in kernels:
+            compile_kernels(scene_name(scene), peaks, *kernel)
 
 
 if __name__ == "__main__":

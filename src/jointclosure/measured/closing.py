@@ -20,7 +20,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.warmup import compile_kernels
+from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (
     CURVE_POINTS,
@@ -109,8 +109,8 @@ class Joints(NamedTuple):
                 close_surface, (conditions, asked.measured.cycles, stresses, *of_joint),
                 {"scans": asked.scans}, joints=len(numbered),
             ))  # fmt: skip
-        model = conditions.effects, conditions.choices, numerics.solver, numerics.breakage
-        compile_first, workers = partial(compile_kernels, *model), number_of_workers(self.workers)
+        (kernel,), workers = kernels_of([conditions.model]), number_of_workers(self.workers)
+        compile_first = partial(compile_kernels, *kernel)
         kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
         with kept as name:
             folder = Path(name)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
@@ -78,8 +78,7 @@ class Effects(NamedTuple):
     soft_peaks: bool = True
 
 
-AUTO_TOLERANCE = 0.02
-"""Relative change of mean maximum closure below which `effects: auto` leaves out an effect [1]."""
+AUTO_TOLERANCE = 0.02  # change of mean closure below which `effects: auto` leaves out an effect
 
 
 def scene_name(effects: Effects) -> str:
@@ -301,28 +300,31 @@ INTERVALS: dict[str, tuple[str, str]] = {
 """Interval of each number of `Choices` and `Numerics`, and its reason."""
 
 
-def _check_intervals(settings: NamedTuple) -> None:
-    """Raise `InputError` if a number of choices or numerics lies outside of its interval."""
+def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
+    """Raise `InputError` unless settings are of a kind, their numbers inside of `INTERVALS`, and
+    their words and switches as annotated.
+    """
+    if not isinstance(settings, kind):
+        raise InputError(f"{kind.__name__.lower()} = {settings!r}: must be a {kind.__name__}")
     for name, value in settings._asdict().items():
-        if name not in INTERVALS:
-            continue
-        check_number(name, value, whole=name == "curve_points")
-        interval, reason = INTERVALS[name]
-        low, high = ends_of(interval)
-        above = value > low or (value == low and interval[0] == "[")
-        below = value < high or (value == high and interval[-1] == "]")
-        if not (above and below):
-            raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
+        hint = kind.__annotations__[name]
+        if words := tuple(word for word in get_args(hint) if isinstance(word, str)):
+            check_one_of(name, value, words)
+        elif hint is bool and not isinstance(value, bool | np.bool_):
+            raise InputError(f"{name} = {value!r}: must be True or False")
+        elif name in INTERVALS:
+            check_number(name, value, whole=hint is int)
+            interval, reason = INTERVALS[name]
+            low, high = ends_of(interval)
+            above = value > low or (value == low and interval[0] == "[")
+            below = value < high or (value == high and interval[-1] == "]")
+            if not (above and below):
+                raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
 
 
 def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     """Raise `InputError` if a choice is out of its range for a grid spacing [m]."""
-    if not isinstance(choices, Choices):
-        raise InputError(f"choices = {choices!r}: must be a Choices")
-    _check_intervals(choices)
-    check_one_of("concave", choices.concave, ("magnitude", "flat"))
-    check_one_of("peaks", choices.peaks, ("pristine", "current"))
-    check_one_of("strength_bound", choices.strength_bound, ("base", "none"))
+    _check_fields(choices, Choices)
     if choices.crushed_strength_ratio < 1.0 and choices.peaks == "current":
         raise InputError(
             f"crushed_strength_ratio = {choices.crushed_strength_ratio!r}: must be 1 with peaks = "
@@ -337,14 +339,12 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
             )
 
 
-SOLVER_NAMES = ("fast", "reference")
-"""Names of the solvers of `jointclosure.solvers.registry`."""
+SOLVER_NAMES = ("fast", "reference")  # of `jointclosure.solvers.registry`
 
 
 def check_numerics(numerics: Numerics) -> None:
     """Raise `InputError` if a step, a tolerance or the solver is out of its range."""
-    if not isinstance(numerics, Numerics):
-        raise InputError(f"numerics = {numerics!r}: must be a Numerics")
+    _check_fields(numerics, Numerics)
     for prefix in ("", "later_"):
         step = getattr(numerics, f"{prefix}displacement_step")
         loss = getattr(numerics, f"{prefix}breakage_step")
@@ -355,12 +355,7 @@ def check_numerics(numerics: Numerics) -> None:
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
                 f"{prefix}displacement_step = {step!r} m"
             )
-    _check_intervals(numerics)
-    check_one_of("breakage", numerics.breakage, ("fixed_step", "resolved"))
-    check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     check_one_of("solver", numerics.solver, SOLVER_NAMES)
-    if not isinstance(numerics.replay, bool | np.bool_):
-        raise InputError(f"replay = {numerics.replay!r}: must be True or False")
     for name, needed in (("solver", "fast"), ("target", "equilibrate")):
         if numerics.breakage == "resolved" and getattr(numerics, name) != needed:
             raise InputError(

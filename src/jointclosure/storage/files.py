@@ -12,8 +12,10 @@ import shutil
 import socket
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from threading import get_ident
 from typing import Any
 
 import pandas as pd
@@ -21,13 +23,10 @@ import pandas as pd
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 
-RECORD = "written.json"
-"""File in a folder of results with the names of the files that each command wrote."""
+RECORD = "written.json"  # in a folder of results: the names of the files that each command wrote
 _SEAL = b"\nsha256 of all before this line: "
-END_DIGEST = 64
-"""Length in bytes of the digest at the end of a sealed file."""
-_READ_BYTES = 1_000_000
-"""Number of bytes read at a time; a memory-mapped file would count as memory of the process."""
+END_DIGEST = 64  # length in bytes of the digest at the end of a sealed file
+_READ_BYTES = 1_000_000  # at a time; a memory-mapped file would count as memory of the process
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
 """Errors that a full disk cannot cause; netCDF reports one as a denied permission, or by a
 number."""
@@ -40,22 +39,12 @@ class DamagedFileError(OSError):
 def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it; `OSError` may name the free space."""
     path = Path(path)
+    written_here = f".{path.stem}.{socket.gethostname()}-"
+    temporary = path.with_name(f"{written_here}{os.getpid()}-{get_ident()}{path.suffix}")
     try:
-        _remove_litter(path)
-        handle, name = tempfile.mkstemp(
-            dir=path.parent,
-            prefix=f".{path.stem}.{socket.gethostname()}-{os.getpid()}-",
-            suffix=path.suffix,
-        )
-    except OSError as error:
-        raise _not_written(path, error) from error
-    os.close(handle)
-    temporary = Path(name)
-    try:
+        _remove_litter(path, written_here)
+        temporary.touch()  # for an error that names what is wrong with the folder
         write(temporary)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
         _to_disk(temporary)
         os.replace(temporary, path)
         _to_disk(path.parent)
@@ -64,25 +53,19 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     except OSError as error:
         raise _not_written(path, error) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # there is no such folder
+            temporary.unlink(missing_ok=True)
 
 
-def _remove_litter(path: Path) -> None:
+def _remove_litter(path: Path, written_here: str) -> None:
     """Remove temporary files for a path whose writers were killed on this computer."""
-    written_here = f".{path.stem}.{socket.gethostname()}-"
-    for litter in path.parent.glob(f"{glob.escape(written_here)}*-{8 * '?'}{path.suffix}"):
+    for litter in path.parent.glob(f"{glob.escape(written_here)}*-*{path.suffix}"):
         pid = litter.name.removeprefix(written_here).split("-")[0]
-        if pid.isdecimal() and not _runs(int(pid)):
-            litter.unlink(missing_ok=True)
+        if pid.isdecimal():
+            import psutil  # only needed if there are such files
 
-
-def _runs(pid: int) -> bool:
-    import psutil  # only needed if there are such files
-
-    try:
-        return psutil.Process(pid).status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
-    except psutil.Error as error:
-        return isinstance(error, psutil.AccessDenied)
+            if not psutil.pid_exists(int(pid)):
+                litter.unlink(missing_ok=True)
 
 
 def _to_disk(path: Path) -> None:
@@ -150,9 +133,8 @@ def write_text(text: str, path: str | Path) -> None:
 
 
 def write(content: Any, path: str | Path) -> None:
-    """Write a dataset, table, figure, animation, mesh, text or record for JSON, by its type.
-
-    A mesh has points (n, 3) [m], triangles (m, 3), and fields (m,) of these by name.
+    """Write a dataset, table, figure, animation, mesh (points (n, 3) [m], triangles (m, 3), fields
+    (m,) by name), text or record for JSON, by its type.
     """
     path = Path(path)
     if path.suffix == ".nc":
