@@ -15,7 +15,6 @@ from jointclosure.walls.scans.contents import (
     LARGEST_FILE,
     SAME_SPACING,
     Contents,
-    check_no_variable,
     doubted,
     missing_heights,
     reading_as,
@@ -120,8 +119,10 @@ def read_scan(
                 raise InputError(f"{size / 1e9:.3g} GB: {most}, which is read as a whole")
     with naming(", ".join(map(str, files))):
         try:
-            several = len(files) > 1
-            contents = _joined(files, variable) if several else _contents(files[0], variable)
+            if variable is not None and (len(files) > 1 or not _format_of(files[0]).named):
+                must = "must be left out; the format has one array without a name"
+                raise InputError(f"variable = {variable!r}: {must}")
+            contents = _joined(files) if len(files) > 1 else _contents(files[0], variable)
             return _in_metres(contents, units, scan_spacing)
         except MemoryError:
             raise InputError("needs more memory than there is") from None
@@ -153,15 +154,12 @@ def _format_of(path: Path) -> Format:
     return _by_start(path, BY_CONTENT) or BY_SUFFIX.get(path.suffix.lower(), _SCANNER)
 
 
-def _contents(path: Path, variable: str | None) -> Contents:
+def _contents(path: Path, variable: str | None = None) -> Contents:
     """Read one file; an error also names the form that its content is most like."""
     form, suffix = _format_of(path), path.suffix.lower()
     try:
         with reading_as(form.title):
-            if form.named:
-                return form.read(path, variable)
-            check_no_variable(variable)
-            return form.read(path)
+            return form.read(path, variable) if form.named else form.read(path)
     except InputError as error:
         like = _by_start(path, _STARTS)
         if like is None or form in BY_CONTENT.values() or (suffix and suffix in like):
@@ -169,14 +167,13 @@ def _contents(path: Path, variable: str | None) -> Contents:
         raise InputError(f"{error}; its content is that of {like}") from None
 
 
-def _joined(files: tuple[Path, ...], variable: str | None) -> Contents:
+def _joined(files: tuple[Path, ...]) -> Contents:
     """Read matrices of x, y and heights from three files."""
-    check_no_variable(variable)
     parts = []
     for file in files:
         with naming(str(file)):
             as_text = _format_of(file) is _TEXT
-            parts.append(text.read_matrix(file) if as_text else _contents(file, None))
+            parts.append(text.read_matrix(file) if as_text else _contents(file))
     return text.joined(*parts)
 
 
@@ -197,10 +194,11 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
     height = size_of(settled("heights", contents.height_units, units, hint))
-    lengths = "m"
-    if contents.points is not None or contents.spacing is not None:
+    lengths, stated = "m", np.array(contents.spacing)
+    if contents.points is not None or not np.isnan(stated).all():
         lengths = settled("distances", contents.length_units, units, sides)
     elif spacing is not None:
+        stated = np.full(2, spacing)
         contents = contents._replace(spacing=(spacing, spacing))
     across, remarks = size_of(lengths), contents.remarks + doubted(lengths, contents.sides())
     if contents.points is not None:
@@ -211,8 +209,9 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
         if empty := len(contents.points) - len(known):
             remarks = (*remarks, f"{empty} points without a height were left out")
         return Cloud(known * np.array([across, across, height]), remarks)
-    steps = _spacing(np.array(contents.spacing or (np.nan, np.nan), float) * across, spacing)
-    origin = contents.origin and (contents.origin[0] * across, contents.origin[1] * across)
+    steps = _spacing(stated * across, spacing)
+    y, x = contents.origin
+    origin = None if np.isnan(y + x) else (y * across, x * across)
     heights = real(contents.heights)
     if heights.ndim != 2 or min(heights.shape) < 3:
         raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
@@ -225,21 +224,18 @@ def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
     """Return the spacing (dy, dx) [m] that a file states, NaN where not, or the caller."""
-    if spacing is not None:
-        if (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
-            steps = [f"{1e3 * step:g}" for step in dict.fromkeys(stated.tolist()) if step > 0.0]
-            raise InputError(
-                f"scan_spacing = {1e3 * spacing:g} mm: the file states {' and '.join(steps)} mm; "
-                "must be left out"
-            )
-        stated = np.where(np.isnan(stated), spacing, stated)
-    elif np.isnan(stated).any():
-        axes = " and ".join(axis for axis, step in zip("yx", stated, strict=True) if step != step)
+    unstated = np.isnan(stated)
+    if spacing is None and unstated.any():
+        axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)
         raise InputError(
             f"does not state the spacing of its grid along {axes}: scan_spacing must be given "
             "(--scan-spacing on the command line, spacing_mm in a configuration)"
         )
-    dy, dx = stated.tolist()
-    if not all(np.isfinite(step) and step > 0.0 for step in (dy, dx)):
+    if spacing is not None and (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
+        steps = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(stated[~unstated]))
+        given = f"scan_spacing = {1e3 * spacing:g} mm"
+        raise InputError(f"{given}: the file states {steps} mm; must be left out")
+    dy, dx = np.where(unstated, np.nan if spacing is None else spacing, stated).tolist()
+    if not all(0.0 < step < np.inf for step in (dy, dx)):
         raise InputError(f"scan_spacing = {(dy, dx)}: must be positive")
     return dy, dx

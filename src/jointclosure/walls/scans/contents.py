@@ -29,17 +29,17 @@ LARGEST = 1e20
 
 
 class Contents(NamedTuple):
-    """Heights (y, x) on a grid (dy, dx), or points (n, 3), in the file's units; None: not stated.
+    """Heights (y, x) on a grid (dy, dx), or points (n, 3), in the file's units, where stated.
 
-    Rows are in order of increasing y; ``origin`` (y, x) is the first cell. A step may be NaN.
+    Rows are in order of increasing y; ``origin`` (y, x) is the first cell, NaN if it has no place.
     """
 
     heights: np.ndarray | None = None
-    spacing: tuple[float, float] | None = None
+    spacing: tuple[float, float] = (math.nan, math.nan)
     points: np.ndarray | None = None
     height_units: str | None = None
     length_units: str | None = None
-    origin: tuple[float, float] | None = None
+    origin: tuple[float, float] = (math.nan, math.nan)
     remarks: tuple[str, ...] = ()
 
     def sides(self) -> tuple[float, float] | None:
@@ -47,19 +47,18 @@ class Contents(NamedTuple):
         if self.points is not None:
             x, y = np.ptp(self.points[:, :2], axis=0).tolist() if len(self.points) else (0.0, 0.0)
             return x, y
+        dy, dx = self.spacing
         shape = np.shape(np.asarray(self.heights))
-        if self.spacing is None or np.isnan(self.spacing).any() or len(shape) != 2:
+        if math.isnan(dy + dx) or len(shape) != 2:
             return None
-        ny, nx = shape
-        return self.spacing[1] * (nx - 1), self.spacing[0] * (ny - 1)
+        return dx * (shape[1] - 1), dy * (shape[0] - 1)
 
 
-def check_size(shape: tuple[int, ...], itemsize: int = 8, name: str = "") -> None:
+def check_size(shape: tuple[int, ...], itemsize: int = 8) -> None:
     """Raise `InputError` if an array of values of ``itemsize`` bytes is above `LARGEST_ARRAY`."""
     if math.prod(shape) * itemsize > LARGEST_ARRAY:
         size = f"declares {' x '.join(map(str, shape))} values of {itemsize} bytes"
-        most = f"must be at most {LARGEST_ARRAY / 1e6:g} MB"
-        raise InputError(f"{name}{': ' if name else ''}{size}: {most}")
+        raise InputError(f"{size}: must be at most {LARGEST_ARRAY / 1e6:g} MB")
 
 
 def incomplete(declared: str, number: int) -> InputError:
@@ -67,21 +66,18 @@ def incomplete(declared: str, number: int) -> InputError:
     return InputError(f"declares {declared}, and contains {number}: is the file incomplete?")
 
 
+def check_real(kind: np.dtype) -> None:
+    """Raise `InputError` unless values of a type are real numbers."""
+    if kind.kind not in "fiu":
+        raise InputError(f"values of type {kind}: must be real numbers")
+
+
 def real(values) -> np.ndarray:
     """Convert values to double precision, NaN where masked or not finite."""
-    if np.asarray(values).dtype.kind not in "fiu":
-        raise InputError(f"values of type {np.asarray(values).dtype}: must be real numbers")
+    check_real(np.asarray(values).dtype)
     numbers = np.array(np.ma.filled(np.ma.asarray(values).astype(float), np.nan))
     numbers[~np.isfinite(numbers)] = np.nan
     return numbers
-
-
-def check_no_variable(variable: str | None) -> None:
-    """Raise `InputError` if a variable is given for a format that has no names."""
-    if variable is not None:
-        raise InputError(
-            f"variable = {variable!r}: must be left out; the format has one array without a name"
-        )
 
 
 @contextmanager
@@ -128,12 +124,11 @@ def settled(
     what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
 ) -> str:
     """Return the units of the file or of the user; `InputError` for none, or for two different."""
-    size = None if stated is None else size_of(stated)
     units = of_file or stated
     if units is None:
         must = f"give units (--units on the command line){plausible(sides)}"
         raise InputError(f"does not state the units of its {what}: {must}")
-    if size is not None and size_of(units) != size:
+    if stated is not None and size_of(units) != size_of(stated):
         raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
     return units
 
@@ -163,13 +158,11 @@ def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         missing = np.abs(values) >= LARGEST
     sentinels = list(np.unique(values[missing]))
     others = values[np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)]
-    if others.size:
-        low, high = others.min(), others.max()
-        for sentinel in SENTINELS:
-            alike = values == sentinel
-            if alike.any() and not low <= sentinel <= high:
-                missing |= alike
-                sentinels.append(sentinel)
+    for sentinel in SENTINELS if others.size else ():
+        alike = values == sentinel
+        if alike.any() and not others.min() <= sentinel <= others.max():
+            missing |= alike
+            sentinels.append(sentinel)
     return missing, np.array(sentinels)
 
 
@@ -186,9 +179,10 @@ def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     known = heights[np.isfinite(heights) & ~missing]
     zeros = int((known == 0.0).sum())
     # an instrument that rounds gives neighbouring values about equally often
-    if not 10 <= zeros < known.size:
-        return missing, remarks
-    if zeros < 10 * np.unique(known[known != 0.0], return_counts=True)[1].max():
+    if (
+        not 10 <= zeros < known.size
+        or zeros < 10 * np.unique(known[known != 0.0], return_counts=True)[1].max()
+    ):
         return missing, remarks
     about = f"{zeros} of {known.size} heights are exactly 0, far more than of any other"
     if zeros > 0.5 * known.size:  # the wall may be flat

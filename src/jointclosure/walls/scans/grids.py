@@ -12,15 +12,15 @@ import netCDF4
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, check_one_of, size_of
+from jointclosure.inputs import InputError, check_one_of, naming, size_of
 from jointclosure.inputs.extras import needs
 from jointclosure.walls.scans.contents import (
     SAME_SPACING,
     VARIABLE,
     Contents,
+    check_real,
     check_size,
     incomplete,
-    reading_as,
     real,
     split_name,
 )
@@ -37,6 +37,9 @@ _NEEDED = ("ncols", "nrows")
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")
 """Words of the header of an ESRI grid."""
+_MATLAB = {f"{sign}int{bits}": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+_MATLAB |= {"double": "f8", "single": "f4", "logical": "bool"}
+"""Types of MATLAB's arrays, and of those of numpy."""
 SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
 """Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
@@ -48,6 +51,11 @@ class Array(NamedTuple):
     dtype: np.dtype
     units: str | None
     load: Callable[[], np.ndarray]
+
+    @property
+    def transposed(self) -> "Array":
+        """The same array with its last axis first, not yet read."""
+        return self._replace(shape=self.shape[::-1], load=lambda: self.load().T)
 
 
 class _Statement(NamedTuple):
@@ -62,63 +70,58 @@ def grid_of(
     arrays: Mapping[str, Array], variable: str | None, axes: Mapping[str, str] | None = None
 ) -> Contents:
     """Return the heights of a file, placed and turned by arrays x, y and numbers beside them."""
-    kinds = {name: (axes or {}).get(name, _quantity(name)) for name in arrays}
     name = chosen(variable, arrays)
     heights, units = _loaded(name, arrays[name]), arrays[name].units
     if heights.ndim != 2:
         raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
-    beside = {key: array for key, array in arrays.items() if key != name}
-    size = {key: math.prod(array.shape) for key, array in beside.items()}
+    kinds = {key: (axes or {}).get(key, _quantity(key)) for key in arrays if key != name}
+    size = {key: math.prod(arrays[key].shape) for key in kinds}
     places = [
-        {key: each for key, each in beside.items() if kinds[key] == axis and size[key] > 1}
-        for axis in "yx"
+        {key: arrays[key] for key in kinds if kinds[key] == axis and size[key] > 1} for axis in "yx"
     ]
     contents, statements = _placed(name, heights, places)
-    numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
-    remarks = contents.remarks
+    numbers = [key for key in kinds if kinds[key] in _NUMBERS and size[key] <= 2]
     if contents.points is not None:
-        remarks += tuple(f"{key} was not used: the points are on no grid" for key in numbers)
-        return contents._replace(height_units=units, remarks=remarks)
+        unused = tuple(f"{key} was not used: the points are on no grid" for key in numbers)
+        return contents._replace(height_units=units, remarks=contents.remarks + unused)
     for key in numbers:
-        step = _number(key, beside[key]) * np.array(_NUMBERS[kinds[key]])
-        statements.append(_Statement(key, step, beside[key].units))
+        step = _number(key, arrays[key]) * np.array(_NUMBERS[kinds[key]])
+        statements.append(_Statement(key, step, arrays[key].units))
     spacing, length_units = _agreed(statements)
-    if spacing is not None and not any(places):
+    if not any(places):
         spacing = np.where(np.isnan(spacing), spacing[::-1], spacing)  # only dx, or only dy
-    steps = None if spacing is None else (float(spacing[0]), float(spacing[1]))
-    return contents._replace(spacing=steps, height_units=units, length_units=length_units)
+    dy, dx = spacing.tolist()
+    return contents._replace(spacing=(dy, dx), height_units=units, length_units=length_units)
 
 
 def _placed(
     name: str, heights: np.ndarray, places: list[dict[str, Array]]
 ) -> tuple[Contents, list[_Statement]]:
     """Return heights as a grid or as points, and the statement of places along y and x, if any."""
-    keys = [*places[0], *places[1]]
-    if not keys:
+    named = places[0] | places[1]
+    if not named:
         return Contents(heights), []
-    turned = not _fit(places, heights.shape)
-    if turned and not _fit(places, heights.T.shape):
-        shapes = [f"{key} ({_words(of.shape)})" for along in places for key, of in along.items()]
-        raise InputError(f"{', '.join(shapes)}: must be places of {name} ({_words(heights.shape)})")
-    heights = heights.T if turned else heights
-    units = next((each.units for along in places for each in along.values() if each.units), None)
-    values = [_axis(number, along, units) for number, along in enumerate(places)]
-    steps = [_step(number, along) for number, along in enumerate(values)]
-    named = " and ".join(keys)
+    if not _fit(places, heights.shape):
+        if not _fit(places, heights.T.shape):
+            shapes = ", ".join(f"{key} ({_words(array.shape)})" for key, array in named.items())
+            raise InputError(f"{shapes}: must be places of {name} ({_words(heights.shape)})")
+        heights = heights.T
+    names, units = " and ".join(named), next((a.units for a in named.values() if a.units), None)
+    y, x = (_axis(number, along, units) for number, along in enumerate(places))
+    steps = [_step(number, along) for number, along in enumerate((y, x))]
     if None in steps:
-        y, x = values
         if y is None or x is None:
-            raise InputError(f"{named}: must be evenly spaced, or places along both axes")
-        columns = np.broadcast_arrays(x, y, np.ma.filled(heights.astype(float), np.nan))
+            raise InputError(f"{names}: must be evenly spaced, or places along both axes")
+        columns = np.broadcast_arrays(x, y, heights)
         contents = contents_of(np.stack([column.ravel() for column in columns], axis=1))
-        if contents.spacing is None:
+        if contents.points is not None:
             return contents._replace(length_units=units), []
-        return contents, [_Statement(named, np.array(contents.spacing), units)]
+        return contents, [_Statement(names, np.array(contents.spacing), units)]
     spacing = np.array(steps, dtype=float)
     heights = heights[tuple(slice(None, None, -1 if step < 0.0 else 1) for step in spacing)]
-    first_y, first_x = (math.nan if along is None else float(along.min()) for along in values)
-    origin = None if math.isnan(first_y + first_x) else (first_y, first_x)
-    return Contents(heights, origin=origin), [_Statement(named, np.abs(spacing), units)]
+    first_y, first_x = (math.nan if along is None else float(along.min()) for along in (y, x))
+    contents = Contents(heights, origin=(first_y, first_x))
+    return contents, [_Statement(names, np.abs(spacing), units)]
 
 
 def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
@@ -135,19 +138,18 @@ def _axis(number: int, arrays: dict[str, Array], units: str | None) -> np.ndarra
     values: np.ndarray | None = None
     ranges = []
     for key, array in arrays.items():
-        read = np.ma.filled(_loaded(key, array).astype(float), np.nan).squeeze()
+        read = _loaded(key, array).squeeze()
         ranges.append(f"{key} {np.nanmin(read):g} to {np.nanmax(read):g}")
         read = read * _factor(array.units, units)
         if read.ndim == 1:
-            line = np.expand_dims(read, 1 - number)
-        else:
-            first = read.take([0], 1 - number)
-            line = first if (read == first).all() else read
+            read = np.expand_dims(read, 1 - number)
+        elif (read == (line := read.take([0], 1 - number))).all():
+            read = line
         if values is not None and not np.allclose(
-            line, values, rtol=0.0, atol=0.01 * np.ptp(values) / max(line.shape), equal_nan=True
+            read, values, rtol=0.0, atol=0.01 * np.ptp(values) / max(read.shape), equal_nan=True
         ):
             raise InputError(f"{', '.join(ranges)}: must be the same places")
-        values = line
+        values = read
     return values
 
 
@@ -170,13 +172,12 @@ def _number(key: str, array: Array) -> float:
     return float(values[0])
 
 
-def _agreed(statements: list[_Statement]) -> tuple[np.ndarray | None, str | None]:
+def _agreed(statements: list[_Statement]) -> tuple[np.ndarray, str | None]:
     """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
-    if not statements:
-        return None, None
     units = next((each.units for each in statements if each.units), None)
-    stated = np.array([each.spacing * _factor(each.units, units) for each in statements])
-    known = [column[np.isfinite(column)] for column in stated.T]
+    nothing = np.full(2, np.nan)
+    stated = [nothing, *(each.spacing * _factor(each.units, units) for each in statements)]
+    known = [column[np.isfinite(column)] for column in np.array(stated).T]
     if any(len(column) and np.ptp(column) > SAME_SPACING * column[0] for column in known):
         words = [
             f"{each.names} {_words(each.spacing[np.isfinite(each.spacing)], each.units)}"
@@ -201,11 +202,11 @@ def _quantity(name: str) -> str:
 
 
 def _loaded(name: str, array: Array) -> np.ndarray:
-    """Read an array of real numbers."""
-    if array.dtype.kind not in "fiu":
-        raise InputError(f"{name}: values of type {array.dtype}: must be real numbers")
-    check_size(array.shape, array.dtype.itemsize, name)
-    return array.load()
+    """Read an array of real numbers, NaN where masked or not finite."""
+    with naming(name):
+        check_real(array.dtype)
+        check_size(array.shape, array.dtype.itemsize)
+        return real(array.load())
 
 
 def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
@@ -230,7 +231,7 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
 
 def read_npy(path: Path) -> Contents:
     """Read one array, without units or spacing."""
-    return Contents(heights=_array(lambda: path.open("rb")))
+    return Contents(_array(lambda: path.open("rb")))
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
@@ -238,11 +239,10 @@ def read_npz(path: Path, variable: str | None) -> Contents:
     with zipfile.ZipFile(path) as archive:
         arrays = {}
         for member in archive.namelist():
-            name = member.removesuffix(".npy")
-            opened = partial(archive.open, member)
+            name, opened = member.removesuffix(".npy"), partial(archive.open, member)
             with opened() as content:
-                shape, kind = _head(content)
-            arrays[name] = Array(shape, kind, split_name(name)[1], partial(_array, opened))
+                head = _head(content)
+            arrays[name] = Array(*head, split_name(name)[1], partial(_array, opened))
         return grid_of(arrays, variable)
 
 
@@ -266,34 +266,33 @@ def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     """Read a variable over y and x by the names of its dimensions; invalid values are NaN."""
     with netCDF4.Dataset(path) as dataset:
-        variables = dataset.variables
-        name = chosen(variable, {key: _netcdf_array(read) for key, read in variables.items()})
-        dimensions = variables[name].dimensions
+        arrays = {
+            key: Array(
+                read.shape,
+                np.dtype(read.dtype),
+                getattr(read, "units", None) or split_name(key)[1],
+                partial(read.__getitem__, ...),
+            )
+            for key, read in dataset.variables.items()
+        }
+        name = chosen(variable, arrays)
+        dimensions = dataset.variables[name].dimensions
         if len(dimensions) != 2:
             raise InputError(f"variable {name!r} has dimensions {dimensions}: must be over (y, x)")
-        axes = [_axis_of(dimension, variables) for dimension in dimensions]
+        axes = [_axis_of(dimension, dataset.variables) for dimension in dimensions]
         remarks: tuple[str, ...] = ()
         if not any(axes):
             remarks = (f"dimensions {', '.join(dimensions)}: no name of an axis; read as y, x",)
         elif axes[0] == axes[1]:
             raise InputError(f"dimensions {dimensions}: must be y and x, both are {axes[0]}")
         turned = axes[0] == "x" or axes[1] == "y"
-        arrays = {
-            key: _netcdf_array(read, turned)
-            for key, read in variables.items()
-            if set(read.dimensions) <= set(dimensions)
+        used = {
+            key: array.transposed if turned else array
+            for key, array in arrays.items()
+            if set(dataset.variables[key].dimensions) <= set(dimensions)
         }
-        of_axis = dict(zip(dimensions, "xy" if turned else "yx", strict=True))
-        contents = grid_of(arrays, name, of_axis)
+        contents = grid_of(used, name, dict(zip(dimensions, "xy" if turned else "yx", strict=True)))
     return contents._replace(remarks=remarks + contents.remarks)
-
-
-def _netcdf_array(variable: netCDF4.Variable, turned: bool = False) -> Array:
-    """Return a variable that is not yet read, a matrix transposed if it is turned."""
-    units = getattr(variable, "units", None) or split_name(variable.name)[1]
-    shape = variable.shape[::-1] if turned else variable.shape
-    load = (lambda: variable[...].T) if turned else (lambda: variable[...])
-    return Array(shape, np.dtype(variable.dtype), units, load)
 
 
 def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
@@ -309,33 +308,30 @@ def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | No
 
 def read_matlab(path: Path, variable: str | None) -> Contents:
     """Read an array of a MATLAB file up to version 7.2; only what the variable needs is loaded."""
-    arrays: dict[str, Array] = {}
-    within = []
-    for name, shape, kind in scipy.io.whosmat(path):
-        if kind in ("struct", "cell"):
-            within.append(name)
-        elif kind in ("double", "single", "logical") or "int" in kind:
-            number = np.dtype(bool if kind == "logical" else kind)
-            load = partial(_matlab_variable, path, name)
-            arrays[name] = Array(shape, number, split_name(name)[1], load)
+
+    def load(name: str) -> np.ndarray:
+        return scipy.io.loadmat(path, variable_names=[name])[name]
+
+    declared = scipy.io.whosmat(path)
+    arrays = {
+        name: Array(shape, np.dtype(_MATLAB[kind]), split_name(name)[1], partial(load, name))
+        for name, shape, kind in declared
+        if kind in _MATLAB
+    }
     try:
         return grid_of(arrays, variable)
     except InputError as error:
-        hint = f"; save arrays of {', '.join(within)} as variables of their own" if within else ""
+        within = ", ".join(name for name, _, kind in declared if kind in ("struct", "cell"))
+        hint = f"; save arrays of {within} as variables of their own" if within else ""
         raise InputError(f"{error}{hint}") from None
-
-
-def _matlab_variable(path: Path, name: str) -> np.ndarray:
-    return scipy.io.loadmat(path, variable_names=[name])[name]
 
 
 def read_esri(path: Path) -> Contents:
     """Read an ESRI ASCII grid, rows from the largest y down. GDAL would read words as zeros."""
     lines = [line.split() for line in path.read_text(encoding="latin-1").lower().splitlines()]
-    stated = [line for line in lines if line and line[0] in _KNOWN]
     rows = [line for line in lines if line and line[0] not in _KNOWN]
     head: dict[str, float] = {}
-    for key, value in stated:
+    for key, value in (line for line in lines if line and line[0] in _KNOWN):
         if key in head:
             raise InputError(f"{key}: must be only once in the header")
         head[key] = float(value)
@@ -344,12 +340,10 @@ def read_esri(path: Path) -> Contents:
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
-    spacing, _ = _agreed(
-        [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
-    )
-    if spacing is None or np.isnan(spacing).any():
+    stated = [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
+    dy, dx = _agreed(stated)[0].tolist()
+    if math.isnan(dy + dx):
         raise InputError("its header lacks cellsize, or both dx and dy")
-    dy, dx = spacing.tolist()
     shape = int(head["nrows"]), int(head["ncols"])
     check_size(shape)
     values = [value for row in rows for value in row]
@@ -365,7 +359,7 @@ def read_esri(path: Path) -> Contents:
         head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", np.nan) + 0.5 * step)
         for axis, step in (("y", dy), ("x", dx))
     )
-    return Contents(heights, (dy, dx), origin=None if np.isnan(y + x) else (y, x))
+    return Contents(heights, (dy, dx), origin=(y, x))
 
 
 def read_raster(path: Path, driver: str) -> Contents:
@@ -403,13 +397,11 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.Exceptions import CannotDetectFileFormat
         from SurfaceTopography.IO import open_topography
-    with reading_as("a scanner's file"):
-        try:
-            opened = open_topography(str(path))
-        except CannotDetectFileFormat:  # its message has the errors of all readers
-            raise InputError(
-                "is of no form that is read here; text must be .txt, .csv or .xyz"
-            ) from None
+    try:
+        opened = open_topography(str(path))
+    except CannotDetectFileFormat:  # its message has the errors of all readers
+        problem = "is of no form that is read here; text must be .txt, .csv or .xyz"
+        raise InputError(problem) from None
     with opened as reader:
         channel, index = reader.default_channel, None
         if variable is not None:
@@ -425,5 +417,5 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
             raise InputError("contains a profile, must be a surface")
         # its arrays are (x, y)
         heights, pixels, units = surface.heights().T, surface.pixel_size, surface.unit
-    spacing = (float(pixels[1]), float(pixels[0])) if sized else None
-    return Contents(heights, spacing, None, units, units)
+    contents = Contents(heights, height_units=units, length_units=units)
+    return contents._replace(spacing=(float(pixels[1]), float(pixels[0]))) if sized else contents

@@ -34,24 +34,27 @@ SCATTERED = (
 
 def contents_of(points: np.ndarray) -> Contents:
     """Return points (n, 3) as the regular grid on which they lie, otherwise as points."""
-    points, remarks = cleaned(points)
-    if (grid := lattice_of(points)) is not None:
+    points, remarks = _cleaned(points)
+    if (grid := _lattice_of(points)) is not None:
         return grid._replace(remarks=remarks + grid.remarks)
-    points, repeats = merged_points(points)
-    return Contents(points=points, remarks=(*remarks, *repeats, caution(SCATTERED)))
+    numbers = unique_places(points[:, :2])[1]
+    if len(points) and numbers.max() + 1 < len(points):
+        first = np.unique(numbers, return_index=True)[1]
+        places, heights, repeats = _merged(numbers, points)
+        points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
+        remarks += repeats
+    return Contents(points=points, remarks=(*remarks, caution(SCATTERED)))
 
 
-def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return points (n, 3) of a wall, NaN where a height is missing, and remarks."""
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
     without_height, remarks = missing_heights(points[:, 2])
     missing = np.column_stack([*places, without_height])
-    if missing[:, :2].any():
-        count, values = int(missing[:, :2].any(axis=1).sum()), np.unique(np.concatenate(sentinels))
-        remarks += (missing_sentence(count, values, "places"),)
-    points[missing] = np.nan
-    points[~np.isfinite(points)] = np.nan
+    if count := int(missing[:, :2].any(axis=1).sum()):
+        remarks += (missing_sentence(count, np.unique(np.concatenate(sentinels)), "places"),)
+    points[missing | ~np.isfinite(points)] = np.nan
     placed = np.isfinite(points[:, :2]).all(axis=1)
     nowhere = np.flatnonzero(~placed & np.isfinite(points[:, 2]) & ~missing.any(axis=1))
     if nowhere.size:
@@ -60,16 +63,12 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
         remarks += (f"{int((~placed).sum())} lines without a place were skipped",)
         points = points[placed]
     stray = strays(points)
-    if stray.any():
-        named = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:3]]
-        more = ", ..." if stray.sum() > 3 else ""
-        verb = "points were" if stray.sum() > 1 else "point was"
-        remarks += (
-            f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(named)}{more} "
-            "(x, y, z in the file's units)",
-        )
-        points = points[~stray]
-    return points, remarks
+    if count := int(stray.sum()):
+        named = ", ".join(f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:3])
+        cut = f"{count} stray point{'s were' if count > 1 else ' was'} cut, far from all others"
+        more = ", ..." if count > 3 else ""
+        remarks += (f"{cut}: {named}{more} (x, y, z in the file's units)",)
+    return points[~stray], remarks
 
 
 class _Axis(NamedTuple):
@@ -88,7 +87,7 @@ class _Axis(NamedTuple):
         return self.node[on].astype(int) - low, high - low + 1, first
 
 
-def lattice_of(points: np.ndarray) -> Contents | None:
+def _lattice_of(points: np.ndarray) -> Contents | None:
     """Find the regular grid at whose nodes most points (n, 3) are; None without one."""
     if len(points) < 9:
         return None
@@ -115,17 +114,19 @@ def lattice_of(points: np.ndarray) -> Contents | None:
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
     return Contents(
-        grid.reshape(ny, nx), (y.step, x.step), None, None, None, (y_first, x_first),
-        remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
-    )  # fmt: skip
+        grid.reshape(ny, nx),
+        (y.step, x.step),
+        origin=(y_first, x_first),
+        remarks=remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
+    )
 
 
 def _irregular(
     points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
 ) -> tuple[Caution, ...]:
     """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
-    remarks, off = [], int((~on & np.isfinite(points[:, 2])).sum())
-    if off:
+    remarks = []
+    if off := int((~on & np.isfinite(points[:, 2])).sum()):
         remarks.append(
             f"{off} of {len(points)} points lie off the nodes of the points' grid, by more than "
             f"{100 * allowed:.2g} % of its step, and were left out"
@@ -143,25 +144,12 @@ def _irregular(
 
 def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
-    empty, of_all = int((~occupied).sum()), f"of {occupied.size} nodes of the points' grid"
-    if not empty:
-        return ()
-    inside = int(gaps(occupied).sum())
+    empty, inside = int((~occupied).sum()), int(gaps(occupied).sum())
+    about = f"{empty} of {occupied.size} nodes of the points' grid have no point"
     if inside <= MOST_AMBIGUOUS * occupied.size:
-        return (f"{empty} {of_all} have no point",)
+        return (about,) if empty else ()
     share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
-    return (caution(f"{empty} {of_all} have no point, {share}: is the file incomplete?"),)
-
-
-def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return points (n, 3) with one height for each place, and remarks on what was left out."""
-    numbers = unique_places(points[:, :2])[1]
-    if not len(points) or numbers.max() + 1 == len(points):
-        return points, ()
-    first = np.unique(numbers, return_index=True)[1]
-    places, heights, remarks = _merged(numbers, points)
-    kept = np.column_stack([points[first[places], :2], heights])
-    return kept[np.isfinite(heights)], remarks
+    return (caution(f"{about}, {share}: is the file incomplete?"),)
 
 
 def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
@@ -193,11 +181,9 @@ def _step_of(levels: np.ndarray) -> float:
     gaps = np.diff(levels)
     ratio = gaps / np.median(gaps)
     step = float(gaps[(ratio > 0.4) & (ratio < 1.6)].mean())
-    reach = 1
-    while reach <= len(levels) // 2:
-        distance = levels[reach:] - levels[:-reach]
+    for power in range((len(levels) // 2).bit_length()):
+        distance = levels[2**power :] - levels[: -(2**power)]
         step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
-        reach *= 2
     return step
 
 
@@ -208,7 +194,7 @@ def _merged(
     known = np.flatnonzero(np.isfinite(points[:, 2]))
     known = known[np.argsort(numbers[known], kind="stable")]
     heights = points[known, 2]
-    places, start = np.unique(numbers[known], return_index=True)
+    places, start, count = np.unique(numbers[known], return_index=True, return_counts=True)
     if len(places) == len(known):
         return places, heights, ()
     low, high = np.minimum.reduceat(heights, start), np.maximum.reduceat(heights, start)
@@ -222,8 +208,7 @@ def _merged(
             "place; a solid or both walls in one file must be cut to one wall"
         )
     remarks = []
-    repeated = len(known) - len(places) - int((np.diff([*start, len(known)])[several] - 1).sum())
-    if repeated:
+    if repeated := int((count - 1)[~several].sum()):
         remarks.append(f"{repeated} repeated points were skipped")
     if several.any():
         remarks.append(f"{int(several.sum())} places with several heights were treated as missing")

@@ -30,7 +30,7 @@ LEAST_COLUMNS = 12
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing; names and units of columns, empty without any."""
+    """Numbers (rows, columns), NaN where missing; units of columns, and names or no names."""
 
     values: np.ndarray
     names: list[str]
@@ -39,10 +39,21 @@ class Table(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """Rules for splitting a line into words."""
+    """Separator of words (None: blanks) and sign before decimals."""
 
     separator: str | None
     decimal: str
+
+    def words(self, line: str) -> list[str]:
+        line = line.strip(" \r\n" if self.separator == "\t" else None)
+        return [word.strip().strip('"') for word in line.split(self.separator)]
+
+    def numbers(self, line: str) -> list[float]:
+        """Return numbers, NaN for words for missing ones; `ValueError` for other words."""
+        return [
+            np.nan if word.lower() in _MISSING else float(word.replace(self.decimal, "."))
+            for word in self.words(line)
+        ]
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
@@ -61,8 +72,7 @@ def _placed(points: np.ndarray, units: list[str | None], remarks: tuple[str, ...
     if x != y:
         raise InputError(f"x is in {x} and y in {y}: must be in the same units")
     contents = contents_of(points)
-    remarks += contents.remarks
-    return contents._replace(height_units=z, length_units=x, remarks=remarks)
+    return contents._replace(height_units=z, length_units=x, remarks=remarks + contents.remarks)
 
 
 def _matrix(table: Table) -> Contents | None:
@@ -114,7 +124,7 @@ def joined(x: Contents, y: Contents, z: Contents) -> Contents:
 def _unit_of(table: Table, column: int) -> str | None:
     """Return the unit of a column from its name or from the line of units below the names."""
     name = table.names[column] if table.names else ""
-    by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
+    by_name, by_line = split_name(name)[1], table.units[column]
     if by_name and by_line and size_of(by_name) != size_of(by_line):
         raise InputError(
             f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
@@ -158,32 +168,32 @@ def read_table(path: Path) -> Table:
         raise InputError("is not text: it contains binary data")
     lines = _decoded(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
-    head = lines[:start]
-    names, units, remarks = _names(head)
+    names, units, remarks = _names(lines[:start])
+    kept = (line for line in lines[start:] if line.strip())
+    lines = [line for line in kept if not line.lstrip().startswith(COMMENTS)]
     if start is None:
-        written = [line.strip()[:60] for line in head if line.strip() and not _is_comment(line)]
+        if not lines:
+            raise InputError("has no points")
         where = " below the names" if names else ""
-        raise InputError(
-            f"has no line of numbers{where}; there is {written[-1]!r}"
-            if written
-            else "has no points"
-        )
-    form = _form_of(lines[start])
-    lines = [line for line in lines[start:] if line.strip() and not _is_comment(line)]
-    lines = _with_corner(lines, form)
+        last = lines[-1].strip()[:60]
+        raise InputError(f"has no line of numbers{where}; there is {last!r}")
+    form = _form_of(lines[0])
+    row, following = form.numbers(lines[0]), form.words(lines[1]) if len(lines) > 1 else []
+    if len(following) == len(row) + 1 and following[-1] and are_places(np.array(row)):
+        lines[0] = f"nan{form.separator or ' '}{lines[0].strip()}"  # x of a frame without a corner
     values, remarks_on_lines = _values(lines, form, names)
     width = values.shape[1]
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
         raise InputError(f"has {len(units)} words in the line of units, must be {width}")
-    units += [None] * (width - len(units)) if units else []
+    units += [None] * (width - len(units))
     return Table(values, names, units, (*remarks, *remarks_on_lines))
 
 
 def _values(lines: list[str], form: _Form, names: list[str]) -> tuple[np.ndarray, list[str]]:
     """Return numbers (rows, columns) of lines, NaN in shorter ones, and remarks on other lines."""
-    counts = np.array([len(_words(line, form)) for line in lines])
+    counts = np.array([len(form.words(line)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
         longest = lines[int(counts.argmax())].strip()[:60]
@@ -191,11 +201,10 @@ def _values(lines: list[str], form: _Form, names: list[str]) -> tuple[np.ndarray
     values, repeated = np.full((len(lines), width), np.nan), []
     remarks: list[str] = []
     for row in np.flatnonzero(counts == width).tolist():
-        words = _words(lines[row], form)
         try:
-            values[row] = [_number(word, form.decimal) for word in words]
+            values[row] = form.numbers(lines[row])
         except ValueError as error:
-            if not names or words[: len(names)] != names:
+            if not names or form.words(lines[row])[: len(names)] != names:
                 raise InputError(f"line {row + 1} of the numbers: {error}") from None
             repeated.append(row)
     if (short := counts < width).any():
@@ -239,43 +248,12 @@ def _form_of(line: str) -> _Form:
     return _Form("," if "," in line else None, ".")
 
 
-def _words(line: str, form: _Form) -> list[str]:
-    words = line.strip(" \r\n" if form.separator == "\t" else None).split(form.separator)
-    return [word.strip().strip('"') for word in words]
-
-
-def _with_corner(lines: list[str], form: _Form) -> list[str]:
-    """Put a missing value before a first row of x: even, and one number shorter than the next."""
-    if len(lines) < 2:
-        return lines
-    row, following = (_words(line, form) for line in lines[:2])
-    even = are_places(np.array([_number(word, form.decimal) for word in row]))
-    if not even or len(following) != len(row) + 1 or not following[-1]:
-        return lines
-    return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
-
-
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(COMMENTS)
-
-
 def _is_data(line: str) -> bool:
     """Return whether a line has at least two numbers, and otherwise only missing values."""
-    if not line.strip() or _is_comment(line):
-        return False
-    form = _form_of(line)
-    words = _words(line, form)
     try:
-        for word in words:
-            _number(word, form.decimal)
+        return int(np.isfinite(_form_of(line).numbers(line)).sum()) >= 2
     except ValueError:
         return False
-    return sum(word.lower() not in _MISSING for word in words) >= 2
-
-
-def _number(word: str, decimal: str) -> float:
-    """Return a number, NaN for a word for a missing one; `ValueError` for another."""
-    return np.nan if word.lower() in _MISSING else float(word.replace(decimal, "."))
 
 
 def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
@@ -283,30 +261,28 @@ def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
     names: list[str] = []
     units: list[str | None] = []
     remarks, fields = [], []
-    for number, line in enumerate(head, start=1):
-        bare = line.strip()
-        comment = bare.startswith(COMMENTS)
-        words = _split_names(bare.lstrip("#%/! ") if comment else bare)
-        if not words:
-            continue
+    for number, line in enumerate(map(str.strip, head), start=1):
+        comment = line.startswith(COMMENTS)
+        words = _split_names(line.lstrip("#%/! ") if comment else line)
+        bare = [word.strip("()[]").strip() for word in words]
         if {axis_name(word) for word in words} >= {"x", "y", "z"}:
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words
-        elif sum(word.strip("()[]").strip() in SPELT for word in words) > 1:
-            bare_words = [word.strip("()[]") for word in words]
-            units = [word if word.strip() in SPELT else None for word in bare_words]
-        elif not comment and len(words) > 2:
-            fields = words
-        elif not comment:
-            remarks.append(f"line {number} was skipped: {bare[:60]!r}")
+        elif sum(word in SPELT for word in bare) > 1:
+            units = [word if word in SPELT else None for word in bare]
+        elif words and not comment:
+            if len(words) > 2:
+                fields = words
+            else:
+                remarks.append(f"line {number} was skipped: {line[:60]!r}")
     return names or fields, units, remarks
 
 
 def _split_names(line: str) -> list[str]:
     mark = next((mark for mark in (";", "\t", ",") if mark in line), None)
-    glued = re.sub(r"\s+([(\[])", r"\1", line)
-    words = [word.strip().strip('"') for word in (line if mark else glued).split(mark)]
+    glued = line if mark else re.sub(r"\s+([(\[])", r"\1", line)
+    words = [word.strip().strip('"') for word in glued.split(mark)]
     while words and not words[-1]:
         words.pop()
     return words
