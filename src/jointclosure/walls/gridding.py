@@ -1,5 +1,6 @@
 """Scans, and their gridding: heights on the square grid of a joint. See docs/two_scans.md."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,12 +10,10 @@ from threadpoolctl import threadpool_limits
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.walls.roughness import plane_through
 
-FLAT = "flat"
-"""Word for a flat wall, such as a saw cut, in place of a scan."""
+FLAT = "flat"  # in place of a scan: a flat wall, such as a saw cut
 LARGEST_TILT = 20.0
 """Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
-REACH = 2.0
-"""Distance, in mean point distances, within which a cell needs a point to have a height."""
+REACH = 2.0  # mean point distances within which a cell needs a point to have a height
 MOST_CELLS_PER_POINT = 100
 """Largest number of cells of a grid for each point; beyond, nearly all are far from points."""
 PAPER_SPACING = 0.25e-3
@@ -36,10 +35,8 @@ class Scan(NamedTuple):
         (ny, nx), (dy, dx) = self.heights.shape, self.spacing
         missing = 100.0 * float(np.isnan(self.heights).mean())
         low, high = 1e3 * np.nanmin(self.heights), 1e3 * np.nanmax(self.heights)
-        return (
-            f"<Scan: {nx} x {ny} points, {1e3 * dx:.4g} x {1e3 * dy:.4g} mm apart, heights "
-            f"{low:.4g} to {high:.4g} mm, {missing:.3g} % missing>"
-        )
+        grid = f"{nx} x {ny} points, {1e3 * dx:.4g} x {1e3 * dy:.4g} mm apart"
+        return f"<Scan: {grid}, heights {low:.4g} to {high:.4g} mm, {missing:.3g} % missing>"
 
 
 class Cloud(NamedTuple):
@@ -51,11 +48,9 @@ class Cloud(NamedTuple):
     def __repr__(self) -> str:
         if not len(self.points):
             return "<Cloud: no points>"
-        size_x, size_y, size_z = 1e3 * np.ptp(self.points, axis=0)
-        return (
-            f"<Cloud: {len(self.points)} points on {size_x:.4g} x {size_y:.4g} mm, heights within "
-            f"{size_z:.4g} mm>"
-        )
+        x, y, z = 1e3 * np.ptp(self.points, axis=0)
+        area = f"{len(self.points)} points on {x:.4g} x {y:.4g} mm"
+        return f"<Cloud: {area}, heights within {z:.4g} mm>"
 
 
 def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
@@ -83,16 +78,16 @@ def gaps(known: np.ndarray) -> np.ndarray:
     return (between(known, 0) | between(known, 1)) & ~known
 
 
-def holes(known: np.ndarray) -> np.ndarray:
-    """Return the `gaps` (y, x) at least three cells wide, and those inside that are no dropouts."""
-    inside = between(known, 0) & between(known, 1) & ~(known | _narrow(known))
-    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
-
-
 def _narrow(known: np.ndarray) -> np.ndarray:
     """Return which cells (y, x) lie between known ones at most three apart; not beside a rim."""
     closed = scipy.ndimage.binary_closing
     return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
+
+
+def holes(known: np.ndarray) -> np.ndarray:
+    """Return the `gaps` (y, x) at least three cells wide, and those inside that are no dropouts."""
+    inside = between(known, 0) & between(known, 1) & ~(known | _narrow(known))
+    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
 
 
 def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
@@ -121,12 +116,10 @@ def paper_spacing(distance: float) -> float:
 
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
     """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
-    if isinstance(scan, Cloud):
-        x, y, heights = scan.points.T
-        plane = heights - _levelled(x, y, heights)
-        return Cloud(np.stack([x, y, sign * plane], axis=1))
-    plane = scan.heights - _levelled(*_places(scan), scan.heights)
-    return Scan(sign * plane, scan.spacing, scan.origin)
+    if isinstance(scan, Scan):
+        return Scan(sign * (scan.heights - _levelled(scan)), scan.spacing, scan.origin)
+    plane = scan.points[:, 2] - _levelled(scan)
+    return Cloud(np.column_stack([scan.points[:, :2], sign * plane]))
 
 
 def wall_on_grid(
@@ -137,11 +130,9 @@ def wall_on_grid(
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
         finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
         raise InputError(f"grid spacing {1e3 * spacing:g} mm: {finer}")
+    level = _levelled(scan)
     if isinstance(scan, Scan):
-        level = _levelled(*_places(scan), scan.heights)
         return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
-    x, y, heights = scan.points.T
-    heights = _levelled(x, y, heights)
     places = scan.points[:, :2]
     low, high = (places.min(axis=0), places.max(axis=0)) if bounds is None else bounds
     ny, nx = node_counts(low, high, spacing)
@@ -151,7 +142,7 @@ def wall_on_grid(
             f"{len(places)} points lie in {x:.4g} x {y:.4g} mm (x, y), {ny} x {nx} cells of the "
             f"grid: must be at most {MOST_CELLS_PER_POINT} cells for each point"
         )
-    return heights_between(places, heights, grid_nodes(low, (ny, nx), spacing), REACH * distance)
+    return heights_between(places, level, grid_nodes(low, (ny, nx), spacing), REACH * distance)
 
 
 def node_counts(low: np.ndarray, high: np.ndarray, spacing: float) -> tuple[int, int]:
@@ -172,19 +163,19 @@ def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
     start = np.maximum((first - origin) / steps, 0.0)
-    heights = _resampled(scan, spacing, (float(start[0]), float(start[1])))
     y, x = (origin + start * steps).tolist()
-    return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
+    return scan._replace(
+        heights=_resampled(scan, spacing, start.tolist()), spacing=(spacing, spacing), origin=(y, x)
+    )
 
 
-def _places(scan: Scan) -> tuple[np.ndarray, np.ndarray]:
-    """Return x and y (y, x) [m] of the cells of a grid from its first one."""
-    y, x = np.indices(scan.heights.shape) * np.reshape(scan.spacing, (2, 1, 1))
-    return x, y
-
-
-def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """Subtract the least-squares plane from heights at x and y; NaN remain."""
+def _levelled(scan: Scan | Cloud) -> np.ndarray:
+    """Return heights of a scan [m] less their least-squares plane; NaN remain."""
+    if isinstance(scan, Cloud):
+        x, y, heights = scan.points.T
+    else:
+        heights = scan.heights
+        y, x = np.indices(heights.shape) * np.reshape(scan.spacing, (2, 1, 1))
     known = np.isfinite(heights)
     if known.sum() < 4:
         raise InputError(f"{int(known.sum())} heights: too few for a wall")
@@ -231,12 +222,11 @@ def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) ->
     return np.where(triangle >= 0, inside, np.nan)
 
 
-def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
+def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray:
     """Return heights at another spacing, from a node ``start`` (y, x) in points of the scan on."""
-    heights = scan.heights
-    ratios = [spacing / scanned for scanned in scan.spacing]
-    whole = [(round(first), round(ratio)) for first, ratio in zip(start, ratios, strict=True)]
+    heights, ratios = scan.heights, [spacing / scanned for scanned in scan.spacing]
     exact = np.column_stack([start, ratios])
+    whole = np.rint(exact).astype(int)
     if np.all(np.abs(exact - whole) < 1e-6 * exact[:, 1:]):
         rows, columns = (slice(first, None, step) for first, step in whole)
         return heights[rows, columns].copy()
@@ -248,8 +238,7 @@ def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.nda
         for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
     ]
     wall = scipy.interpolate.RectBivariateSpline(*axes, nearest_filled(heights))(*wanted)
-    nodes = np.meshgrid(*wanted, indexing="ij")
-    missing = (~np.isfinite(heights)).astype(float)
+    missing, nodes = (~np.isfinite(heights)).astype(float), np.meshgrid(*wanted, indexing="ij")
     touched = scipy.ndimage.map_coordinates(missing, nodes, order=1, mode="nearest")
     return np.where(touched > 1e-9, np.nan, wall)
 
@@ -264,7 +253,7 @@ def filled(
         return wall
     message = f"{int(holes.sum())} of {holes.size} cells have no height"
     if missing == "refuse":
-        first = ", ".join(str(index) for index in np.argwhere(holes)[0])
+        first = ", ".join(map(str, np.argwhere(holes)[0]))
         raise InputError(
             f"{message}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
             "where no cell is missing), nearest or linear (missing cells are filled)"
@@ -274,13 +263,11 @@ def filled(
             f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
             "(largest_filled_share); choose missing: avoid, or crop the scan"
         )
-    near = nearest_filled(wall)
-    if missing == "nearest":
-        return near
-    rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
-    inside = _in_triangles(np.argwhere(rim), wall[rim], np.argwhere(holes))
-    result = wall.copy()
-    result[holes] = np.where(np.isfinite(inside), inside, near[holes])
+    result = nearest_filled(wall)
+    if missing == "linear":
+        rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
+        inside = _in_triangles(np.argwhere(rim), wall[rim], np.argwhere(holes))
+        result[holes] = np.where(np.isfinite(inside), inside, result[holes])
     return result
 
 

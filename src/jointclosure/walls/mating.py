@@ -12,8 +12,7 @@ import scipy
 
 from jointclosure.walls.roughness import detrended
 
-CONFIDENCE = 0.95
-"""Confidence of the interval of a mismatch wavelength."""
+CONFIDENCE = 0.95  # of the interval of a mismatch wavelength
 _WAVES_FOR_ONE = 4.5
 """Coefficients with the information of one: mirror images, and the window (1.5 an axis)."""
 _RESOLUTION = 0.75

@@ -11,10 +11,8 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import RELATIONS, Relation, jrc_of_z2, rms_slope
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
-TILES = 6
-"""Number of tiles along the shorter side."""
-SMALLEST_WALL = 24
-"""Smallest number of cells along the shorter side: four for each tile."""
+TILES = 6  # along the shorter side
+SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
 DRAWS, LARGEST_DRAW = 100, 400
 """Number of synthetic walls, and largest number of cells along their sides."""
 TAIL, _SEED = 50.0 * (1.0 - 0.95), 1
@@ -43,7 +41,7 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
         raise InputError("all heights are equal: the wall has no roughness")
     means, measures = _resampled_means(heights, spacing, resamples), []
 
-    def add(name: str, values: np.ndarray, unit: str, remark: str = "") -> None:
+    def add(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> None:
         low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
         measures.append(Measure(name, float(values[0]), float(low), float(high), unit, remark))
 
@@ -51,14 +49,13 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     fitted = 1e3 * spacing * lags_of(min(heights.shape))[1:]
     reach = f"over {fitted[0]:g} to {fitted[-1]:g} mm"
     add("rms height", 1e3 * scatter["rms height"], "mm")
-    for name in _SLOPES:
-        add(name, scatter[name], "1")
-    for name in _EXPONENTS:
-        add(name, scatter[name], "1", reach)
+    for name in (*_SLOPES, *_EXPONENTS):
+        add(name, scatter[name], remark=reach if name in _EXPONENTS else "")
     first = scatter["H by first differences"]
-    add("H by first differences", first, "1", f"{reach}; lower, see the docs")
+    add("H by first differences", first, remark=f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        add(f"JRC, {name}", *_jrc(relation, scatter, spacing, first[0]))
+        jrc, remark = _jrc(relation, scatter, spacing, first[0])
+        add(f"JRC, {name}", jrc, remark=remark)
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
@@ -106,13 +103,13 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return measures that depend on the longest waves: rms height [m], slopes, Hurst exponents."""
     distances, rms = increments(heights, spacing)
     both = np.hypot(rms["x"][0], rms["y"][0]) / np.sqrt(2.0)
-    slopes = np.array([rms["x"][0], rms["y"][0], both])
+    slopes = np.array([rms["x"][0], rms["y"][0], both]) / spacing
     scaling = {"rms height": float(np.nanstd(heights))}
-    scaling |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
+    scaling |= dict(zip(_SLOPES, slopes.tolist(), strict=True))
     for lag in sorted({_lag(relation, spacing) for relation in RELATIONS.values()}):
         if 0 < lag <= lags_of(min(heights.shape))[-1]:
-            both = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
-            scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(both))) / (lag * spacing)
+            squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+            scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
     along_x, along_y = rms["second_x"] ** 2, rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
         scaling[name] = _hurst(distances, values)
@@ -127,18 +124,18 @@ def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
 
 
 def _scatter(
-    measured: dict[str, float], shape: tuple[int, ...], spacing: float
+    scaling: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
     """Return `_scaling` of a wall, first, and its scatter over synthetic walls: (1 + DRAWS,)."""
-    spectrum = Spectrum(min(max(measured[_EXPONENTS[2]], 0.05), 1.0))
-    size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
+    spectrum = Spectrum(min(max(scaling[_EXPONENTS[2]], 0.05), 1.0))
+    size, slope = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW)), scaling[_SLOPES[2]]
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(_SEED, "scatter", number))
-        wall = synthetic_wall(measured[_SLOPES[2]], size, spacing, spectrum, random, "expectation")
+        wall = synthetic_wall(slope, size, spacing, spectrum, random, "expectation")
         draws.append(_scaling(wall, spacing))
     scatter = {}
-    for name, value in measured.items():
+    for name, value in scaling.items():
         drawn = np.array([draw[name] for draw in draws])
         exponent = name.startswith("H")
         around = value + drawn - drawn.mean() if exponent else value * drawn / drawn.mean()
@@ -160,10 +157,10 @@ def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarr
     yield "peak curvature", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
 
 
-def peak_cells(heights: np.ndarray) -> np.ndarray:
-    """Return whether a cell (y, x) is above its eight neighbours; never at edges and gaps."""
+def peak_cells(heights: np.ndarray, diagonal: bool = True) -> np.ndarray:
+    """Return whether a cell (y, x) is above its eight or four neighbours; not at edges and gaps."""
     around = np.where(np.isnan(heights), np.inf, heights)
-    ring = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
+    ring = np.array([[diagonal, 1, diagonal], [1, 0, 1], [diagonal, 1, diagonal]])
     highest = scipy.ndimage.maximum_filter(around, footprint=ring, mode="constant", cval=np.inf)
     return heights > highest
 
@@ -211,15 +208,14 @@ def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
 
 def _jrc(
     relation: Relation, scatter: dict[str, np.ndarray], spacing: float, hurst: float
-) -> tuple[np.ndarray, str, str]:
-    """Return JRC (n,) by a relation with the scatter of its slope, unit, and remark."""
-    at_interval = scatter.get(f"Z2 at {_lag(relation, spacing)}")
+) -> tuple[np.ndarray, str]:
+    """Return JRC (n,) by a relation with the scatter of its slope, and a remark."""
+    interval, at_interval = relation.interval, scatter.get(f"Z2 at {_lag(relation, spacing)}")
+    how = f"Z2 at its {1e3 * interval:g} mm"
     if at_interval is None:
-        at_interval = scatter[_SLOPES[2]] * (relation.interval / spacing) ** (hurst - 1.0)
-        how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * relation.interval:g} mm by H"
-    else:
-        how = f"Z2 at its {1e3 * relation.interval:g} mm"
+        at_interval = scatter[_SLOPES[2]] * (interval / spacing) ** (hurst - 1.0)
+        how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * interval:g} mm by H"
     jrc = relation.jrc(at_interval)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
     remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
-    return jrc, "1", remark if inside else f"{remark}: OUTSIDE"
+    return jrc, remark if inside else f"{remark}: OUTSIDE"

@@ -5,6 +5,7 @@ squares follow on walls that are smoothed less and less; the smoothing with the 
 errors is used, because it leaves out waves that do not mate.
 """
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -24,30 +25,21 @@ BLOCKS = (48, 24)
 """Most blocks along the shorter side to compare rotations; the second if the first is unclear."""
 STEP, APART = 3.0, 10.0
 """Step of compared rotations, and difference beyond which two are different [degrees]."""
-CLEAR = 1.25
-"""Ratio of the best correlation of slopes to the second from which a fit is clear."""
-KNOWN = 0.9
-"""Smallest weight of known heights in such a mean."""
-TILES = 6
-"""Tiles along each axis, whose sums give the errors."""
+CLEAR = 1.25  # ratio of the best correlation of slopes to the second from which a fit is clear
 FARTHEST = 0.25
 """Largest distance of the corners from that of the fit on blocks, over half of the longer side."""
-WIDTHS = 20.0
-"""Smallest side of a wall, in standard deviations of the means, for which a fit is kept."""
-WIDE = 4.0
-"""Width of the means whose waves are compared apart, over that of the smoothing."""
-WORTH = 0.7
-"""Ratio of errors below which the fit with wide means apart is used."""
-MOST_POINTS, ROUNDS = 20_000, 40
-"""Most points of the upper wall that are compared, and most rounds of least squares."""
-CAUCHY = 3.5
-"""Scale of the weights over the median residual."""
+KNOWN = 0.9  # smallest weight of known heights in a mean
+WIDTHS = 20.0  # smallest side of a wall, in widths of the means, for which a fit is kept
+WIDE = 4.0  # width of the means whose waves are compared apart, over that of the smoothing
+WORTH = 0.7  # ratio of errors below which the fit with wide means apart is used
+MOST_POINTS, ROUNDS = 20_000, 40  # of the upper wall that are compared; of least squares
+CAUCHY = 3.5  # scale of the weights over the median residual
+TILES = 6  # tiles along each axis, whose sums give the errors
 LEAST_ERROR = 0.01
 """Error [cells] that interpolation leaves, in each direction and at the radius of gyration."""
 _DIGITS = 9
 """Decimals of a rotation, two less than of a shift [m]: the same motion on any processor."""
-_INVERSIONS = 8
-"""Rounds in which the height at a node of a tilted wall is found."""
+_INVERSIONS = 8  # rounds in which the height at a node of a tilted wall is found
 
 
 class Motion(NamedTuple):
@@ -117,11 +109,12 @@ class Motion(NamedTuple):
         }
 
     def __str__(self) -> str:
-        (angle, x_error, y_error), (x, y, _) = self.errors(), self.place - self.middle
+        angle, *errors = self.errors()
+        shift = self.place - self.middle
+        x, y = (f"{1e3 * d:.4f} +- {1e3 * e:.4f}" for d, e in zip(shift, errors, strict=False))
         return (
             f"turned by {self.angle:.3f} +- {angle:.3f} degrees in its plane and tilted by "
-            f"{self.tilt:.2f} degrees, its middle moved by ({1e3 * x:.4f} +- {1e3 * x_error:.4f}, "
-            f"{1e3 * y:.4f} +- {1e3 * y_error:.4f}) mm along (x, y)"
+            f"{self.tilt:.2f} degrees, its middle moved by ({x}, {y}) mm along (x, y)"
         )
 
 
@@ -158,15 +151,18 @@ def heights_after(scan: Scan, motion: Motion) -> Callable[[np.ndarray], np.ndarr
         for _ in range(_INVERSIONS):
             before = motion.back(points)
             # rounded, so that nodes of both grids meet
-            places = np.round((before[..., 1::-1] - first) / steps, 6)
-            places = np.moveaxis(places, -1, 0)
-            options = {"prefilter": False, "mode": "mirror"}
-            heights = scipy.ndimage.map_coordinates(spline, places, **options)
+            places = np.moveaxis(np.round((before[..., 1::-1] - first) / steps, 6), -1, 0)
+            heights = _of_spline(spline, places)
             points[..., 2] += (heights - before[..., 2]) / motion.rotation[2, 2]
         lost = scipy.ndimage.map_coordinates(missing, places, order=1, cval=1.0)
         return np.where(lost > 1e-6, np.nan, points[..., 2])
 
     return at
+
+
+def _of_spline(spline: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the values of a filtered cubic spline at places (2, ...) in cells."""
+    return scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
 
 
 class Surface(NamedTuple):
@@ -177,18 +173,11 @@ class Surface(NamedTuple):
     spacing: float
     slopes: tuple[float, float]
 
-    def points(self, heights: np.ndarray, step: int) -> np.ndarray:
-        """Return the places (n, 3) of every so many known heights (y, x)."""
-        y, x = (step * index for index in np.nonzero(np.isfinite(heights[::step, ::step])))
-        xy = self.low + self.spacing * np.stack([x, y], axis=-1)
-        return np.column_stack([xy, heights[y, x]])
-
     @property
     def middle(self) -> np.ndarray:
         """Middle (x, y, z) of the wall [m]."""
-        ny, nx = self.heights.shape
-        x, y = self.low + 0.5 * self.spacing * np.array([nx - 1.0, ny - 1.0])
-        return np.array([x, y, np.nanmean(self.heights)])
+        size = np.array(self.heights.shape[::-1]) - 1.0
+        return np.append(self.low + 0.5 * self.spacing * size, np.nanmean(self.heights))
 
     @property
     def plane(self) -> np.ndarray:
@@ -196,15 +185,28 @@ class Surface(NamedTuple):
         y, x = np.indices(self.heights.shape) * self.spacing
         return self.slopes[0] * x + self.slopes[1] * y
 
+    def smoothed(self, width: float) -> np.ndarray:
+        """Return Gaussian means (y, x) over so many cells, NaN with too few known heights."""
+        level = self.heights - self.plane
+        known, middle = np.isfinite(level), np.nanmean(level)
+        weight = _gaussian(known.astype(float), width, 3.0)
+        sums = _gaussian(np.where(known, level - middle, 0.0), width, 3.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            means = np.where(weight >= KNOWN, sums / weight, np.nan)
+        return means + middle + self.plane
+
 
 def surface_of(points: np.ndarray, spacing: float) -> Surface:
     """Return points (n, 3) [m], NaN where a height is missing, on a grid."""
-    known = np.isfinite(points[:, 2])
-    plane = plane_through(*points[known].T)
+    plane = plane_through(*points[np.isfinite(points[:, 2])].T)
     slopes, low = (plane.slope_x, plane.slope_y), points[:, :2].min(axis=0)
     bare = Surface(gridding.wall_on_grid(Cloud(points), spacing), low, spacing, slopes)
     offset = float(plane.at(low[0], low[1]))
     return bare._replace(heights=bare.heights + bare.plane + offset)
+
+
+def _gaussian(values: np.ndarray, width: float, truncate: float) -> np.ndarray:
+    return scipy.ndimage.gaussian_filter(values, width, mode="constant", truncate=truncate)
 
 
 def _turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -213,17 +215,16 @@ def _turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=-1)
 
 
-def _about(vector: np.ndarray) -> np.ndarray:
-    """Return the matrix of a rotation vector (3,) [rad]."""
+def _about(*vector: float) -> np.ndarray:
+    """Return the matrix of a rotation vector [rad]."""
     return scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
 
 
 def _levelling(slopes: tuple[float, float]) -> np.ndarray:
     """Return the smallest rotation that makes a plane of given slopes horizontal."""
     length = math.hypot(*slopes)
-    if length == 0.0:
-        return np.eye(3)
-    return _about(math.atan(length) / length * np.array([-slopes[1], slopes[0], 0.0]))
+    angle = math.atan(length) / length if length > 0.0 else 0.0
+    return _about(angle * -slopes[1], angle * slopes[0], 0.0)
 
 
 class Fit(NamedTuple):
@@ -256,7 +257,6 @@ def compared(
 ) -> list[Fit]:
     """Compare rotations of the upper wall in all orientations; the best fit is the first."""
     cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
-    size = cells * upper.spacing
     fixed, bare = (_blocks(s.heights - s.plane, cells) for s in (lower, upper))
     bare = bare - np.nanmean(bare)
     side = math.ceil(math.hypot(*bare.shape)) + 1
@@ -264,29 +264,26 @@ def compared(
     offset = 0.5 * (np.array(fixed.shape) - 1.0) - 0.5 * (side - 1)
     correlations = slope_correlations(fixed, (side, side), LEAST_OVERLAP)
     fits = []
-    for name, flip in orientations.items():
-        for angle in np.arange(0.0, 360.0, STEP):
-            turn = _about(np.array([0.0, 0.0, math.radians(angle)])) @ flip
-            places = [
-                turn[0, k] * x + turn[1, k] * y + 0.5 * (bare.shape[1 - k] - 1) for k in (1, 0)
-            ]
-            moved = flip[2, 2] * scipy.ndimage.map_coordinates(bare, places, order=1, cval=np.nan)
-            over = correlations(moved)
-            if not np.isfinite(over).any():
-                raise InputError("the scans have too few heights for a comparison")
-            place = np.unravel_index(int(np.nanargmax(over)), over.shape)
-            shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
-            between = size * (np.array(shift, float) - offset)
-            fits.append(Fit(name, float(over[place]), float(angle), between[::-1]))
+    for (name, flip), angle in itertools.product(orientations.items(), np.arange(0.0, 360.0, STEP)):
+        turn = _about(0.0, 0.0, math.radians(angle)) @ flip
+        places = [turn[0, k] * x + turn[1, k] * y + 0.5 * (bare.shape[1 - k] - 1) for k in (1, 0)]
+        moved = flip[2, 2] * scipy.ndimage.map_coordinates(bare, places, order=1, cval=np.nan)
+        over = correlations(moved)
+        if not np.isfinite(over).any():
+            raise InputError("the scans have too few heights for a comparison")
+        place = np.unravel_index(int(np.nanargmax(over)), over.shape)
+        shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
+        between = cells * upper.spacing * (np.array(shift, float) - offset)
+        fits.append(Fit(name, float(over[place]), float(angle), between[::-1]))
     return sorted(fits, key=lambda fit: -fit.correlation)
 
 
 def fitted(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion:
     """Refine a fit by least squares; the covariance is infinite if they find nothing."""
-    turn = _about(np.array([0.0, 0.0, math.radians(fit.angle)]))
+    turn = _about(0.0, 0.0, math.radians(fit.angle)) @ flip
     start = best = Motion(
         flip,
-        _levelling(lower.slopes).T @ turn @ flip @ _levelling(upper.slopes),
+        _levelling(lower.slopes).T @ turn @ _levelling(upper.slopes),
         upper.middle,
         lower.middle + np.append(fit.shift, 0.0),
         np.full((3, 3), np.inf),
@@ -305,19 +302,6 @@ def fitted(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion
     return best
 
 
-def _smoothed(surface: Surface, smoothing: float) -> np.ndarray:
-    """Return Gaussian means (y, x) of heights over so many cells, NaN with too few known ones."""
-    level = surface.heights - surface.plane
-    known = np.isfinite(level)
-    middle = np.nanmean(level)
-    options = {"sigma": smoothing, "mode": "constant", "truncate": 3.0}
-    weight = scipy.ndimage.gaussian_filter(known.astype(float), **options)
-    sums = scipy.ndimage.gaussian_filter(np.where(known, level - middle, 0.0), **options)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = np.where(weight >= KNOWN, sums / weight, np.nan)
-    return means + middle + surface.plane
-
-
 def _least_squares(
     upper: Surface, lower: Surface, start: Motion, smoothing: float, wide: bool
 ) -> tuple[Motion, float] | None:
@@ -326,10 +310,12 @@ def _least_squares(
     Gauss-Newton on the differences of heights, with weights of the Cauchy distribution. ``wide``
     compares means over `WIDE` smoothings apart from the rest, each over its size.
     """
-    fine, heights = (_smoothed(surface, smoothing) for surface in (upper, lower))
+    fine, heights = upper.smoothed(smoothing), lower.smoothed(smoothing)
     step = max(math.ceil(math.sqrt(fine.size / MOST_POINTS)), int(0.5 * smoothing))
-    points, known = upper.points(fine, step), np.isfinite(heights)
-    listed = np.isfinite(fine[::step, ::step])
+    listed, known = np.isfinite(fine[::step, ::step]), np.isfinite(heights)
+    row, column = step * np.array(np.nonzero(listed))
+    xy = upper.low + upper.spacing * np.stack([column, row], axis=-1)
+    points = np.column_stack([xy, fine[row, column]])
     least = LEAST_OVERLAP * 0.5 * min(len(points), known.sum() / step**2)
     if least < 50:
         return None
@@ -340,7 +326,7 @@ def _least_squares(
     spline, share = scipy.ndimage.spline_filter(bare), known.astype(float)
     x, change = np.zeros(6), math.inf
     for _ in range(ROUNDS):
-        turned = _turned(_about(x[:3] / reach), arms)
+        turned = _turned(_about(*x[:3] / reach), arms)
         at = turned + start.place + x[3:]
         places = ((at[:, :2] - lower.low) / lower.spacing).T[::-1]
         inside = scipy.ndimage.map_coordinates(share, places, order=1) > 0.999
@@ -349,8 +335,7 @@ def _least_squares(
         used = listed.copy()
         used[listed] = inside
         places, turned = places[:, inside], turned[inside]
-        surface = scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
-        residual = at[inside, 2] - surface
+        residual = at[inside, 2] - _of_spline(spline, places)
         if change == math.inf:
             x[5], residual = -np.median(residual), residual - np.median(residual)
         along_y, along_x = (scipy.ndimage.map_coordinates(s, places, order=1) for s in slopes)
@@ -375,7 +360,7 @@ def _least_squares(
     covariance = (scaled @ covariance @ scaled)[2:5, 2:5]
     least_error = LEAST_ERROR * lower.spacing
     covariance += np.diag([least_error / reach, least_error, least_error]) ** 2
-    rotation = _about(x[:3] / reach) @ start.rotation
+    rotation = _about(*x[:3] / reach) @ start.rotation
     rotation, place = np.round(rotation, _DIGITS), np.round(start.place + x[3:], _DIGITS + 2)
     error = math.sqrt(covariance[0, 0] * reach**2 + covariance[1, 1] + covariance[2, 2])
     return Motion(start.flip, rotation, start.middle, place, covariance), error
@@ -383,12 +368,11 @@ def _least_squares(
 
 def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarray:
     """Return Gaussian means of columns (n, k) over the used points of a grid (y, x)."""
-    options = {"sigma": width, "mode": "constant", "truncate": 2.5}
-    weight = scipy.ndimage.gaussian_filter(used.astype(float), **options)[used]
+    weight = _gaussian(used.astype(float), width, 2.5)[used]
     means, field = np.empty_like(columns), np.zeros(used.shape)
     for number, values in enumerate(columns.T):
         field[used] = values
-        means[:, number] = scipy.ndimage.gaussian_filter(field, **options)[used] / weight
+        means[:, number] = _gaussian(field, width, 2.5)[used] / weight
     return means
 
 

@@ -8,8 +8,7 @@ from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
 NEIGHBOURS = 8
-ROUNDS = 4
-"""Largest number of rounds of spike removal: higher spikes hide others."""
+ROUNDS = 4  # most rounds of spike removal: higher spikes hide others
 PLATEAU = 5.0
 """Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1
 - m)^2, with the share m of differences of one step; the largest of 3,200 walls had 0.65 times."""
@@ -61,8 +60,7 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def spikes(points: np.ndarray) -> np.ndarray:
     """Return heights [m] of points (n, 3) beyond all neighbours but one, else NaN: (n,)."""
-    spike_heights = np.full(len(points), np.nan)
-    left = np.arange(len(points))
+    found, left = np.full(len(points), np.nan), np.arange(len(points))
     for _ in range(ROUNDS):
         if len(left) <= NEIGHBOURS:
             break
@@ -77,13 +75,13 @@ def spikes(points: np.ndarray) -> np.ndarray:
         sharp = np.abs(heights) > 8.0 * usual  # self-affine walls reach 2
         if not sharp.any():
             break
-        spike_heights[left[sharp]] = heights[sharp]
+        found[left[sharp]] = heights[sharp]
         left = left[~sharp]
-    return spike_heights
+    return found
 
 
 def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
-    """Remove the `spikes` of a scan, cells of a grid become missing; and describe them, or ""."""
+    """Remove spikes of a scan, cells of a grid become missing; and describe them, or ""."""
     points = points_of(scan)
     heights = spikes(points)
     cut = np.isfinite(heights)
@@ -91,12 +89,11 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
         return scan, ""
     highest = np.nanargmax(np.abs(heights))
     x, y = 1e3 * points[highest, :2]
-    message = (
+    return _without(scan, cut), (
         f"{int(cut.sum())} of {len(points)} points are spikes: they stand out from all but one of "
-        f"their eight neighbours by {1e3 * np.abs(heights[cut]).min():.3g} mm or more, the "
+        f"their eight neighbours by {1e3 * np.nanmin(np.abs(heights)):.3g} mm or more, the "
         f"highest by {1e3 * heights[highest]:.3g} mm at (x, y) = ({x:.4g}, {y:.4g}) mm"
     )
-    return _without(scan, cut), message
 
 
 def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
@@ -149,8 +146,8 @@ def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     """Return the size of the patch of a plane of each cell (y, x) of a grid, 0 outside."""
     around = np.pad(heights, 1, constant_values=np.nan)
-    bends = (np.abs(np.diff(around[:, 1:-1], 2, axis=0)), np.abs(np.diff(around[1:-1], 2, axis=1)))
-    bend = np.maximum(*bends)
+    along_y, along_x = np.diff(around[:, 1:-1], 2, axis=0), np.diff(around[1:-1], 2, axis=1)
+    bend = np.maximum(np.abs(along_y), np.abs(along_x))
     usual = np.nanmedian(bend) if np.isfinite(bend).any() else 0.0
     level = bend <= 1e-3 * usual  # as on a plane
     patch = scipy.ndimage.label(level)[0]

@@ -14,10 +14,8 @@ from jointclosure.inputs import InputError
 from jointclosure.walls import gridding
 from jointclosure.walls.roughness import detrended, plane_through
 
-SMALLEST_SIDE = 8
-"""Smallest number of cells of the walls along each side."""
-MOST_FILLED = 0.9
-"""Largest share of holes whatever the stated one is: some cells must be known."""
+SMALLEST_SIDE = 8  # cells of the walls along each side
+MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cells must be known
 
 
 class Overlap(NamedTuple):
@@ -51,7 +49,7 @@ def overlap_of(
     low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
     low = corners[1][0] + spacing * np.ceil((low - corners[1][0]) / spacing - 1e-6)
     shape = gridding.node_counts(low, high, spacing)
-    _check_size((max(shape[0], 0), max(shape[1], 0)), spacing)
+    _check_size(shape, spacing)
     nodes = gridding.grid_nodes(low, shape, spacing)
     plane = 0.5 * (_plane(clouds[0], low, high) + _plane(clouds[1], low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
@@ -82,7 +80,8 @@ def overlap_of(
     kept = np.array(holes)[:, *rectangle]
     walls = _without_contact(walls[0][rectangle], walls[1][rectangle], kept)
     shares = [min(walls[0].size * spacing**2 / np.prod(b - a), 1.0) for a, b in corners]
-    slopes = [_slope(wall) for wall in walls]
+    planes = [wall - detrended(wall) for wall in walls]
+    slopes = [np.array([plane[1, 0], plane[0, 1]]) - plane[0, 0] for plane in planes]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
     both = float(shares[0]), float(shares[1])
     first = nodes[rectangle[0].start, rectangle[1].start]
@@ -110,10 +109,9 @@ def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
 
 def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
     if min(shape) < SMALLEST_SIDE:
-        raise InputError(
-            f"the walls overlap in {shape[0]} x {shape[1]} cells (y, x) of {1e3 * spacing:.4g} mm: "
-            f"at least {SMALLEST_SIDE} along each side (is the grid spacing too large?){more}"
-        )
+        cells = f"{max(shape[0], 0)} x {max(shape[1], 0)} cells (y, x) of {1e3 * spacing:.4g} mm"
+        must = f"at least {SMALLEST_SIDE} along each side (is the grid spacing too large?)"
+        raise InputError(f"the walls overlap in {cells}: {must}{more}")
 
 
 def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -124,12 +122,6 @@ def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         raise InputError(f"the scans have {int(inside.sum())} points in common: too few for walls")
     plane = plane_through(*points[inside].T)
     return np.array([plane.slope_x, plane.slope_y, float(plane.at(np.zeros(()), np.zeros(())))])
-
-
-def _slope(wall: np.ndarray) -> np.ndarray:
-    """Return the slopes of a wall's plane along y and x, in height per cell."""
-    plane = wall - detrended(wall)
-    return np.array([plane[1, 0] - plane[0, 0], plane[0, 1] - plane[0, 0]])
 
 
 def _holes(wall: np.ndarray, reach: float) -> np.ndarray:

@@ -7,12 +7,12 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.walls.gridding import PAPER_SPACING, Cloud, Scan, node_counts, points_of
+from jointclosure.walls.measures import peak_cells
 from jointclosure.walls.roughness import plane_through
 
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
-_USUAL_HURST = 0.8
-"""Hurst exponent with which a slope is carried to another spacing or distance."""
+_USUAL_HURST = 0.8  # with which a slope is carried to another spacing or distance
 _CONFUSED = {
     2.54: "inches and cm",
     10.0: "cm and mm",
@@ -20,12 +20,10 @@ _CONFUSED = {
     1e3: "mm and um, or m and mm",
 }
 """Ratios of units that are confused."""
-_ALIKE = 0.5
-"""Correlation of slopes from which two walls count as similar."""
+_ALIKE = 0.5  # correlation of slopes from which two walls count as similar
 _PAIRS = 0.75, 1.25
 """Distances of the points, in cells, whose height differences are compared with those of cells."""
-_SAMPLE = 20_000
-"""Largest number of nodes, and of points, that are asked for their neighbours."""
+_SAMPLE = 20_000  # most nodes, and points, that are asked for their neighbours
 
 
 def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
@@ -70,7 +68,7 @@ def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str]
     slopes = _slopes_of_rough(walls, spacing)
     contradictions, doubts = [], []
     if len(slopes) == 2:
-        (one, slope), (other, other_slope) = sorted(slopes.items(), key=lambda item: -item[1])
+        (other, other_slope), (one, slope) = sorted(slopes.items(), key=lambda item: item[1])
         ratio = slope / other_slope
         if ratio > 4.0:  # JRC 2 and 20 have 3.8
             contradictions.append(
@@ -83,8 +81,7 @@ def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str]
                 f"heights of one wall are {gain:.3g} times those of the other one, with which they "
                 f"are mated: {_suspected(0.8 * gain, 1.25 * gain)}"
             )
-    at_spacing = (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
-    low, high = (limit * at_spacing for limit in _ROCK)
+    low, high = np.array(_ROCK) * (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
     for name, slope in slopes.items():
         if not low <= slope <= high:
             factors = sorted((low / slope, high / slope, slope / low, slope / high))[2:]
@@ -106,15 +103,19 @@ def _gain(one: np.ndarray, other: np.ndarray) -> float:
 
 def _suspected(low: float, high: float) -> str:
     """Name the confused units with a factor from ``low`` to ``high``, and the remedy."""
-    near = [factor for factor in _CONFUSED if low <= factor <= high] or [
-        min(_CONFUSED, key=lambda factor: abs(np.log(factor**2 / (low * high))))
-    ]
+    nearest = min(_CONFUSED, key=lambda factor: abs(np.log(factor**2 / (low * high))))
+    near = [factor for factor in _CONFUSED if low <= factor <= high] or [nearest]
     factors = " or ".join(f"{factor:g} ({_CONFUSED[factor]})" for factor in near)
     return (
         f"are its heights in another unit than x and y, by a factor of {factors}? --units is that "
         "of heights and of x and y; convert the heights, or state their unit in the name of their "
         "column (z_um)"
     )
+
+
+def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return differences of neighbours along y and x, on the cells that have both."""
+    return np.diff(wall, axis=0)[:, 1:], np.diff(wall, axis=1)[1:]
 
 
 def _slopes_of_rough(walls: dict[str, np.ndarray], spacing: float) -> dict[str, float]:
@@ -148,27 +149,17 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
     return doubts
 
 
-def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return differences of neighbours along y and x, on the cells that have both."""
-    return np.diff(wall, axis=0)[:, 1:], np.diff(wall, axis=1)[1:]
-
-
 def _likeness(one: np.ndarray, other: np.ndarray) -> float:
     """Return the correlation of the slopes of two walls, 0 if one has no slopes."""
-    a, b = (np.concatenate([part.ravel() for part in _slopes(wall)]) for wall in (one, other))
-    known = np.isfinite(a) & np.isfinite(b)
-    a, b = a[known], b[known]
+    slopes = np.array([np.concatenate([s.ravel() for s in _slopes(w)]) for w in (one, other)])
+    a, b = slopes[:, np.isfinite(slopes).all(axis=0)]
     scale = float(np.sqrt(np.sum(a**2) * np.sum(b**2)))
     return float(np.sum(a * b)) / scale if scale > 0.0 else 0.0
 
 
 def _is_rough(wall: np.ndarray) -> bool:
-    """Return whether ten inner cells are above their four neighbours; not of a lens or lattice."""
-    if min(wall.shape) < 3:
-        return False
-    inner = wall[1:-1, 1:-1]
-    beside = (wall[:-2, 1:-1], wall[2:, 1:-1], wall[1:-1, :-2], wall[1:-1, 2:])
-    return int(np.logical_and.reduce([inner > side for side in beside]).sum()) >= 10
+    """Return whether ten cells are above their four neighbours; not of a lens or lattice."""
+    return int(peak_cells(wall, diagonal=False).sum()) >= 10
 
 
 def smoothing_of(
@@ -180,18 +171,17 @@ def smoothing_of(
 ) -> tuple[Caution, ...]:
     """Warn of the slope that a wall (y, x) [m] between two places (x, y) lost by interpolation."""
     points = points_of(scan)
-    if low is None and isinstance(scan, Scan):
-        low = np.array(scan.origin or (0.0, 0.0))[::-1]
-    elif low is None:
-        low = points[:, :2].min(axis=0)
+    if low is None:
+        at = scan.origin or (0.0, 0.0) if isinstance(scan, Scan) else points[:, 1::-1].min(axis=0)
+        low = np.array(at)[::-1]
     if high is None:
         high = low + spacing * (np.array(wall.shape)[::-1] - 1)
     place, edge = points[:, :2], 0.5 * spacing
     inside = ((place > low - edge) & (place < high + edge)).all(axis=1) & np.isfinite(points[:, 2])
     x, y, heights = points[inside].T
-    ny, nx = (max(count, 1) for count in node_counts(low, high, spacing))
     if len(x) < 4 or min(wall.shape) < 2:
         return ()
+    ny, nx = (max(count, 1) for count in node_counts(low, high, spacing))
     tree = scipy.spatial.cKDTree(np.column_stack([x, y]))
     row, column = np.divmod(np.arange(0, nx * ny, -(-nx * ny // _SAMPLE)), nx)
     nearest = tree.query(low + spacing * np.column_stack([column, row]))[0] / spacing

@@ -9,7 +9,7 @@ from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.walls import gridding, plausibility
-from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
 from jointclosure.walls.mating import CONFIDENCE, Mating, Mismatch, mating, measured_mismatch
 from jointclosure.walls.motion import (
     BLOCKS,
@@ -36,12 +36,10 @@ LARGEST_HOLES = 0.15
 """Largest share of cells in holes of either scan that is taken out of contact by default."""
 MOST_CELLS = 500
 """Largest number of cells along a side of walls that are registered at the spacing of the scans."""
-IN_PLACE = 0.02
-"""Largest shift of corners, over half of the longer side, of scans in one frame."""
+IN_PLACE = 0.02  # largest shift of corners of scans in one frame, over half of the longer side
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
 """Unusual inclinations of the common plane and of the walls to each other [degrees]."""
-_FAR = 1.5
-"""Largest usual closure until a thousandth touches, in deviations of the aperture."""
+_FAR = 1.5  # largest usual closure until a thousandth touches, in deviations of the aperture
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
 SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
@@ -96,13 +94,12 @@ class RegisteredPair(NamedTuple):
     def errors(self) -> ScanErrors:
         """Errors of the fit, 0 if the walls stayed as scanned, and noise of the scans."""
         covariance, offset = np.zeros((3, 3)), np.zeros(3)
-        scale = np.array([1.0, self.spacing, self.spacing])
         if self.mated is not None and np.isfinite(self.motion.covariance).all():
+            scale = np.array([1.0, self.spacing, self.spacing])
             offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
             covariance = self.motion.covariance / np.outer(scale, scale)
         middle = (self.motion.place[:2] - self.first) / self.spacing
-        noise = noise_of(self.upper, self.lower)
-        return ScanErrors(offset, covariance, middle, noise, self.holes)
+        return ScanErrors(offset, covariance, middle, noise_of(self.upper, self.lower), self.holes)
 
 
 def registered(
@@ -154,7 +151,7 @@ def registered(
     check_one_of("spikes", spikes, SPIKES)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     scans = list(_both_scans(upper, lower, orientation))
-    distance = max(map(gridding.point_distance, scans))
+    distance = max(map(point_distance, scans))
     stated = distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(scans[0], scans[1], stated)
@@ -168,37 +165,32 @@ def registered(
             scans[place], removed = without_spikes(scans[place])
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
-    clouds = [gridding.points_of(scan, missing=True) for scan in scans]
-    name, mated = orientation or "common_frame", None
-    fits: list[Fit] = []
+    clouds = [points_of(scan, missing=True) for scan in scans]
+    name, fits, mated = orientation or "common_frame", list[Fit](), None
     if flat:
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
     else:
         # finer than the joint where that is not too much, as short waves mate least
-        sides = [np.ptp(points[:, :2], axis=0).max() for points in clouds]
-        cell = distance if max(sides) < MOST_CELLS * distance else spacing
-        surfaces = [
-            surface_of(gridding.points_of(scan, missing=True), cell)
-            for scan in ((fine, finest) if cell == distance else scans)
-        ]
-        name, fits, mated = _fitted(
-            surfaces[0], surfaces[1], orientation, shift, unusual_values, report
-        )
+        longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
+        cell = distance if longest < MOST_CELLS * distance else spacing
+        listed = [points_of(scan, missing=True) for scan in (fine, finest)]
+        surfaces = [surface_of(points, cell) for points in (listed if cell == distance else clouds)]
+        name, fits, mated = _fitted(surfaces, orientation, shift, unusual_values, report)
     motion = unmoved(clouds[0], _FLIPS[name])
     reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
     in_place = mated is None or mated.apart(motion, reach) < IN_PLACE * reach.max()
     if not flat and (shift == "scanned" or mated is None):
         report.append("the walls were left in their scanned position")
         if mated is not None and np.isfinite(mated.covariance).all():
-            _check_unturned(mated, motion, reach, spacing, unusual_values, report)
+            _check_unturned(mated, reach, spacing, unusual_values, report)
     elif mated is not None:
         report.append(f"the upper wall was {mated}, to the position of best fit")
         motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
         if isinstance(fine, Scan):
             most = min(max(ON_NODES * spacing, 2.0 * mated.error(reach)), 0.5 * spacing)
             motion = on_nodes(motion, fine, clouds[1][:, :2].min(axis=0), most)
-    clouds[0] = _moved(gridding.points_of(fine, missing=True), motion)
-    distances = [gridding.point_distance(scan) for scan in (fine, scans[1])]
+    clouds[0] = _moved(points_of(fine, missing=True), motion)
+    distances = [point_distance(scan) for scan in (fine, scans[1])]
     upper_at = heights_after(fine, motion) if isinstance(fine, Scan) else None
     overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
     if flat:
@@ -270,22 +262,21 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
     """Sample scanned grids of at most half of the spacing [m] at the nodes of one grid."""
     origins = [scan.origin for scan in scans if isinstance(scan, Scan) and scan.origin is not None]
     anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
-    result = []
-    for side, scan in zip(_SIDES, scans, strict=True):
-        distance = gridding.point_distance(scan)
-        if 2.0 * distance <= spacing:
-            report.append(
-                f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
-                f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
-            )
-            if isinstance(scan, Scan):
-                nodes = gridding.sampled(scan, spacing, anchor)
+    result = list(scans)
+    for place, (side, scan) in enumerate(zip(_SIDES, scans, strict=True)):
+        distance = point_distance(scan)
+        if 2.0 * distance > spacing:
+            continue
+        report.append(
+            f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
+            f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
+        )
+        if isinstance(scan, Scan):
+            result[place] = nodes = gridding.sampled(scan, spacing, anchor)
+            if side == "lower":  # heights of the upper one are taken at the lower's nodes
                 first = np.array(nodes.origin)[::-1]
-                if side == "lower":  # heights of the upper one are taken at the lower's nodes
-                    lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
-                    report += _named(side, lost)
-                scan = nodes
-        result.append(scan)
+                lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
+                report += _named(side, lost)
     return result
 
 
@@ -299,57 +290,56 @@ def _moved(points: np.ndarray, motion: Motion) -> np.ndarray:
 
 
 def _fitted(
-    upper: Surface, lower: Surface, orientation: str | None, shift: str | None, unusual: bool,
+    surfaces: list[Surface], orientation: str | None, shift: str | None, unusual: bool,
     report: list[str],
 ) -> tuple[str, list[Fit], Motion | None]:  # fmt: skip
     """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed."""
+    upper, lower = surfaces
     for blocks in BLOCKS:
         tried = compared(upper, lower, _FLIPS, blocks)
         best, second = tried[0], next(fit for fit in tried if fit.far(tried[0]))
-        clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
-        if clear:
+        if clear := best.correlation >= CLEAR * max(second.correlation, 0.0):
             break
     of_orientation = {fit.orientation: fit for fit in reversed(tried)}  # the best of each
-    fits = [fit for fit in tried if fit is of_orientation[fit.orientation]]
-    name = best.orientation
+    fits = sorted(of_orientation.values(), key=tried.index)
     if not clear and orientation is None:
         raise InputError(
-            f"the fit of the walls is ambiguous: slopes correlate by {fits[0]} and by {second}, "
+            f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
             f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
             f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
             "and stay as scanned"
         )
-    how, listed = "found" if orientation is None else "stated", ", ".join(map(str, fits))
-    used = orientation or name
+    used, how = orientation or best.orientation, "found" if orientation is None else "stated"
     report.append(
         f"orientation of the upper wall, {how}: {used} ({ORIENTATIONS[used]}); slopes correlate by "
-        f"{listed}"
+        f"{', '.join(map(str, fits))}"
     )
-    if clear and used != name:
-        wrong = (
-            f"orientation = {orientation!r}: {name} fits clearly better, and closures of walls in "
-            "a wrong orientation are several times too large"
+    wrong = used != best.orientation
+    if clear and wrong:
+        better = (
+            f"orientation = {orientation!r}: {best.orientation} fits clearly better, and closures "
+            "of walls in a wrong orientation are several times too large"
         )
         if not unusual:
-            raise InputError(f"{wrong}; state {name} or leave orientation out; {AS_IT_IS}")
-        report.append(caution(wrong))
-    if (shift != "mated" and not clear) or (shift == "scanned" and used != name):
+            remedy = f"state {best.orientation} or leave orientation out"
+            raise InputError(f"{better}; {remedy}; {AS_IT_IS}")
+        report.append(caution(better))
+    if (shift != "mated" and not clear) or (shift == "scanned" and wrong):
         return used, fits, None
     return used, fits, fitted(upper, lower, _FLIPS[used], of_orientation[used])
 
 
 def _check_unturned(
-    mated: Motion, motion: Motion, reach: np.ndarray, spacing: float, unusual: bool,
-    report: list[str],
-) -> None:  # fmt: skip
+    mated: Motion, reach: np.ndarray, spacing: float, unusual: bool, report: list[str]
+) -> None:
     """Refuse walls in their scanned position whose local shift grows from the middle."""
     report.append(f"best fit with the upper wall {mated}")
-    edge = abs(np.radians(mated.angle)) * float(reach.max())
-    if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * mated.errors()[0]:
+    error, edge = mated.errors()[0], abs(np.radians(mated.angle)) * float(reach.max())
+    if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * error:
         turned = (
-            f"as scanned the walls are turned by {mated.angle:.3f} +- {mated.errors()[0]:.3f} "
-            f"degrees against each other: their shift grows from the middle to {1e3 * edge:.3g} mm "
-            "at the edge, and they mate only in the middle"
+            f"as scanned the walls are turned by {mated.angle:.3f} +- {error:.3f} degrees against "
+            f"each other: their shift grows from the middle to {1e3 * edge:.3g} mm at the edge, "
+            "and they mate only in the middle"
         )
         if not unusual and reach.min() > 40.0 * spacing:
             raise InputError(f"{turned}; leave shift: scanned out; {AS_IT_IS}")
@@ -380,8 +370,7 @@ def _described(
             f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         ]
     else:  # one wall is flat and has no waves
-        correlation, mismatch = 0.0, Mismatch(np.inf, np.inf, np.inf)
-        fit = Mating(np.empty(0), np.empty(0), np.empty(0))
+        correlation, mismatch, fit = 0.0, Mismatch(*[np.inf] * 3), Mating(*[np.empty(0)] * 3)
         report.append(
             f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; "
             "its mean plane was removed"
@@ -396,9 +385,7 @@ def _described(
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
         caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
-    ]
-    report += [
-        caution(doubt) for doubt in _doubts(overlap, bool(fits), bool(motion.covariance.any()))
+        *map(caution, _doubts(overlap, bool(fits), bool(motion.covariance.any()))),
     ]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         alike = (
@@ -408,8 +395,8 @@ def _described(
         report.append(caution(alike))
     if in_frame:
         gap = float(np.mean(overlap.upper - overlap.lower))
-        lies = f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm "
-        lies += f"{'above' if gap > 0.0 else 'below'} the lower one in the mean"
+        where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
+        lies = f"as scanned the upper wall lies {where} in the mean"
         wrong = (
             "if both scans have one zero of heights, the walls are interchanged or heights count "
             "downwards"

@@ -15,12 +15,11 @@ import numpy as np
 import scipy
 
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended
 
-_EXPONENTS = np.linspace(0.3, 1.0, 36)
-"""Hurst exponents of walls without noise that are compared."""
-_LONGEST = 4
-"""First ring whose waves are compared; longer ones are few."""
+_EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents of walls without noise
+_LONGEST = 4  # first ring whose waves are compared; longer ones are few
 
 
 class ScanErrors(NamedTuple):
@@ -47,9 +46,7 @@ class ScanErrors(NamedTuple):
         moved = scipy.ndimage.map_coordinates(upper, [from_y, from_x], mode="mirror")
         return detrended(np.where(self.holes, upper, moved))
 
-    def with_other_noise(
-        self, upper: np.ndarray, lower: np.ndarray, number: int
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def with_other_noise(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
         """Draw walls (y, x) [m] with another noise, of a size between both estimates."""
         random = generator(seed_of(1, "noise", number))
         variance, part, drawn = random.uniform(*self.noise) ** 2, random.random(), []
@@ -68,11 +65,8 @@ class ScanErrors(NamedTuple):
         walls = (0.5 * (drawn[0] + drawn[1]), 0.5 * (drawn[0] - drawn[1]))
         if not (upper.any() and lower.any()):  # a flat wall has no noise
             walls = (drawn[0] * upper.any(), drawn[0] * lower.any())
-        one, other = (
-            detrended(np.where(self.holes, scanned, wall))
-            for scanned, wall in zip((upper, lower), walls, strict=True)
-        )
-        return one, other
+        one = detrended(np.where(self.holes, upper, walls[0]))
+        return one, detrended(np.where(self.holes, lower, walls[1]))
 
 
 def _waves(field: np.ndarray) -> np.ndarray:

@@ -17,14 +17,12 @@ from jointclosure.inputs import (
 )
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls import Walls
 from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
-RULES = ("self_affine", "walk")
-"""Relations between the long and the short waves of a wall."""
-NORMALISATIONS = ("wall", "expectation")
-"""Ways to reach the given slope: by every wall, or by walls on average."""
-ROLL_OFF = 3e-3
-"""Wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)."""
+RULES = ("self_affine", "walk")  # relations between the long and the short waves of a wall
+NORMALISATIONS = ("wall", "expectation")  # the slope is that of every wall, or of the average
+ROLL_OFF = 3e-3  # wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)
 _LN2 = 0.6931471805599453
 
 
@@ -62,9 +60,9 @@ def gaussian_field(
     shape: tuple[int, int], spectrum: Spectrum, random: np.random.Generator, oversize: int = 2
 ) -> np.ndarray:
     """Generate Gaussian heights (y, x) of a spectrum: a corner of a longer periodic grid."""
-    size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
-    waves = _random_waves(size, spectrum, random)
-    return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
+    ny, nx = (oversize * max(n, 2) for n in shape)
+    waves = _random_waves((ny, nx), spectrum, random)
+    return scipy.fft.irfft2(waves, s=(ny, nx), workers=1)[: shape[0], : shape[1]]
 
 
 def _random_waves(
@@ -148,7 +146,7 @@ def wall_pair(
     rule: str = "self_affine",
     roll_off: float | None = ROLL_OFF,
     unusual_values: bool = False,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Walls:
     """Generate the upper and lower wall of a joint, heights towards the other wall.
 
     Parameters
@@ -240,7 +238,7 @@ def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
 
 def scaled_together(
     upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Walls:
     """Scale two walls by one factor, so that their slope, by default pooled, has the RMS ``z2``."""
     if slope is None:
         slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))
@@ -249,7 +247,7 @@ def scaled_together(
 
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Walls:
     """Generate walls (y, x) with common waves beyond a wavelength [cells], the upper's shifted."""
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (_random_waves(size, spectrum, random) for random in generators(seed))
@@ -268,17 +266,16 @@ def check_roll_off(roll_off: float | None, length: float) -> None:
         )
 
 
-def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> None:
+def check_mismatch(wavelength: float | None, correlation: float) -> None:
     """Raise `InputError` for an invalid mismatch wavelength [m], or one with a correlation."""
-    if mismatch_wavelength is None:
+    if wavelength is None:
         return
-    check_number("mismatch_wavelength", mismatch_wavelength)
-    if not 0.0 <= mismatch_wavelength < np.inf:
-        given = f"mismatch_wavelength = {mismatch_wavelength!r} m"
-        raise InputError(f"{given}: must be finite, 0 or above")
+    check_number("mismatch_wavelength", wavelength)
+    if not 0.0 <= wavelength < np.inf:
+        raise InputError(f"mismatch_wavelength = {wavelength!r} m: must be finite, 0 or above")
     if correlation != 0.0:
-        given = f"correlation = {correlation!r}"
-        raise InputError(f"{given}: must be 0 if mismatch_wavelength is given")
+        must = "must be 0 if mismatch_wavelength is given"
+        raise InputError(f"correlation = {correlation!r}: {must}")
 
 
 def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
@@ -317,9 +314,10 @@ def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: flo
     wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
     powers = power(spectrum.squares(ny, wave_x[0]), spectrum.exponent) / (ny * nx)
     powers[0, 0] = 0.0
-    mean_squares, weights = [], []
-    for wave, n, across in ((wave_y, *shape), (wave_x, *shape[::-1])):
-        if n > 1:
-            mean_squares.append(float(np.sum(powers * (4.0 * _sines(wave) ** 2))))
-            weights.append((n - 1) * across)
-    return float(np.sqrt(np.average(np.array(mean_squares), weights=weights))) / spacing
+    slopes = [
+        (float(np.sum(powers * (4.0 * _sines(wave) ** 2))), (n - 1) * across)
+        for wave, n, across in ((wave_y, *shape), (wave_x, *shape[::-1]))
+        if n > 1
+    ]
+    mean_squares, weights = np.transpose(slopes)
+    return float(np.sqrt(np.average(mean_squares, weights=weights))) / spacing

@@ -21,6 +21,7 @@ from jointclosure.walls.scans.contents import (
     real,
     settled,
 )
+from jointclosure.walls.scans.points import contents_of
 
 
 class Format(NamedTuple):
@@ -168,13 +169,19 @@ def _contents(path: Path, variable: str | None = None) -> Contents:
 
 
 def _joined(files: tuple[Path, ...]) -> Contents:
-    """Read matrices of x, y and heights from three files."""
+    """Read the heights of one file at the places x and y of two others, all as matrices."""
     parts = []
     for file in files:
         with naming(str(file)):
             as_text = _format_of(file) is _TEXT
             parts.append(text.read_matrix(file) if as_text else _contents(file))
-    return text.joined(*parts)
+    matrices = [np.asarray(part.heights, dtype=float) for part in parts]
+    if len({matrix.shape for matrix in matrices}) > 1:
+        listed = ", ".join(" x ".join(map(str, matrix.shape)) for matrix in matrices)
+        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
+    columns = np.stack([matrix.ravel() for matrix in matrices], axis=1)
+    remarks = [remark for part in parts for remark in part.remarks]
+    return contents_of(columns, [part.height_units for part in parts], tuple(remarks))
 
 
 def file_digest(path: str | Path) -> str:

@@ -18,14 +18,12 @@ SAME_SPACING = 1e-3
 """Largest relative difference of statements of one spacing, which may be rounded."""
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
-_BYTES = re.compile(r"\\x[0-9a-f]{2}")
-"""Byte of a file as libraries print it in their messages."""
+_BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
 
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Values that count as missing if they are beyond all other values."""
-LARGEST = 1e20
-"""Larger values are missing in any unit, such as 1e30 and 1.70141e38."""
+LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
 
 
 class Contents(NamedTuple):

@@ -37,9 +37,6 @@ _NEEDED = ("ncols", "nrows")
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")
 """Words of the header of an ESRI grid."""
-_MATLAB = {f"{sign}int{bits}": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
-_MATLAB |= {"double": "f8", "single": "f4", "logical": "bool"}
-"""Types of MATLAB's arrays, and of those of numpy."""
 SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
 """Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
@@ -74,19 +71,23 @@ def grid_of(
     heights, units = _loaded(name, arrays[name]), arrays[name].units
     if heights.ndim != 2:
         raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
-    kinds = {key: (axes or {}).get(key, _quantity(key)) for key in arrays if key != name}
-    size = {key: math.prod(arrays[key].shape) for key in kinds}
+    beside = {key: array for key, array in arrays.items() if key != name}
+    kinds = {key: (axes or {}).get(key, split_name(key)[0].lower()) for key in beside}
+    size = {key: math.prod(array.shape) for key, array in beside.items()}
     places = [
-        {key: arrays[key] for key in kinds if kinds[key] == axis and size[key] > 1} for axis in "yx"
+        {key: beside[key] for key in beside if kinds[key] == axis and size[key] > 1}
+        for axis in "yx"
     ]
     contents, statements = _placed(name, heights, places)
-    numbers = [key for key in kinds if kinds[key] in _NUMBERS and size[key] <= 2]
+    numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
     if contents.points is not None:
         unused = tuple(f"{key} was not used: the points are on no grid" for key in numbers)
         return contents._replace(height_units=units, remarks=contents.remarks + unused)
     for key in numbers:
-        step = _number(key, arrays[key]) * np.array(_NUMBERS[kinds[key]])
-        statements.append(_Statement(key, step, arrays[key].units))
+        step = np.unique(_loaded(key, beside[key]))
+        if len(step) > 1 or not 0.0 < step[0] < math.inf:
+            raise InputError(f"{key} = {_words(step)}: must be one number, positive and finite")
+        statements.append(_Statement(key, step * _NUMBERS[kinds[key]], beside[key].units))
     spacing, length_units = _agreed(statements)
     if not any(places):
         spacing = np.where(np.isnan(spacing), spacing[::-1], spacing)  # only dx, or only dy
@@ -107,21 +108,18 @@ def _placed(
             raise InputError(f"{shapes}: must be places of {name} ({_words(heights.shape)})")
         heights = heights.T
     names, units = " and ".join(named), next((a.units for a in named.values() if a.units), None)
-    y, x = (_axis(number, along, units) for number, along in enumerate(places))
-    steps = [_step(number, along) for number, along in enumerate((y, x))]
-    if None in steps:
+    (y, dy), (x, dx) = (_axis(number, along, units) for number, along in enumerate(places))
+    if dy is None or dx is None:
         if y is None or x is None:
             raise InputError(f"{names}: must be evenly spaced, or places along both axes")
         columns = np.broadcast_arrays(x, y, heights)
-        contents = contents_of(np.stack([column.ravel() for column in columns], axis=1))
-        if contents.points is not None:
-            return contents._replace(length_units=units), []
+        points = np.stack([column.ravel() for column in columns], axis=1)
+        contents = contents_of(points, (units, units, None))
         return contents, [_Statement(names, np.array(contents.spacing), units)]
-    spacing = np.array(steps, dtype=float)
-    heights = heights[tuple(slice(None, None, -1 if step < 0.0 else 1) for step in spacing)]
+    heights = heights[:: -1 if dy < 0.0 else 1, :: -1 if dx < 0.0 else 1]
     first_y, first_x = (math.nan if along is None else float(along.min()) for along in (y, x))
     contents = Contents(heights, origin=(first_y, first_x))
-    return contents, [_Statement(names, np.abs(spacing), units)]
+    return contents, [_Statement(names, np.abs([dy, dx]), units)]
 
 
 def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
@@ -133,8 +131,13 @@ def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
     )
 
 
-def _axis(number: int, arrays: dict[str, Array], units: str | None) -> np.ndarray | None:
-    """Return places along an axis (0: y, 1: x), one line if they are the same; None without."""
+def _axis(
+    number: int, arrays: dict[str, Array], units: str | None
+) -> tuple[np.ndarray | None, float | None]:
+    """Return places along an axis (0: y, 1: x) and their step, None if uneven, NaN without places.
+
+    The places are one line if all are the same, and None without any.
+    """
     values: np.ndarray | None = None
     ranges = []
     for key, array in arrays.items():
@@ -150,34 +153,20 @@ def _axis(number: int, arrays: dict[str, Array], units: str | None) -> np.ndarra
         ):
             raise InputError(f"{', '.join(ranges)}: must be the same places")
         values = read
-    return values
-
-
-def _step(number: int, values: np.ndarray | None) -> float | None:
-    """Return the step of even places along an axis, NaN without places; None if they are uneven."""
     if values is None:
-        return math.nan
+        return None, math.nan
     if values.shape[1 - number] > 1:
-        return None
+        return values, None
     steps = np.diff(values.ravel())
     mean = float(steps.mean())
-    return mean if np.ptp(steps) <= 1e-4 * abs(mean) and mean != 0.0 else None
-
-
-def _number(key: str, array: Array) -> float:
-    """Return a spacing; `InputError` unless it is one positive number."""
-    values = np.unique(_loaded(key, array))
-    if len(values) > 1 or not 0.0 < values[0] < math.inf:
-        raise InputError(f"{key} = {_words(values)}: must be one number, positive and finite")
-    return float(values[0])
+    return values, mean if np.ptp(steps) <= 1e-4 * abs(mean) and mean != 0.0 else None
 
 
 def _agreed(statements: list[_Statement]) -> tuple[np.ndarray, str | None]:
     """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
     units = next((each.units for each in statements if each.units), None)
-    nothing = np.full(2, np.nan)
-    stated = [nothing, *(each.spacing * _factor(each.units, units) for each in statements)]
-    known = [column[np.isfinite(column)] for column in np.array(stated).T]
+    stated = [each.spacing * _factor(each.units, units) for each in statements]
+    known = [column[np.isfinite(column)] for column in np.reshape(stated, (-1, 2)).T]
     if any(len(column) and np.ptp(column) > SAME_SPACING * column[0] for column in known):
         words = [
             f"{each.names} {_words(each.spacing[np.isfinite(each.spacing)], each.units)}"
@@ -196,11 +185,6 @@ def _words(values, units: str | None = None) -> str:
     return f"{' x '.join(f'{value:.6g}' for value in values)}{f' {units}' if units else ''}"
 
 
-def _quantity(name: str) -> str:
-    """Return the name of an array in lower case, without its unit."""
-    return split_name(name)[0].lower()
-
-
 def _loaded(name: str, array: Array) -> np.ndarray:
     """Read an array of real numbers, NaN where masked or not finite."""
     with naming(name):
@@ -217,15 +201,15 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
     fields = [
         name
         for name, array in arrays.items()
-        if len(array.shape) == 2 and min(array.shape) > 2 and _quantity(name) not in ("x", "y")
+        if len(array.shape) == 2
+        and min(array.shape) > 2
+        and split_name(name)[0].lower() not in ("x", "y")
     ]
     if not fields:
-        names = ", ".join(arrays) or "nothing"
-        raise InputError(f"has no array over (y, x); it contains {names}")
+        raise InputError(f"has no array over (y, x); it contains {', '.join(arrays) or 'nothing'}")
     if len(fields) > 1:
-        raise InputError(
-            f"has arrays over (y, x): {', '.join(fields)}; {VARIABLE} must name one of them"
-        )
+        listed = ", ".join(fields)
+        raise InputError(f"has arrays over (y, x): {listed}; {VARIABLE} must name one of them")
     return fields[0]
 
 
@@ -235,7 +219,7 @@ def read_npy(path: Path) -> Contents:
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
-    """Read an array of an archive, placed by the others (`arrays.grid_of`)."""
+    """Read an array of an archive, placed by the others."""
     with zipfile.ZipFile(path) as archive:
         arrays = {}
         for member in archive.namelist():
@@ -299,11 +283,8 @@ def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | No
     """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
     about = variables.get(dimension)
     words = [getattr(about, key, None) for key in ("axis", "standard_name")]
-    for word in (str(word).lower() for word in (*words, split_name(dimension)[0]) if word):
-        for axis, names in _AXES.items():
-            if word in names:
-                return axis
-    return None
+    words = [str(word).lower() for word in (*words, split_name(dimension)[0]) if word]
+    return next((axis for word in words for axis in _AXES if word in _AXES[axis]), None)
 
 
 def read_matlab(path: Path, variable: str | None) -> Contents:
@@ -313,11 +294,11 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
         return scipy.io.loadmat(path, variable_names=[name])[name]
 
     declared = scipy.io.whosmat(path)
-    arrays = {
-        name: Array(shape, np.dtype(_MATLAB[kind]), split_name(name)[1], partial(load, name))
-        for name, shape, kind in declared
-        if kind in _MATLAB
-    }
+    arrays = {}
+    for name, shape, kind in declared:
+        if "int" in kind or kind in ("double", "single", "logical"):
+            number = np.dtype("bool" if kind == "logical" else kind)
+            arrays[name] = Array(shape, number, split_name(name)[1], partial(load, name))
     try:
         return grid_of(arrays, variable)
     except InputError as error:
@@ -385,11 +366,8 @@ def read_raster(path: Path, driver: str) -> Contents:
         raise InputError("is turned or mirrored: columns must be along x, and rows along y")
     if dy < 0.0:
         heights, top, dy = heights[::-1], top + dy * len(heights), -dy
-    across = crs.units_factor[0] if crs else None
-    return Contents(
-        heights, (dy, dx), None, units, None if across == "unknown" else across,
-        (top + 0.5 * dy, left + 0.5 * dx),
-    )  # fmt: skip
+    across = crs.units_factor[0] if crs and crs.units_factor[0] != "unknown" else None
+    return Contents(heights, (dy, dx), None, units, across, (top + 0.5 * dy, left + 0.5 * dx))
 
 
 def read_scanner(path: Path, variable: str | None) -> Contents:
@@ -416,6 +394,6 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
         if surface.dim != 2:
             raise InputError("contains a profile, must be a surface")
         # its arrays are (x, y)
-        heights, pixels, units = surface.heights().T, surface.pixel_size, surface.unit
-    contents = Contents(heights, height_units=units, length_units=units)
-    return contents._replace(spacing=(float(pixels[1]), float(pixels[0]))) if sized else contents
+        heights, (dx, dy), units = surface.heights().T, surface.pixel_size, surface.unit
+    spacing = (float(dy), float(dx)) if sized else (math.nan, math.nan)
+    return Contents(heights, spacing, None, units, units)

@@ -1,5 +1,6 @@
 """Points of a scan in any order, with gaps and repetitions: a regular grid, or scattered."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,16 +16,14 @@ from jointclosure.walls.scans.contents import (
     missing_values,
 )
 
-LARGEST_OFFSET = 0.05
-"""Largest distance of a point from its node, in steps, by rounding in files."""
+LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
 MOST_MOVED = 0.25
 """Largest such distance of scattered points: slopes (H = 0.8) are then up to 2 % too large."""
 _OUTLYING = 3.0
 """Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
 MOST_AMBIGUOUS = 0.01
 """Largest share of places with several heights; of empty nodes inside that is not warned of."""
-_DIGITS = 7
-"""Significant digits of a step, those of single precision."""
+_DIGITS = 7  # significant digits of a step, those of single precision
 
 SCATTERED = (
     "the points lie on no regular grid along x and y: heights between them are interpolated, which "
@@ -32,18 +31,24 @@ SCATTERED = (
 )
 
 
-def contents_of(points: np.ndarray) -> Contents:
+def contents_of(
+    points: np.ndarray, units: Sequence[str | None] = (None,) * 3, remarks: tuple[str, ...] = ()
+) -> Contents:
     """Return points (n, 3) as the regular grid on which they lie, otherwise as points."""
-    points, remarks = _cleaned(points)
-    if (grid := _lattice_of(points)) is not None:
-        return grid._replace(remarks=remarks + grid.remarks)
-    numbers = unique_places(points[:, :2])[1]
-    if len(points) and numbers.max() + 1 < len(points):
-        first = np.unique(numbers, return_index=True)[1]
-        places, heights, repeats = _merged(numbers, points)
-        points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
-        remarks += repeats
-    return Contents(points=points, remarks=(*remarks, caution(SCATTERED)))
+    along_x, along_y, height = units
+    if along_x != along_y:
+        raise InputError(f"x is in {along_x} and y in {along_y}: must be in the same units")
+    points, found = _cleaned(points)
+    if (contents := _lattice_of(points)) is None:
+        numbers = unique_places(points[:, :2])[1]
+        if len(points) and numbers.max() + 1 < len(points):
+            first = np.unique(numbers, return_index=True)[1]
+            places, heights, repeats = _merged(numbers, points)
+            points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
+            found += repeats
+        contents = Contents(points=points, remarks=(caution(SCATTERED),))
+    remarks += found + contents.remarks
+    return contents._replace(height_units=height, length_units=along_x, remarks=remarks)
 
 
 def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -161,7 +166,12 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
     middles = middles[size >= 0.5 * np.median(size[group[of_value]])]
     if len(middles) < 3:
         return None
-    step, first = _step_of(middles), float(middles[0])
+    ratio = (between := np.diff(middles)) / np.median(between)
+    step = float(between[(ratio > 0.4) & (ratio < 1.6)].mean())
+    for reach in 2 ** np.arange((len(middles) // 2).bit_length()):
+        distance = middles[reach:] - middles[:-reach]
+        step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
+    first = float(middles[0])
     phase = float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean()))
     first += phase / 2 / np.pi * step
     for _ in range(3):
@@ -174,17 +184,6 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
         first = float(mean - step * node[on].mean())
     offset = (values - first) / step - (node := np.round((values - first) / step))
     return _Axis(float(f"{step:.{_DIGITS - 1}e}"), first, node, offset)
-
-
-def _step_of(levels: np.ndarray) -> float:
-    """Estimate the step of mostly evenly spaced levels, at distances that double."""
-    gaps = np.diff(levels)
-    ratio = gaps / np.median(gaps)
-    step = float(gaps[(ratio > 0.4) & (ratio < 1.6)].mean())
-    for power in range((len(levels) // 2).bit_length()):
-        distance = levels[2**power :] - levels[: -(2**power)]
-        step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
-    return step
 
 
 def _merged(

@@ -8,22 +8,14 @@ import numpy as np
 
 from jointclosure.inputs import SPELT, InputError, size_of
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.contents import (
-    VARIABLE,
-    Contents,
-    axis_name,
-    reading_as,
-    split_name,
-)
+from jointclosure.walls.scans.contents import VARIABLE, Contents, axis_name, reading_as, split_name
 from jointclosure.walls.scans.points import LARGEST_OFFSET, contents_of
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf"}
-_BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")
-"""Bytes that no text has; \\x1a ends old files."""
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")  # which no text has; \x1a ends old files
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_LEAST_PLACES = 5
-"""Smallest number of evenly spaced numbers that are places and not heights."""
+_LEAST_PLACES = 5  # least evenly spaced numbers that are places and not heights
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 LEAST_COLUMNS = 12
 """Columns without names from which on a file is a matrix; points with colours have ten."""
@@ -63,16 +55,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
         return matrix
     columns = _columns(table, variable)
     units = [_unit_of(table, column) for column in columns]
-    return _placed(table.values[:, columns], units, table.remarks)
-
-
-def _placed(points: np.ndarray, units: list[str | None], remarks: tuple[str, ...]) -> Contents:
-    """Return points (n, 3) with the units of their columns as `contents_of`."""
-    x, y, z = units
-    if x != y:
-        raise InputError(f"x is in {x} and y in {y}: must be in the same units")
-    contents = contents_of(points)
-    return contents._replace(height_units=z, length_units=x, remarks=remarks + contents.remarks)
+    return contents_of(table.values[:, columns], units, table.remarks)
 
 
 def _matrix(table: Table) -> Contents | None:
@@ -94,7 +77,7 @@ def _matrix(table: Table) -> Contents | None:
     if row and column and (table.names or not plane):
         read = "the first row and the first column, evenly spaced, were read as x and y"
         points = np.stack([part.ravel() for part in (*np.meshgrid(*places), heights)], axis=1)
-        return _placed(points, [None] * 3, (*table.remarks, read))
+        return contents_of(points, remarks=(*table.remarks, read))
     for even, line, second in ((row, "row", heights[:1]), (column, "column", heights[:, :1])):
         if even and not plane and not are_places(second.ravel()):
             must = "must have x in its first row and y in its first column, or only heights"
@@ -107,18 +90,6 @@ def read_matrix(path: Path) -> Contents:
     with reading_as("a matrix"):
         table = read_table(path)
     return Contents(table.values, remarks=table.remarks)
-
-
-def joined(x: Contents, y: Contents, z: Contents) -> Contents:
-    """Return heights of one file at the places x and y of two others, as `contents_of`."""
-    parts = x, y, z
-    matrices = [np.asarray(part.heights, dtype=float) for part in parts]
-    if len({matrix.shape for matrix in matrices}) > 1:
-        listed = ", ".join(" x ".join(map(str, matrix.shape)) for matrix in matrices)
-        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
-    columns = np.stack([matrix.ravel() for matrix in matrices], axis=1)
-    units = [part.height_units for part in parts]
-    return _placed(columns, units, x.remarks + y.remarks + z.remarks)
 
 
 def _unit_of(table: Table, column: int) -> str | None:
