@@ -11,16 +11,12 @@ from jointclosure.inputs import InputError, check_one_of
 from jointclosure.walls.roughness import plane_through
 
 FLAT = "flat"  # in place of a scan: a flat wall, such as a saw cut
-LARGEST_TILT = 20.0
-"""Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
+LARGEST_TILT = 20.0  # of a scan's mean plane [degrees] for which heights represent a wall
 REACH = 2.0  # mean point distances within which a cell needs a point to have a height
-MOST_CELLS_PER_POINT = 100
-"""Largest number of cells of a grid for each point; beyond, nearly all are far from points."""
-PAPER_SPACING = 0.25e-3
-"""Grid spacing of the paper's walls [m], at which relations of JRC are stated."""
+MOST_CELLS_PER_POINT = 100  # of a grid; beyond, nearly all cells are far from points
+PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
 MISSING = ("refuse", "avoid", "nearest", "linear")
-LARGEST_FILLED_SHARE = 0.05
-"""Largest share of a wall's cells that is filled unless the user allows more."""
+LARGEST_FILLED_SHARE = 0.05  # of a wall's cells, unless the user allows more
 
 
 class Scan(NamedTuple):
@@ -122,9 +118,7 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
     return Cloud(np.column_stack([scan.points[:, :2], sign * plane]))
 
 
-def wall_on_grid(
-    scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
-) -> np.ndarray:
+def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = None) -> np.ndarray:
     """Return heights (y, x) [m] of a scan less its plane on a grid, NaN where unknown."""
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
@@ -134,7 +128,7 @@ def wall_on_grid(
     if isinstance(scan, Scan):
         return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
     places = scan.points[:, :2]
-    low, high = (places.min(axis=0), places.max(axis=0)) if bounds is None else bounds
+    low, high = (places.min(axis=0), places.max(axis=0)) if box is None else box
     ny, nx = node_counts(low, high, spacing)
     if nx * ny > MOST_CELLS_PER_POINT * len(places):
         x, y = 1e3 * (high - low)
@@ -243,9 +237,7 @@ def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray
     return np.where(touched > 1e-9, np.nan, wall)
 
 
-def filled(
-    wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
-) -> np.ndarray:
+def filled(wall: np.ndarray, missing: str, most: float = LARGEST_FILLED_SHARE) -> np.ndarray:
     """Refuse, avoid or fill missing cells (NaN) of a wall (y, x), up to a share of all cells."""
     holes = ~np.isfinite(wall)
     check_one_of("missing", missing, MISSING)
@@ -258,9 +250,9 @@ def filled(
             f"{message}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
             "where no cell is missing), nearest or linear (missing cells are filled)"
         )
-    if holes.mean() > largest_share:
+    if holes.mean() > most:
         raise InputError(
-            f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
+            f"{message}: a share of {holes.mean():.3f}, at most {most:g} may be filled "
             "(largest_filled_share); choose missing: avoid, or crop the scan"
         )
     result = nearest_filled(wall)

@@ -13,8 +13,7 @@ import scipy
 from jointclosure.walls.roughness import detrended
 
 CONFIDENCE = 0.95  # of the interval of a mismatch wavelength
-_WAVES_FOR_ONE = 4.5
-"""Coefficients with the information of one: mirror images, and the window (1.5 an axis)."""
+_WAVES_FOR_ONE = 4.5  # with the information of one: mirror images, and the window (1.5 an axis)
 _RESOLUTION = 0.75
 """In wave numbers of the walls' length: 99 % of intervals of 24 pairs contained the true value."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
@@ -45,19 +44,18 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     """
     one, other = _windowed_waves(upper), _windowed_waves(lower)
     wave = _wave_numbers(upper.shape, spacing)
-    longest, shortest = 0.5 * min(upper.shape) * spacing, 2.0 * spacing
+    longest = 0.5 * min(upper.shape) * spacing
     bands = np.floor(2.0 * np.log2(np.maximum(wave, 1e-300) * longest) + 0.5).astype(int)
-    kept = (bands >= 0) & (wave <= 1.0 / shortest)
+    kept = (bands >= 0) & (wave <= 0.5 / spacing)
     count = bands[kept].max() + 1
-
-    def over_bands(values: np.ndarray) -> np.ndarray:
-        return np.bincount(bands[kept], values[kept], minlength=count)
-
-    cross = -over_bands((one * other.conj()).real)
-    power = over_bands(np.abs(one) ** 2) * over_bands(np.abs(other) ** 2)
-    modes = over_bands(np.ones(wave.shape)) / _WAVES_FOR_ONE
+    products = -(one * other.conj()).real, np.abs(one) ** 2, np.abs(other) ** 2
+    cross, power, other_power, waves = (
+        np.bincount(bands[kept], values[kept], minlength=count)
+        for values in (*products, np.ones_like(wave))
+    )
     with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = np.clip(cross / np.sqrt(power), -1.0, 1.0)  # exceeded only by rounding
+        correlation = np.clip(cross / np.sqrt(power * other_power), -1.0, 1.0)  # but for rounding
+    modes = waves / _WAVES_FOR_ONE
     enough = modes >= 4.0
     middles = longest * 2.0 ** (-0.5 * np.arange(count))
     return Mating(middles[enough], correlation[enough], modes[enough])
@@ -93,14 +91,11 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     wave, most, least = 1.0 / tried[best], 1.0 / within[0], 1.0 / within[-1]
     most = wave + np.hypot(most - wave, _RESOLUTION / length)
     least = wave - np.hypot(wave - least, _RESOLUTION / length)
-
-    def limited(wave: float) -> float:
-        """Return the wavelength of a wave number, limited to those of the grid."""
-        if wave * longest <= 1.0:
-            return float("inf")
-        return 0.0 if wave * shortest >= 1.0 else float(1.0 / wave)
-
-    return Mismatch(limited(wave), limited(most), limited(least))
+    limited = [  # to the wavelengths of the grid
+        np.inf if k * longest <= 1.0 else 0.0 if k * shortest >= 1.0 else float(1.0 / k)
+        for k in (wave, most, least)
+    ]
+    return Mismatch(*limited)
 
 
 def _rings(
@@ -111,27 +106,22 @@ def _rings(
     wave = _wave_numbers(upper.shape, spacing)
     ring = np.round(wave * min(upper.shape) * spacing).astype(int)
     kept = (ring >= 2) & (wave <= 0.5 / spacing)
-    count, waves, above, below = (
-        np.bincount(ring[kept], values[kept])
-        for values in (np.ones(wave.shape), wave, apart, along)
-    )
-    known = (count > 0) & (below > 0.0)
-    ratio = above[known] / below[known]
-    return waves[known] / count[known], ratio, count[known] / _WAVES_FOR_ONE
+    fields = np.ones_like(wave), wave, apart, along
+    sums = [np.bincount(ring[kept], field[kept]) for field in fields]
+    count, waves, above, below = np.array(sums)[:, (sums[0] > 0) & (sums[3] > 0.0)]
+    return waves / count, above / below, count / _WAVES_FOR_ONE
 
 
-def _profile(
-    wave: np.ndarray, ratio: np.ndarray, count: np.ndarray, tried: np.ndarray
-) -> np.ndarray:
+def _profile(waves: np.ndarray, ratio: np.ndarray, n: np.ndarray, tried: np.ndarray) -> np.ndarray:
     """Return the log likelihood of each wavelength tried [m] at the best steepness and floor."""
-    octaves = -np.log(tried[:, None] * wave[None, :])
+    octaves = -np.log(tried[:, None] * waves[None, :])
     best = np.full(tried.size, -np.inf)
     for steepness, floor in itertools.product(_STEEPNESS, _FLOORS):
         most = 1.0 - 2.0 * floor
         half = scipy.special.ndtri(0.5 / most)
         correlation = most * scipy.special.ndtr(steepness * octaves + half)
         expected = (1.0 - correlation) / (1.0 + correlation)
-        fit = (count * (np.log(expected) - 2.0 * np.log(expected + ratio))).sum(axis=1)
+        fit = (n * (np.log(expected) - 2.0 * np.log(expected + ratio))).sum(axis=1)
         best = np.maximum(best, fit)
     return best
 

@@ -13,10 +13,8 @@ from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
 TILES = 6  # along the shorter side
 SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
-DRAWS, LARGEST_DRAW = 100, 400
-"""Number of synthetic walls, and largest number of cells along their sides."""
-TAIL, _SEED = 50.0 * (1.0 - 0.95), 1
-"""Percentage of values beyond each limit of a 95 % interval, and seed of their random numbers."""
+DRAWS, LARGEST_DRAW = 100, 400  # synthetic walls, and most cells along their sides
+TAIL, _SEED = 50.0 * (1.0 - 0.95), 1  # percentage beyond each limit of 95 %; of random numbers
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
 

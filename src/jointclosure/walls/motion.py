@@ -19,15 +19,11 @@ from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.mating import slope_correlations
 from jointclosure.walls.roughness import plane_through
 
-LEAST_OVERLAP = 0.5
-"""Smallest share of the smaller wall that must overlap; other shifts are not tried."""
-BLOCKS = (48, 24)
-"""Most blocks along the shorter side to compare rotations; the second if the first is unclear."""
-STEP, APART = 3.0, 10.0
-"""Step of compared rotations, and difference beyond which two are different [degrees]."""
+LEAST_OVERLAP = 0.5  # share of the smaller wall that must overlap; other shifts are not tried
+BLOCKS = (48, 24)  # most along the shorter side to compare rotations; the second if unclear
+STEP, APART = 3.0, 10.0  # of compared rotations; from which two are different [degrees]
 CLEAR = 1.25  # ratio of the best correlation of slopes to the second from which a fit is clear
-FARTHEST = 0.25
-"""Largest distance of the corners from that of the fit on blocks, over half of the longer side."""
+FARTHEST = 0.25  # corners from those of the fit on blocks, over half of the longer side
 KNOWN = 0.9  # smallest weight of known heights in a mean
 WIDTHS = 20.0  # smallest side of a wall, in widths of the means, for which a fit is kept
 WIDE = 4.0  # width of the means whose waves are compared apart, over that of the smoothing
@@ -35,25 +31,19 @@ WORTH = 0.7  # ratio of errors below which the fit with wide means apart is used
 MOST_POINTS, ROUNDS = 20_000, 40  # of the upper wall that are compared; of least squares
 CAUCHY = 3.5  # scale of the weights over the median residual
 TILES = 6  # tiles along each axis, whose sums give the errors
-LEAST_ERROR = 0.01
-"""Error [cells] that interpolation leaves, in each direction and at the radius of gyration."""
-_DIGITS = 9
-"""Decimals of a rotation, two less than of a shift [m]: the same motion on any processor."""
+LEAST_ERROR = 0.01  # [cells] by interpolation, in each direction and at the radius of gyration
+_DIGITS = 9  # decimals of a rotation, two less than of a shift [m]: same on any processor
 _INVERSIONS = 8  # rounds in which the height at a node of a tilted wall is found
 
 
 class Motion(NamedTuple):
-    """Rotation (3, 3) about a ``middle`` (x, y, z) [m] that comes to lie at a ``place``.
+    """Rigid motion of a wall: rotation about a middle that comes to lie at a place."""
 
-    It follows a ``flip``, the reflection of an orientation. ``covariance`` is that of the rotation
-    about the normal [rad] and of the shift (x, y) [m].
-    """
-
-    flip: np.ndarray
-    rotation: np.ndarray
-    middle: np.ndarray
-    place: np.ndarray
-    covariance: np.ndarray
+    flip: np.ndarray  # reflection (3, 3) of an orientation, which comes first
+    rotation: np.ndarray  # (3, 3)
+    middle: np.ndarray  # (x, y, z) [m]
+    place: np.ndarray  # (x, y, z) [m]
+    covariance: np.ndarray  # (3, 3) of the rotation about the normal [rad] and the shift (x, y) [m]
 
     def forth(self, points: np.ndarray) -> np.ndarray:
         """Move points (..., 3)."""

@@ -19,22 +19,17 @@ MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cel
 
 
 class Overlap(NamedTuple):
-    """Walls (y, x) [m] where both are known, less their common plane, z upwards.
+    """Walls where both are known, less their common plane, z upwards."""
 
-    ``shares`` of both scans; ``inclination`` of the plane and ``relative`` one of the walls
-    [degrees]; ``holes`` (wall, y, x) out of contact, ``cut`` cells of holes left out; corners (x,
-    y) of the ``box``, and place (x, y) of the ``first`` cell.
-    """
-
-    upper: np.ndarray
+    upper: np.ndarray  # (y, x) [m]
     lower: np.ndarray
-    shares: tuple[float, float]
-    inclination: float
-    relative: float
-    holes: np.ndarray
-    cut: int
-    box: tuple[np.ndarray, np.ndarray]
-    first: np.ndarray
+    shares: tuple[float, float]  # of both scans
+    inclination: float  # of the common plane [degrees]
+    relative: float  # inclination of the walls to each other [degrees]
+    holes: np.ndarray  # cells (wall, y, x) out of contact
+    cut: int  # cells of holes that are left out
+    box: tuple[np.ndarray, np.ndarray]  # corners (x, y) of the area that both scans cover
+    first: np.ndarray  # place (x, y) of the first cell
 
 
 def overlap_of(

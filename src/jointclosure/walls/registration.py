@@ -30,18 +30,13 @@ from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_errors import ScanErrors, noise_of
 
-ON_NODES = 0.02
-"""Distance [cells] up to which nodes are laid on nodes, or twice the error up to half a cell."""
-LARGEST_HOLES = 0.15
-"""Largest share of cells in holes of either scan that is taken out of contact by default."""
-MOST_CELLS = 500
-"""Largest number of cells along a side of walls that are registered at the spacing of the scans."""
+ON_NODES = 0.02  # [cells] within which nodes are laid on nodes; twice the error up to 0.5 if more
+LARGEST_HOLES = 0.15  # share of cells in holes of either scan, taken out of contact by default
+MOST_CELLS = 500  # along a side of walls that are registered at the spacing of the scans
 IN_PLACE = 0.02  # largest shift of corners of scans in one frame, over half of the longer side
-STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
-"""Unusual inclinations of the common plane and of the walls to each other [degrees]."""
+STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0  # unusual common plane; walls to each other [degrees]
 _FAR = 1.5  # largest usual closure until a thousandth touches, in deviations of the aperture
-_ALIKE = 0.99
-"""Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
+_ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
 _SIDES = ("upper", "lower")
 
@@ -58,32 +53,24 @@ _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
 
 
 class RegisteredPair(NamedTuple):
-    """Two registered walls on a grid of ``spacing`` [m]; places are (y, x).
+    """Two registered walls on a grid; places are (y, x)."""
 
-    ``upper`` and ``lower`` (y, x) are heights [m] towards the other wall, ``aperture`` their
-    distance at ``first_touch``; ``holes`` are out of contact, as a scan has no height there.
-    ``fits`` are the best of each orientation, the best first; ``motion`` was applied to the upper
-    wall, ``mated`` is that of best fit, or None. ``overlap`` is the share of the smaller scan,
-    ``first`` the place (x, y) of the first cell in the lower scan, ``report`` the results in
-    sentences.
-    """
-
-    upper: np.ndarray
+    upper: np.ndarray  # heights (y, x) [m] towards the other wall
     lower: np.ndarray
-    spacing: float
-    aperture: np.ndarray
+    spacing: float  # [m]
+    aperture: np.ndarray  # distance (y, x) [m] at first touch
     first_touch: tuple[int, int]
     orientation: str
-    fits: list[Fit]
-    motion: Motion
-    mated: Motion | None
-    correlation: float
+    fits: list[Fit]  # the best of each orientation, the best first
+    motion: Motion  # applied to the upper wall
+    mated: Motion | None  # that of best fit
+    correlation: float  # of heights
     mating: Mating
     mismatch: Mismatch
-    overlap: float
-    holes: np.ndarray
-    first: np.ndarray
-    report: list[str]
+    overlap: float  # share of the smaller scan
+    holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
+    first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
+    report: list[str]  # results in sentences
 
     @property
     def warnings(self) -> list[Caution]:

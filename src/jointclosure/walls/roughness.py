@@ -15,7 +15,6 @@ class Relation(NamedTuple):
     a: float
     b: float
     interval: float
-    source: str
     c: float = 1.0
     smallest_jrc: float = 0.0
     largest_jrc: float = 20.0
@@ -27,22 +26,15 @@ class Relation(NamedTuple):
 
 
 RELATIONS = {
-    "yu_vayssade_linear_0.25mm": Relation("linear", 60.32, -4.51, 0.25e-3, "Yu & Vayssade 1991"),
-    "yu_vayssade_log_0.25mm": Relation("logarithmic", 28.1, 28.43, 0.25e-3, "Yu & Vayssade 1991"),
-    # the relation at 0.5 mm is quoted by later texts too; no source of that at 1 mm was seen
-    "yu_vayssade_linear_0.5mm": Relation(
-        "linear", 61.79, -3.47, 0.5e-3, "Yu & Vayssade 1991 (by later texts)"
-    ),
-    "yu_vayssade_linear_1mm": Relation(
-        "linear", 64.22, -2.31, 1e-3, "Yu & Vayssade 1991 (unchecked)"
-    ),
-    "tse_cruden": Relation("logarithmic", 32.47, 32.2, 0.5e-3, "Tse & Cruden 1979 (about 0.5 mm)"),
-    "yang": Relation("logarithmic", 32.98, 32.69, 0.5e-3, "Yang et al. 2001"),
-    "tatone_grasselli_0.5mm": Relation(
-        "power", 51.85, -10.37, 0.5e-3, "Tatone & Grasselli 2010", 0.60
-    ),
-    "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, "Tatone & Grasselli 2010", 0.74),
-    "jang": Relation("power", 51.16, -11.44, 0.5e-3, "Jang et al. 2014", 0.531),
+    "yu_vayssade_linear_0.25mm": Relation("linear", 60.32, -4.51, 0.25e-3),  # Yu & Vayssade 1991
+    "yu_vayssade_log_0.25mm": Relation("logarithmic", 28.1, 28.43, 0.25e-3),  # Yu & Vayssade 1991
+    "yu_vayssade_linear_0.5mm": Relation("linear", 61.79, -3.47, 0.5e-3),  # 1991, by later texts
+    "yu_vayssade_linear_1mm": Relation("linear", 64.22, -2.31, 1e-3),  # 1991, no source was seen
+    "tse_cruden": Relation("logarithmic", 32.47, 32.2, 0.5e-3),  # 1979, at about 0.5 mm
+    "yang": Relation("logarithmic", 32.98, 32.69, 0.5e-3),  # Yang et al. 2001
+    "tatone_grasselli_0.5mm": Relation("power", 51.85, -10.37, 0.5e-3, 0.60),  # 2010
+    "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, 0.74),  # 2010
+    "jang": Relation("power", 51.16, -11.44, 0.5e-3, 0.531),  # Jang et al. 2014
 }
 DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"
 

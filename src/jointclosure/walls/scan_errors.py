@@ -23,18 +23,13 @@ _LONGEST = 4  # first ring whose waves are compared; longer ones are few
 
 
 class ScanErrors(NamedTuple):
-    """Errors of registered walls, in cells.
+    """Errors of registered walls, in cells."""
 
-    ``offset`` (rotation [rad], x, y) of the fit from the position of the upper wall about a
-    ``middle`` (x, y), and its ``covariance``; ``noise`` are a low and a high standard deviation [m]
-    of the noise of the sum of both walls; ``holes`` (y, x) have no scanned height.
-    """
-
-    offset: np.ndarray
-    covariance: np.ndarray
-    middle: np.ndarray
-    noise: tuple[float, float]
-    holes: np.ndarray
+    offset: np.ndarray  # rotation [rad], x and y of the fit from the position of the upper wall
+    covariance: np.ndarray  # of the offset
+    middle: np.ndarray  # place (x, y) about which it rotates
+    noise: tuple[float, float]  # of the sum of both walls: low and high standard deviation [m]
+    holes: np.ndarray  # cells (y, x) without a scanned height
 
     def displaced(self, upper: np.ndarray, number: int) -> np.ndarray:
         """Return the upper wall (y, x) [m] at a random place within the errors of the fit."""

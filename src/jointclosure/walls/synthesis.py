@@ -7,14 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.inputs import (
-    InputError,
-    check_count,
-    check_length,
-    check_number,
-    check_one_of,
-    check_positive,
-)
+from jointclosure.inputs import InputError, check_count, check_length, check_number, check_one_of
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
@@ -197,7 +190,7 @@ def wall_pair(
         If an argument is out of its range.
     """
     check_number("jrc", jrc)
-    check_positive("spacing", spacing, "m")
+    check_length("spacing", spacing)
     check_count("seed", seed, 0)
     check_one_of("normalise", normalise, NORMALISATIONS)
     _check(shape, hurst, correlation, shift_in_cells)

@@ -8,19 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError, check_length, naming, size_of
+from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.scans import grids, meshes, text
-from jointclosure.walls.scans.contents import (
-    LARGEST_FILE,
-    SAME_SPACING,
-    Contents,
-    doubted,
-    missing_heights,
-    reading_as,
-    real,
-    settled,
-)
+from jointclosure.walls.scans.contents import LARGEST_FILE, Contents, in_metres, reading_as
 from jointclosure.walls.scans.points import contents_of
 
 
@@ -64,8 +55,7 @@ _STARTS = {
     b"MATLAB": "a MATLAB file (.mat)",
     b"ply": "a PLY mesh (.ply)",
     b"solid": "an STL mesh (.stl)",
-    b"II*\0": "TIFF (.tif, .tiff)",
-    b"MM\0*": "TIFF (.tif, .tiff)",
+    **dict.fromkeys((b"II*\0", b"MM\0*"), "TIFF (.tif, .tiff)"),
     b"%PDF": "PDF, which has no heights",
     b"\x89PNG": "a PNG picture, which has no heights",
     b"\xff\xd8\xff": "a JPEG picture, which has no heights",
@@ -124,7 +114,7 @@ def read_scan(
                 must = "must be left out; the format has one array without a name"
                 raise InputError(f"variable = {variable!r}: {must}")
             contents = _joined(files) if len(files) > 1 else _contents(files[0], variable)
-            return _in_metres(contents, units, scan_spacing)
+            return in_metres(contents, units, scan_spacing)
         except MemoryError:
             raise InputError("needs more memory than there is") from None
 
@@ -194,55 +184,3 @@ def file_digest(path: str | Path) -> str:
 def _digest(path: Path, changed: int) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _in_metres(contents: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
-    """Return contents in metres, with missing heights as NaN."""
-    sides = contents.sides()
-    hint = sides if contents.length_units is None else None
-    height = size_of(settled("heights", contents.height_units, units, hint))
-    lengths, stated = "m", np.array(contents.spacing)
-    if contents.points is not None or not np.isnan(stated).all():
-        lengths = settled("distances", contents.length_units, units, sides)
-    elif spacing is not None:
-        stated = np.full(2, spacing)
-        contents = contents._replace(spacing=(spacing, spacing))
-    across, remarks = size_of(lengths), contents.remarks + doubted(lengths, contents.sides())
-    if contents.points is not None:
-        if spacing is not None:
-            given = f"scan_spacing = {1e3 * spacing:g} mm"
-            raise InputError(f"{given}: must be left out for points, which have no grid")
-        known = contents.points[np.isfinite(contents.points[:, 2])]
-        if empty := len(contents.points) - len(known):
-            remarks = (*remarks, f"{empty} points without a height were left out")
-        return Cloud(known * np.array([across, across, height]), remarks)
-    steps = _spacing(stated * across, spacing)
-    y, x = contents.origin
-    origin = None if np.isnan(y + x) else (y * across, x * across)
-    heights = real(contents.heights)
-    if heights.ndim != 2 or min(heights.shape) < 3:
-        raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
-    missing, missing_remarks = missing_heights(heights)
-    heights[missing] = np.nan
-    if not np.isfinite(heights).any():
-        raise InputError(f"all of its {heights.size} heights are missing")
-    return Scan(heights * height, steps, origin, remarks + missing_remarks)
-
-
-def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
-    """Return the spacing (dy, dx) [m] that a file states, NaN where not, or the caller."""
-    unstated = np.isnan(stated)
-    if spacing is None and unstated.any():
-        axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)
-        raise InputError(
-            f"does not state the spacing of its grid along {axes}: scan_spacing must be given "
-            "(--scan-spacing on the command line, spacing_mm in a configuration)"
-        )
-    if spacing is not None and (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
-        steps = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(stated[~unstated]))
-        given = f"scan_spacing = {1e3 * spacing:g} mm"
-        raise InputError(f"{given}: the file states {steps} mm; must be left out")
-    dy, dx = np.where(unstated, np.nan if spacing is None else spacing, stated).tolist()
-    if not all(0.0 < step < np.inf for step in (dy, dx)):
-        raise InputError(f"scan_spacing = {(dy, dx)}: must be positive")
-    return dy, dx

@@ -1,4 +1,4 @@
-"""Content of the file of a scanned wall: its units, missing values, limits of size and errors."""
+"""Content of the file of a scanned wall, and its conversion to metres; limits of size, errors."""
 
 import math
 import re
@@ -11,11 +11,10 @@ import numpy as np
 from jointclosure.inputs import SPELT, UNITS, InputError, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
+from jointclosure.walls.gridding import Cloud, Scan
 
-LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000
-"""Largest size [bytes] of an array, and of a file that is read as a whole."""
-SAME_SPACING = 1e-3
-"""Largest relative difference of statements of one spacing, which may be rounded."""
+LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000  # [bytes]; a file read as a whole
+SAME_SPACING = 1e-3  # largest relative difference of statements of one spacing
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
@@ -23,21 +22,19 @@ _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-z
 
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Values that count as missing if they are beyond all other values."""
+_DOUBLE = np.dtype(float)
 LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
 
 
 class Contents(NamedTuple):
-    """Heights (y, x) on a grid (dy, dx), or points (n, 3), in the file's units, where stated.
+    """Heights on a grid, or points, of a file in its units; None or NaN: not stated."""
 
-    Rows are in order of increasing y; ``origin`` (y, x) is the first cell, NaN if it has no place.
-    """
-
-    heights: np.ndarray | None = None
-    spacing: tuple[float, float] = (math.nan, math.nan)
-    points: np.ndarray | None = None
+    heights: np.ndarray | None = None  # (y, x), rows in order of increasing y
+    spacing: tuple[float, float] = (math.nan, math.nan)  # (dy, dx)
+    points: np.ndarray | None = None  # (n, 3)
     height_units: str | None = None
     length_units: str | None = None
-    origin: tuple[float, float] = (math.nan, math.nan)
+    origin: tuple[float, float] = (math.nan, math.nan)  # (y, x) of the first cell
     remarks: tuple[str, ...] = ()
 
     def sides(self) -> tuple[float, float] | None:
@@ -52,30 +49,19 @@ class Contents(NamedTuple):
         return dx * (shape[1] - 1), dy * (shape[0] - 1)
 
 
-def check_size(shape: tuple[int, ...], itemsize: int = 8) -> None:
-    """Raise `InputError` if an array of values of ``itemsize`` bytes is above `LARGEST_ARRAY`."""
-    if math.prod(shape) * itemsize > LARGEST_ARRAY:
-        size = f"declares {' x '.join(map(str, shape))} values of {itemsize} bytes"
+def check_array(shape: tuple[int, ...], kind: np.dtype = _DOUBLE) -> None:
+    """Raise `InputError` unless an array has real numbers, and at most `LARGEST_ARRAY` bytes."""
+    if kind.kind not in "fiu":
+        raise InputError(f"values of type {kind}: must be real numbers")
+    if math.prod(shape) * kind.itemsize > LARGEST_ARRAY:
+        size = f"declares {' x '.join(map(str, shape))} values of {kind.itemsize} bytes"
         raise InputError(f"{size}: must be at most {LARGEST_ARRAY / 1e6:g} MB")
 
 
-def incomplete(declared: str, number: int) -> InputError:
-    """Return the error for a file with less than it declares."""
-    return InputError(f"declares {declared}, and contains {number}: is the file incomplete?")
-
-
-def check_real(kind: np.dtype) -> None:
-    """Raise `InputError` unless values of a type are real numbers."""
-    if kind.kind not in "fiu":
-        raise InputError(f"values of type {kind}: must be real numbers")
-
-
 def real(values) -> np.ndarray:
-    """Convert values to double precision, NaN where masked or not finite."""
-    check_real(np.asarray(values).dtype)
-    numbers = np.array(np.ma.filled(np.ma.asarray(values).astype(float), np.nan))
-    numbers[~np.isfinite(numbers)] = np.nan
-    return numbers
+    """Convert numbers to double precision, NaN where masked or not finite."""
+    numbers = np.ma.filled(np.ma.asarray(values).astype(float), np.nan)
+    return np.where(np.isfinite(numbers), numbers, np.nan)
 
 
 @contextmanager
@@ -92,39 +78,26 @@ def reading_as(title: str) -> Iterator[None]:
         raise InputError(f"cannot be read as {title} ({reason})") from None
 
 
-def plausible(sides: tuple[float, float] | None) -> str:
-    """Describe which units give a wall with sides in the file's units a plausible size."""
+def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
+    """Return units in which a wall with sides in the file's units is usual, and words on them."""
     if sides is None:
-        return ""
-    x, y = sides
-    fitting = [
-        f"{name} ({1e3 * size * x:.4g} x {1e3 * size * y:.4g} mm)"
-        for name, size in UNITS.items()
-        if _is_plausible(size, sides)
-    ]
-    spans = f"; it spans {x:.4g} x {y:.4g}"
-    return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
-
-
-def doubted(units: str, sides: tuple[float, float] | None) -> tuple[str, ...]:
-    """Return a warning if units of the sides give an implausible size of the wall."""
-    if sides is None or _is_plausible(size_of(units), sides):
-        return ()
-    return (caution(f"unusual in {units}{plausible(sides)}"),)
-
-
-def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
+        return [*UNITS], ""
     smallest, largest, _ = USUAL["side_of_scan"]
-    return size * min(sides) >= smallest and size * max(sides) <= largest
+    (x, y), usual = sides, {}
+    for name, size in UNITS.items():
+        if size * min(sides) >= smallest and size * max(sides) <= largest:
+            usual[name] = f"{name} ({1e3 * size * x:.4g} x {1e3 * size * y:.4g} mm)"
+    spans = f"; it spans {x:.4g} x {y:.4g}"
+    return [*usual], f"{spans}, plausible in {' or '.join(usual.values())}" if usual else spans
 
 
-def settled(
+def _settled(
     what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
 ) -> str:
     """Return the units of the file or of the user; `InputError` for none, or for two different."""
     units = of_file or stated
     if units is None:
-        must = f"give units (--units on the command line){plausible(sides)}"
+        must = f"give units (--units on the command line){_usual_units(sides)[1]}"
         raise InputError(f"does not state the units of its {what}: {must}")
     if stated is not None and size_of(units) != size_of(stated):
         raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
@@ -164,7 +137,7 @@ def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return missing, np.array(sentinels)
 
 
-def missing_sentence(count: int, sentinels: np.ndarray, what: str) -> str:
+def missing_text(count: int, sentinels: np.ndarray, what: str) -> str:
     """Return the sentence on values that were treated as missing."""
     words = ", ".join(f"{value:g}" for value in sentinels)
     return f"{count} {what} of {words} were treated as missing"
@@ -173,7 +146,7 @@ def missing_sentence(count: int, sentinels: np.ndarray, what: str) -> str:
 def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return which heights are missing, also zeros that are too frequent, and remarks."""
     missing, sentinels = missing_values(heights)
-    remarks = (missing_sentence(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
+    remarks = (missing_text(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
     known = heights[np.isfinite(heights) & ~missing]
     zeros = int((known == 0.0).sum())
     # an instrument that rounds gives neighbouring values about equally often
@@ -186,3 +159,58 @@ def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     if zeros > 0.5 * known.size:  # the wall may be flat
         return missing, (*remarks, caution(f"{about}; they were used as heights"))
     return missing | (heights == 0.0), (*remarks, caution(f"{about}; they were treated as missing"))
+
+
+def in_metres(contents: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
+    """Return contents in metres, with missing heights as NaN."""
+    sides = contents.sides()
+    hint = sides if contents.length_units is None else None
+    height = size_of(_settled("heights", contents.height_units, units, hint))
+    lengths, stated = "m", np.array(contents.spacing)
+    if contents.points is not None or not np.isnan(stated).all():
+        lengths = _settled("distances", contents.length_units, units, sides)
+    elif spacing is not None:
+        stated = np.full(2, spacing)
+        contents = contents._replace(spacing=(spacing, spacing))
+    across, (usual, spans) = size_of(lengths), _usual_units(contents.sides())
+    remarks = contents.remarks
+    if SPELT[lengths.strip()] not in usual:
+        remarks = (*remarks, caution(f"unusual in {lengths}{spans}"))
+    if contents.points is not None:
+        if spacing is not None:
+            given = f"scan_spacing = {1e3 * spacing:g} mm"
+            raise InputError(f"{given}: must be left out for points, which have no grid")
+        known = contents.points[np.isfinite(contents.points[:, 2])]
+        if empty := len(contents.points) - len(known):
+            remarks = (*remarks, f"{empty} points without a height were left out")
+        return Cloud(known * np.array([across, across, height]), remarks)
+    steps = _spacing(stated * across, spacing)
+    y, x = contents.origin
+    origin = None if np.isnan(y + x) else (y * across, x * across)
+    heights = real(contents.heights)
+    if heights.ndim != 2 or min(heights.shape) < 3:
+        raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
+    missing, missing_remarks = missing_heights(heights)
+    heights[missing] = np.nan
+    if not np.isfinite(heights).any():
+        raise InputError(f"all of its {heights.size} heights are missing")
+    return Scan(heights * height, steps, origin, remarks + missing_remarks)
+
+
+def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
+    """Return the spacing (dy, dx) [m] that a file states, NaN where not, or the caller."""
+    unstated = np.isnan(stated)
+    if spacing is None and unstated.any():
+        axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)
+        raise InputError(
+            f"does not state the spacing of its grid along {axes}: scan_spacing must be given "
+            "(--scan-spacing on the command line, spacing_mm in a configuration)"
+        )
+    if spacing is not None and (np.abs(stated - spacing) > SAME_SPACING * spacing).any():
+        steps = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(stated[~unstated]))
+        given = f"scan_spacing = {1e3 * spacing:g} mm"
+        raise InputError(f"{given}: the file states {steps} mm; must be left out")
+    dy, dx = np.where(unstated, np.nan if spacing is None else spacing, stated).tolist()
+    if not all(0.0 < step < np.inf for step in (dy, dx)):
+        raise InputError(f"scan_spacing = {(dy, dx)}: must be positive")
+    return dy, dx

@@ -18,9 +18,7 @@ from jointclosure.walls.scans.contents import (
     SAME_SPACING,
     VARIABLE,
     Contents,
-    check_real,
-    check_size,
-    incomplete,
+    check_array,
     real,
     split_name,
 )
@@ -35,8 +33,7 @@ _AXES = {
 """Names of dimensions, and standard names of coordinates, that identify an axis."""
 _NEEDED = ("ncols", "nrows")
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
-_KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")
-"""Words of the header of an ESRI grid."""
+_KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")  # words of an ESRI header
 SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
 """Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
@@ -188,8 +185,7 @@ def _words(values, units: str | None = None) -> str:
 def _loaded(name: str, array: Array) -> np.ndarray:
     """Read an array of real numbers, NaN where masked or not finite."""
     with naming(name):
-        check_real(array.dtype)
-        check_size(array.shape, array.dtype.itemsize)
+        check_array(array.shape, array.dtype)
         return real(array.load())
 
 
@@ -242,7 +238,7 @@ def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
     """Read an array up to the largest size; pickles are refused."""
     with opened() as file:
         shape, kind = _head(file)
-        check_size(shape, kind.itemsize)
+        check_array(shape, kind)
         file.seek(0)
         return np.lib.format.read_array(file, allow_pickle=False)
 
@@ -326,10 +322,11 @@ def read_esri(path: Path) -> Contents:
     if math.isnan(dy + dx):
         raise InputError("its header lacks cellsize, or both dx and dy")
     shape = int(head["nrows"]), int(head["ncols"])
-    check_size(shape)
+    check_array(shape)
     values = [value for row in rows for value in row]
     if len(values) != math.prod(shape):
-        raise incomplete(f"{shape[0]} rows of {shape[1]} heights, {math.prod(shape)}", len(values))
+        declared = f"declares {shape[0]} rows of {shape[1]} heights, {math.prod(shape)}"
+        raise InputError(f"{declared}, and contains {len(values)}: is the file incomplete?")
     counts = {len(row) for row in rows}
     if shape[1] in counts and len(counts) > 1:  # otherwise rows are wrapped
         raise InputError(f"has rows of {min(counts)} to {max(counts)} heights: must be {shape[1]}")
@@ -353,7 +350,7 @@ def read_raster(path: Path, driver: str) -> Contents:
         with rasterio.open(path, driver=driver) as raster:
             if raster.count != 1:
                 raise InputError(f"has an image of {raster.count} bands: must be one, of heights")
-            check_size(raster.shape, np.dtype(raster.dtypes[0]).itemsize)
+            check_array(raster.shape, np.dtype(raster.dtypes[0]))
             try:
                 heights = raster.scales[0] * real(raster.read(1, masked=True)) + raster.offsets[0]
             except RasterioIOError as error:  # its message leaves out the cause
@@ -387,7 +384,7 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
             check_one_of("variable", variable, tuple(names))
             index = names.index(variable)
             channel = reader.channels[index]
-        check_size(tuple(channel.nb_grid_pts))
+        check_array(tuple(channel.nb_grid_pts))
         sized = channel.physical_sizes is not None
         given = {} if sized else {"physical_sizes": tuple(channel.nb_grid_pts)}
         surface = reader.topography(channel_index=index, **given)

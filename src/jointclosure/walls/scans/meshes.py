@@ -10,7 +10,7 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.contents import Contents, incomplete
+from jointclosure.walls.scans.contents import Contents
 from jointclosure.walls.scans.points import contents_of
 
 _DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
@@ -23,7 +23,8 @@ def read_mesh(path: Path) -> Contents:
     vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
     count = len(vertices)
     if declared > count:
-        raise incomplete(f"{declared} vertices", count)
+        contained = f"declares {declared} vertices, and contains {count}"
+        raise InputError(f"{contained}: is the file incomplete?")
     if faces.size and not 0 <= faces.min() <= faces.max() < count:
         wrong = f"faces have vertices {faces.min() + 1} to {faces.max() + 1}"
         raise InputError(f"{wrong}, but there are {count} vertices")

@@ -12,23 +12,15 @@ from jointclosure.walls.outliers import strays, unique_places
 from jointclosure.walls.scans.contents import (
     Contents,
     missing_heights,
-    missing_sentence,
+    missing_text,
     missing_values,
 )
 
 LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
-MOST_MOVED = 0.25
-"""Largest such distance of scattered points: slopes (H = 0.8) are then up to 2 % too large."""
-_OUTLYING = 3.0
-"""Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
-MOST_AMBIGUOUS = 0.01
-"""Largest share of places with several heights; of empty nodes inside that is not warned of."""
+MOST_MOVED = 0.25  # of scattered points: slopes (H = 0.8) are then up to 2 % too large
+_OUTLYING = 3.0  # distance, over the upper quartile of all, beyond which a point is off the grid
+MOST_AMBIGUOUS = 0.01  # share of places with several heights; of empty nodes without warning
 _DIGITS = 7  # significant digits of a step, those of single precision
-
-SCATTERED = (
-    "the points lie on no regular grid along x and y: heights between them are interpolated, which "
-    "makes walls smoother"
-)
 
 
 def contents_of(
@@ -46,7 +38,11 @@ def contents_of(
             places, heights, repeats = _merged(numbers, points)
             points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
             found += repeats
-        contents = Contents(points=points, remarks=(caution(SCATTERED),))
+        scattered = (
+            "the points lie on no regular grid along x and y: heights between them are "
+            "interpolated, which makes walls smoother"
+        )
+        contents = Contents(points=points, remarks=(caution(scattered),))
     remarks += found + contents.remarks
     return contents._replace(height_units=height, length_units=along_x, remarks=remarks)
 
@@ -58,7 +54,7 @@ def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     without_height, remarks = missing_heights(points[:, 2])
     missing = np.column_stack([*places, without_height])
     if count := int(missing[:, :2].any(axis=1).sum()):
-        remarks += (missing_sentence(count, np.unique(np.concatenate(sentinels)), "places"),)
+        remarks += (missing_text(count, np.unique(np.concatenate(sentinels)), "places"),)
     points[missing | ~np.isfinite(points)] = np.nan
     placed = np.isfinite(points[:, :2]).all(axis=1)
     nowhere = np.flatnonzero(~placed & np.isfinite(points[:, 2]) & ~missing.any(axis=1))

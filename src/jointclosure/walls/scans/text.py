@@ -17,8 +17,7 @@ _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")  # which no text has; \x1a en
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _LEAST_PLACES = 5  # least evenly spaced numbers that are places and not heights
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
-LEAST_COLUMNS = 12
-"""Columns without names from which on a file is a matrix; points with colours have ten."""
+LEAST_COLUMNS = 12  # without names, of a matrix; points with colours have ten
 
 
 class Table(NamedTuple):
