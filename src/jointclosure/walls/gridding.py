@@ -158,9 +158,8 @@ def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
     start = np.maximum((first - origin) / steps, 0.0)
     y, x = (origin + start * steps).tolist()
-    return scan._replace(
-        heights=_resampled(scan, spacing, start.tolist()), spacing=(spacing, spacing), origin=(y, x)
-    )
+    heights = _resampled(scan, spacing, start.tolist())
+    return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
 
 
 def _levelled(scan: Scan | Cloud) -> np.ndarray:

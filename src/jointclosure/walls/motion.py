@@ -271,13 +271,9 @@ def compared(
 def fitted(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion:
     """Refine a fit by least squares; the covariance is infinite if they find nothing."""
     turn = _about(0.0, 0.0, math.radians(fit.angle)) @ flip
-    start = best = Motion(
-        flip,
-        _levelling(lower.slopes).T @ turn @ _levelling(upper.slopes),
-        upper.middle,
-        lower.middle + np.append(fit.shift, 0.0),
-        np.full((3, 3), np.inf),
-    )
+    rotation = _levelling(lower.slopes).T @ turn @ _levelling(upper.slopes)
+    place = lower.middle + np.append(fit.shift, 0.0)
+    start = best = Motion(flip, rotation, upper.middle, place, np.full((3, 3), np.inf))
     error, side = math.inf, min(*upper.heights.shape, *lower.heights.shape)
     reach = 0.5 * upper.spacing * np.array(upper.heights.shape[::-1])
     widest = int(math.log2(max(side / 12.0, 1.0)))

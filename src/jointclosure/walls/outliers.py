@@ -23,8 +23,7 @@ def strays(points: np.ndarray) -> np.ndarray:
     if known.sum() >= NEIGHBOURS:
         low, middle, high = np.percentile(points[known, 2], (1.0, 50.0, 99.0))
         if high > low:
-            with np.errstate(invalid="ignore"):
-                stray |= np.abs(points[:, 2] - middle) > 20.0 * (high - low)
+            stray |= np.abs(points[:, 2] - middle) > 20.0 * (high - low)
     return stray
 
 

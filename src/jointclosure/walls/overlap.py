@@ -23,7 +23,7 @@ class Overlap(NamedTuple):
 
     upper: np.ndarray  # (y, x) [m]
     lower: np.ndarray
-    shares: tuple[float, float]  # of both scans
+    shares: list[float]  # of both scans
     inclination: float  # of the common plane [degrees]
     relative: float  # inclination of the walls to each other [degrees]
     holes: np.ndarray  # cells (wall, y, x) out of contact
@@ -74,13 +74,12 @@ def overlap_of(
     _check_size(inside[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
     kept = np.array(holes)[:, *rectangle]
     walls = _without_contact(walls[0][rectangle], walls[1][rectangle], kept)
-    shares = [min(walls[0].size * spacing**2 / np.prod(b - a), 1.0) for a, b in corners]
+    shares = [float(min(walls[0].size * spacing**2 / np.prod(b - a), 1.0)) for a, b in corners]
     planes = [wall - detrended(wall) for wall in walls]
     slopes = [np.array([plane[1, 0], plane[0, 1]]) - plane[0, 0] for plane in planes]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
-    both = float(shares[0]), float(shares[1])
     first = nodes[rectangle[0].start, rectangle[1].start]
-    return Overlap(walls[0], walls[1], both, inclination, relative, kept, cut, (low, high), first)
+    return Overlap(walls[0], walls[1], shares, inclination, relative, kept, cut, (low, high), first)
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:

@@ -43,9 +43,8 @@ def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_
     """RMS slope of a wall of given JRC at a spacing h [m]: Z2(h) = Z2(h0) (h/h0)^(H-1)."""
     rule = relation_of(relation)
     if not rule.smallest_jrc <= jrc <= rule.largest_jrc:
-        raise InputError(
-            f"jrc = {jrc!r}: {relation} holds from {rule.smallest_jrc:g} to {rule.largest_jrc:g}"
-        )
+        limits = f"{rule.smallest_jrc:g} to {rule.largest_jrc:g}"
+        raise InputError(f"jrc = {jrc!r}: {relation} holds from {limits}")
     reduced = (jrc - rule.b) / rule.a
     z2 = 10.0**reduced if rule.form == "logarithmic" else reduced ** (1.0 / rule.c)
     return float(z2 * (spacing / rule.interval) ** (hurst - 1.0))

@@ -125,8 +125,7 @@ def axis_name(name: str) -> str:
 
 def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return which values are missing, bool of their shape, and the sentinels that occur."""
-    with np.errstate(invalid="ignore"):
-        missing = np.abs(values) >= LARGEST
+    missing = np.abs(values) >= LARGEST
     sentinels = list(np.unique(values[missing]))
     others = values[np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)]
     for sentinel in SENTINELS if others.size else ():

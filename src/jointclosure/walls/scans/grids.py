@@ -71,10 +71,8 @@ def grid_of(
     beside = {key: array for key, array in arrays.items() if key != name}
     kinds = {key: (axes or {}).get(key, split_name(key)[0].lower()) for key in beside}
     size = {key: math.prod(array.shape) for key, array in beside.items()}
-    places = [
-        {key: beside[key] for key in beside if kinds[key] == axis and size[key] > 1}
-        for axis in "yx"
-    ]
+    placing = [key for key in beside if size[key] > 1]
+    places = [{key: beside[key] for key in placing if kinds[key] == axis} for axis in "yx"]
     contents, statements = _placed(name, heights, places)
     numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
     if contents.points is not None:
@@ -194,13 +192,8 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
     if variable is not None:
         check_one_of("variable", variable, tuple(arrays))
         return variable
-    fields = [
-        name
-        for name, array in arrays.items()
-        if len(array.shape) == 2
-        and min(array.shape) > 2
-        and split_name(name)[0].lower() not in ("x", "y")
-    ]
+    fields = [name for name, of in arrays.items() if len(of.shape) == 2 and min(of.shape) > 2]
+    fields = [name for name in fields if split_name(name)[0].lower() not in ("x", "y")]
     if not fields:
         raise InputError(f"has no array over (y, x); it contains {', '.join(arrays) or 'nothing'}")
     if len(fields) > 1:
@@ -246,31 +239,24 @@ def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     """Read a variable over y and x by the names of its dimensions; invalid values are NaN."""
     with netCDF4.Dataset(path) as dataset:
-        arrays = {
-            key: Array(
-                read.shape,
-                np.dtype(read.dtype),
-                getattr(read, "units", None) or split_name(key)[1],
-                partial(read.__getitem__, ...),
-            )
-            for key, read in dataset.variables.items()
-        }
+        variables, arrays = dataset.variables, {}
+        for key, read in variables.items():
+            units, kind = getattr(read, "units", None), np.dtype(read.dtype)
+            units = units or split_name(key)[1]
+            arrays[key] = Array(read.shape, kind, units, partial(read.__getitem__, ...))
         name = chosen(variable, arrays)
-        dimensions = dataset.variables[name].dimensions
+        dimensions = variables[name].dimensions
         if len(dimensions) != 2:
             raise InputError(f"variable {name!r} has dimensions {dimensions}: must be over (y, x)")
-        axes = [_axis_of(dimension, dataset.variables) for dimension in dimensions]
+        axes = [_axis_of(dimension, variables) for dimension in dimensions]
         remarks: tuple[str, ...] = ()
         if not any(axes):
             remarks = (f"dimensions {', '.join(dimensions)}: no name of an axis; read as y, x",)
         elif axes[0] == axes[1]:
             raise InputError(f"dimensions {dimensions}: must be y and x, both are {axes[0]}")
         turned = axes[0] == "x" or axes[1] == "y"
-        used = {
-            key: array.transposed if turned else array
-            for key, array in arrays.items()
-            if set(dataset.variables[key].dimensions) <= set(dimensions)
-        }
+        kept = [key for key in arrays if set(variables[key].dimensions) <= set(dimensions)]
+        used = {key: arrays[key].transposed if turned else arrays[key] for key in kept}
         contents = grid_of(used, name, dict(zip(dimensions, "xy" if turned else "yx", strict=True)))
     return contents._replace(remarks=remarks + contents.remarks)
 

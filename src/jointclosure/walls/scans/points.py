@@ -114,12 +114,9 @@ def _lattice_of(points: np.ndarray) -> Contents | None:
     places, heights, remarks = _merged(numbers, points[on])
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
-    return Contents(
-        grid.reshape(ny, nx),
-        (y.step, x.step),
-        origin=(y_first, x_first),
-        remarks=remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
-    )
+    remarks += _irregular(points, x, y, on, allowed) + _empty_nodes(occupied)
+    contents = Contents(grid.reshape(ny, nx), (y.step, x.step), origin=(y_first, x_first))
+    return contents._replace(remarks=remarks)
 
 
 def _irregular(

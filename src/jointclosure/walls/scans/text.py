@@ -96,9 +96,8 @@ def _unit_of(table: Table, column: int) -> str | None:
     name = table.names[column] if table.names else ""
     by_name, by_line = split_name(name)[1], table.units[column]
     if by_name and by_line and size_of(by_name) != size_of(by_line):
-        raise InputError(
-            f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
-        )
+        stated = f"the column {name!r} has the unit {by_line!r} in the line of units"
+        raise InputError(f"{stated}; must be the same")
     return by_name or by_line
 
 
@@ -125,10 +124,8 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     listed = ", ".join(names) or f"numbers from 1 to {width}"
     if variable is None:
         raise InputError(f"columns {listed}: must be named x, y and z, {must}")
-    raise InputError(
-        f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
-        f"there are {listed}"
-    )
+    must = "must be three columns for x, y and z, as in 1,2,3"
+    raise InputError(f"variable = {variable!r}: {must}; there are {listed}")
 
 
 def read_table(path: Path) -> Table:
@@ -151,25 +148,24 @@ def read_table(path: Path) -> Table:
     row, following = form.numbers(lines[0]), form.words(lines[1]) if len(lines) > 1 else []
     if len(following) == len(row) + 1 and following[-1] and are_places(np.array(row)):
         lines[0] = f"nan{form.separator or ' '}{lines[0].strip()}"  # x of a frame without a corner
-    values, remarks_on_lines = _values(lines, form, names)
+    values = _values(lines, form, names, remarks)
     width = values.shape[1]
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
         raise InputError(f"has {len(units)} words in the line of units, must be {width}")
     units += [None] * (width - len(units))
-    return Table(values, names, units, (*remarks, *remarks_on_lines))
+    return Table(values, names, units, tuple(remarks))
 
 
-def _values(lines: list[str], form: _Form, names: list[str]) -> tuple[np.ndarray, list[str]]:
-    """Return numbers (rows, columns) of lines, NaN in shorter ones, and remarks on other lines."""
+def _values(lines: list[str], form: _Form, names: list[str], remarks: list[str]) -> np.ndarray:
+    """Return numbers (rows, columns) of lines, NaN in shorter ones; add remarks on other lines."""
     counts = np.array([len(form.words(line)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
         longest = lines[int(counts.argmax())].strip()[:60]
         raise InputError(f"{longest!r} has {counts.max()} numbers, other lines have {width}")
     values, repeated = np.full((len(lines), width), np.nan), []
-    remarks: list[str] = []
     for row in np.flatnonzero(counts == width).tolist():
         try:
             values[row] = form.numbers(lines[row])
@@ -187,7 +183,7 @@ def _values(lines: list[str], form: _Form, names: list[str]) -> tuple[np.ndarray
     # a separator at the end of every line makes an empty column
     while width > len(names or "xyz") and np.isnan(values[:, width - 1]).all():
         width -= 1
-    return values[:, :width], remarks
+    return values[:, :width]
 
 
 def are_places(values: np.ndarray) -> bool:
