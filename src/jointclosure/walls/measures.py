@@ -1,5 +1,6 @@
 """Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks."""
 
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 TILES = 6  # along the shorter side
 SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
 DRAWS, LARGEST_DRAW = 100, 400  # synthetic walls, and most cells along their sides
-TAIL, _SEED = 50.0 * (1.0 - 0.95), 1  # percentage beyond each limit of 95 %; of random numbers
+TAIL, _SEED = 50.0 * (1.0 - 0.95), 1  # percentage beyond each limit; seed of random numbers
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
 
@@ -82,13 +83,10 @@ def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.n
 def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return distances [m], and RMS first and second height differences over them along x and y."""
     lags = lags_of(min(heights.shape))
-    rms = {
-        prefix + axis: np.array(
-            [np.sqrt(np.nanmean(difference(heights, axis, lag, order) ** 2)) for lag in lags]
-        )
-        for order, prefix in ((1, ""), (2, "second_"))
-        for axis in "xy"
-    }
+    rms = {}
+    for (order, prefix), axis in itertools.product(((1, ""), (2, "second_")), "xy"):
+        squares = [np.nanmean(difference(heights, axis, lag, order) ** 2) for lag in lags]
+        rms[prefix + axis] = np.sqrt(squares)
     return lags * spacing, rms
 
 

@@ -19,19 +19,19 @@ from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.mating import slope_correlations
 from jointclosure.walls.roughness import plane_through
 
-LEAST_OVERLAP = 0.5  # share of the smaller wall that must overlap; other shifts are not tried
-BLOCKS = (48, 24)  # most along the shorter side to compare rotations; the second if unclear
-STEP, APART = 3.0, 10.0  # of compared rotations; from which two are different [degrees]
+LEAST_OVERLAP = 0.5  # least share of the smaller wall that overlaps; other shifts are not tried
+BLOCKS = (48, 24)  # blocks along the shorter side for rotations; the second if the fit is unclear
+STEP, APART = 3.0, 10.0  # step of rotations, and least difference of different ones [degrees]
 CLEAR = 1.25  # ratio of the best correlation of slopes to the second from which a fit is clear
-FARTHEST = 0.25  # corners from those of the fit on blocks, over half of the longer side
+FARTHEST = 0.25  # largest distance of corners from the fit on blocks, over half of the longer side
 KNOWN = 0.9  # smallest weight of known heights in a mean
 WIDTHS = 20.0  # smallest side of a wall, in widths of the means, for which a fit is kept
 WIDE = 4.0  # width of the means whose waves are compared apart, over that of the smoothing
 WORTH = 0.7  # ratio of errors below which the fit with wide means apart is used
-MOST_POINTS, ROUNDS = 20_000, 40  # of the upper wall that are compared; of least squares
+MOST_POINTS, ROUNDS = 20_000, 40  # most points of the upper wall, and rounds of least squares
 CAUCHY = 3.5  # scale of the weights over the median residual
 TILES = 6  # tiles along each axis, whose sums give the errors
-LEAST_ERROR = 0.01  # [cells] by interpolation, in each direction and at the radius of gyration
+LEAST_ERROR = 0.01  # [cells] left by interpolation, in each direction and at the radius of gyration
 _DIGITS = 9  # decimals of a rotation, two less than of a shift [m]: same on any processor
 _INVERSIONS = 8  # rounds in which the height at a node of a tilted wall is found
 

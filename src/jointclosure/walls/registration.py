@@ -34,7 +34,7 @@ ON_NODES = 0.02  # [cells] within which nodes are laid on nodes; twice the error
 LARGEST_HOLES = 0.15  # share of cells in holes of either scan, taken out of contact by default
 MOST_CELLS = 500  # along a side of walls that are registered at the spacing of the scans
 IN_PLACE = 0.02  # largest shift of corners of scans in one frame, over half of the longer side
-STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0  # unusual common plane; walls to each other [degrees]
+STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0  # unusual inclinations of common plane and wedge [degrees]
 _FAR = 1.5  # largest usual closure until a thousandth touches, in deviations of the aperture
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
@@ -153,15 +153,16 @@ def registered(
             report += [f"{side} wall: {removed}; they were cut"] if removed else []
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
     clouds = [points_of(scan, missing=True) for scan in scans]
-    name, fits, mated = orientation or "common_frame", list[Fit](), None
+    name, mated = orientation or "common_frame", None
+    fits: list[Fit] = []
     if flat:
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
     else:
         # finer than the joint where that is not too much, as short waves mate least
         longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
         cell = distance if longest < MOST_CELLS * distance else spacing
-        listed = [points_of(scan, missing=True) for scan in (fine, finest)]
-        surfaces = [surface_of(points, cell) for points in (listed if cell == distance else clouds)]
+        used = (fine, finest) if cell == distance else scans
+        surfaces = [surface_of(points_of(scan, missing=True), cell) for scan in used]
         name, fits, mated = _fitted(surfaces, orientation, shift, unusual_values, report)
     motion = unmoved(clouds[0], _FLIPS[name])
     reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)

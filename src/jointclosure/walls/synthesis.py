@@ -32,8 +32,7 @@ class Spectrum(NamedTuple):
         return -1.0 if self.rule == "walk" else -(self.hurst + 1.0)
 
     def squares(self, ny: int, wave_x: np.ndarray) -> np.ndarray:
-        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off; 1 for the
-        mean.
+        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off; mean: 1.
 
         For a walk, those of differences, |d|^2 = 4 sin^2(pi f), over (2 pi)^2: the heights that
         minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 for white slopes g have the power 1/(|d_x|^2

@@ -13,7 +13,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
 from jointclosure.walls.gridding import Cloud, Scan
 
-LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000  # [bytes]; a file read as a whole
+LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000  # [bytes]; file: if read as a whole
 SAME_SPACING = 1e-3  # largest relative difference of statements of one spacing
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""

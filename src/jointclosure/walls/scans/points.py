@@ -19,7 +19,7 @@ from jointclosure.walls.scans.contents import (
 LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
 MOST_MOVED = 0.25  # of scattered points: slopes (H = 0.8) are then up to 2 % too large
 _OUTLYING = 3.0  # distance, over the upper quartile of all, beyond which a point is off the grid
-MOST_AMBIGUOUS = 0.01  # share of places with several heights; of empty nodes without warning
+MOST_AMBIGUOUS = 0.01  # share of places with several heights, and of empty nodes, without warning
 _DIGITS = 7  # significant digits of a step, those of single precision
 
 

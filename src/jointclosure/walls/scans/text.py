@@ -15,9 +15,9 @@ COMMENTS = ("#", "%", "//", "!")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf"}
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")  # which no text has; \x1a ends old files
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_LEAST_PLACES = 5  # least evenly spaced numbers that are places and not heights
+_LEAST_PLACES = 5  # fewest evenly spaced numbers that are places and not heights
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
-LEAST_COLUMNS = 12  # without names, of a matrix; points with colours have ten
+LEAST_COLUMNS = 12  # of a matrix without names; points with colours have ten
 
 
 class Table(NamedTuple):
