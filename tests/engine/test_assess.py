@@ -113,7 +113,7 @@ def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
 def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
     tmp_path, monkeypatch
 ):
-    walls = jc.wall_pair(8.0, (12, 10), SPACING, seed=1, roll_off=None)
+    walls = jc.wall_pair(8.0, (8, 10), SPACING, seed=1, roll_off=None)
     first = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
     kept = (tmp_path / "closures.jsonl").read_text()
     with (tmp_path / "closures.jsonl").open("w") as file:

@@ -44,9 +44,10 @@ def test_help_loads_no_command_and_a_command_no_other():
 
 FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 """What reading and writing datasets takes."""
-JOBS = [("paper.products", FILES | {"numba", "scipy.stats"}), ("frame.seals", FILES)]
-JOBS += [
-    (f"frame.{name}", HEAVY - {"matplotlib", "seaborn"}) for name in ("closing", "experiments")
+JOBS = [
+    ("paper.products", FILES | {"numba", "scipy.stats"}),
+    ("frame.seals", FILES),
+    ("frame.closing, studies.frame.experiments", HEAVY - {"matplotlib", "seaborn"}),
 ]
 
 

@@ -63,12 +63,6 @@ def test_what_make_gets_is_never_run(project, key, name):
     assert not list(project.rglob("X*"))
 
 
-def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
-    (project / "out.yaml").write_text("study: {name: ../../out}\n")
-    assert "study.name = '../../out'" in make(project, "study", "CONFIG=out.yaml").stderr
-    assert not (project.parent / "out").exists()
-
-
 FAKE = """import sys, time
 print("jointclosure: about 2 core-hours", flush=True)
 for number in (1, 2, 3):
