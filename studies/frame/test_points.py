@@ -7,7 +7,7 @@ from jointclosure.engine import joints as closing
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.simulation import close_walls
 from studies.frame.experiments import experiment_named
-from studies.frame.points import as_dataset, as_table, close_points, gridded
+from studies.frame.points import as_dataset, as_table, close_points
 from tests.studied import study_of
 
 TINY = {
@@ -51,16 +51,6 @@ def test_a_table_is_the_same_after_it_was_a_dataset(joints):
     units = {name: dataset[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
     assert units == {"max_closure": "m", "hysteresis": "1"}
     pd.testing.assert_frame_equal(as_table(dataset), joints, check_dtype=False)
-
-
-def test_a_grid_has_each_joint_at_its_coordinates(joints):
-    of_rock = joints[joints.rock == "slate"]
-    grid = gridded(of_rock.iloc[::-1], ("jrc", "stress", "realization"), ("max_closure",))
-    assert dict(grid.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
-    for row in of_rock.itertuples():
-        at = {name: getattr(row, name) for name in ("jrc", "stress", "realization")}
-        assert float(grid.max_closure.sel(at | {"cycle": row.cycle})) == row.max_closure
-        assert float(grid.seconds.sel(at)) == row.seconds
 
 
 def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):

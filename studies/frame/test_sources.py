@@ -48,14 +48,6 @@ def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
     assert same == [False, False, False, True]
 
 
-def test_comments_docstrings_and_layout_do_not_count(copy):
-    before = digests("mechanics")
-    file = copy / "mechanics/contact.py"
-    text = file.read_text(encoding="utf-8")
-    file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
-    assert digests("mechanics") == before
-
-
 FUNCTIONS = '''
 from functools import partial
 from jointclosure.statistics import indifference as b, correlations as p

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from jointclosure.engine.cache import digest
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.commands.compare import differences
+from studies.frame import closing
 from studies.frame.cases import blocks_of
 from studies.frame.closing import Ensemble, close_block
 from studies.frame.configuration import Configuration
@@ -75,8 +76,20 @@ def whole_study(configuration: Configuration, folder: Path) -> xr.Dataset:
     return read_netcdf(folder / "study.nc")
 
 
-def test_a_split_over_jobs_changes_no_bit(configuration, tmp_path):
+def test_a_split_over_jobs_changes_no_bit_and_few_rows_are_in_memory(
+    configuration, tmp_path, monkeypatch
+):
+    sizes = []
+
+    def watched(frame, path, regions, *how):
+        parts = list(regions)
+        sizes.extend(part.sizes["realization"] for _, part in parts)
+        write_netcdf(frame, path, parts, *how)
+
+    monkeypatch.setattr(closing, "write_netcdf", watched)
+    monkeypatch.setattr(closing, "ROWS", 4)
     whole = whole_study(configuration, tmp_path / "whole")
+    assert set(sizes) == {4, 3}
     assert whole.realization.values.tolist() == list(range(7))
     assert np.isfinite(whole.max_closure.values).all()
     parts = study_of(SMALL, {"study": {"realizations_per_job": 3}})
