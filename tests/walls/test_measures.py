@@ -6,15 +6,17 @@ import pytest
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
-from jointclosure.walls.gridding import Cloud
+from jointclosure.walls.gridding import Cloud, wall_on_grid
 from jointclosure.walls.mating import mating, measured_mismatch, slope_correlations
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
-from jointclosure.walls.roughness import RELATIONS, bearing_depths
+from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
-from tests.joints import SPACING, bump
+from tests.joints import SPACING, TWO_WALLS, bump
 from tests.walls.test_formats import STEP_MM
 from tests.walls.writers import Ground, triangles
+
+MEASURED = TWO_WALLS.parent / "foliation_joint_0p25mm.npz"
 
 
 def measured(wall):
@@ -82,6 +84,18 @@ def test_depths_are_those_of_sorted_heights():
     for cells in (1, 2, 12, 600, 1200):
         found = bearing_depths(upper + lower, cells / 1200)
         assert found == pytest.approx(highest[0] - highest[cells - 1], abs=1e-18)
+
+
+@pytest.mark.skipif(not MEASURED.is_file(), reason="the scanned wall is not part of the project")
+def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
+    scan = read_scan(MEASURED, variable="patch63_mm")
+    wall = wall_on_grid(scan, SPACING)
+    assert wall.shape == (63, 63)
+    # rms 0.255 mm and Z2 of 0.115 and 0.152 along its axes, as its README has them
+    assert 1e3 * wall.std() == pytest.approx(0.255, abs=5e-4)
+    slopes = sorted(np.sqrt(np.mean(np.diff(wall, axis=a) ** 2)) / SPACING for a in (0, 1))
+    assert slopes == pytest.approx([0.115, 0.152], abs=6e-4)
+    assert rms_slope(wall, SPACING) == pytest.approx(measured(wall)["Z2, both directions"].value)
 
 
 # Points on a regular grid are that grid, whatever their order, gaps and repeats

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 import jointclosure as jc
-from benchmarks.registration import Truth
+from benchmarks.registration import Truth, rotation
 from jointclosure.engine.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.walls import motion
@@ -19,7 +19,8 @@ from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
-from tests.joints import SPACING, closed
+from jointclosure.walls.scans import read_scan
+from tests.joints import SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
@@ -29,7 +30,7 @@ EXAMPLES = settings(max_examples=8, deadline=None, derandomize=True)
 @pytest.fixture(autouse=True)
 def few_rotations(request, monkeypatch):
     """Compare walls every 30 degrees, except in tests of walls that were turned."""
-    if "number" not in request.fixturenames:
+    if not {"number", "two_walls"} & set(request.fixturenames):
         monkeypatch.setattr(motion, "STEP", 30.0)
 
 
@@ -468,3 +469,29 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
+
+
+@pytest.fixture(scope="module")
+def two_walls():
+    """Every third point of the scans of a published fracture, and the walls that they make."""
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    names = ("side_b_top.txt", "side_a_bottom.txt")
+    scans = (read_scan(TWO_WALLS / name, units="mm") for name in names)
+    upper, lower = (Cloud(scan.points[::3]) for scan in scans)
+    return upper, lower, registered(upper, lower, 1e-3)
+
+
+@pytest.mark.parametrize(("name", "degrees"), [("turned_over", 33.0), ("common_frame", 171.0)])
+def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, degrees, two_walls):
+    upper, lower, right = two_walls
+    assert right.orientation == "common_frame"
+    assert right.correlation > 0.9
+    over = np.diag([1.0, -1.0, -1.0] if name == "turned_over" else [1.0, 1.0, 1.0])
+    turn = rotation("z", degrees) @ rotation("x", 2.0)
+    found = registered(Cloud(upper.points @ (over @ turn)), lower, 1e-3)
+    assert found.orientation == name
+    angle = abs(found.mated.angle - right.mated.angle)
+    assert angle == pytest.approx(degrees, abs=4.0 * found.mated.errors()[0])
+    assert found.correlation == pytest.approx(right.correlation, abs=0.005)
+    assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.05)
