@@ -48,10 +48,7 @@ def export_files(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> dict[str, Any]:
-    """Return the files of a joint that did not fail by name; print what is not written.
-
-    ``curves`` are bands of `stress_table`, and ``laws`` those of Barton and Bandis since seating.
-    """
+    """Return the files of a joint, with known bands and laws; print what is not written."""
     if failed(history):
         return {}
     from jointclosure.plotting.joint import engineering_figure
@@ -99,10 +96,7 @@ def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[st
 
 
 def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Return the constants of PorePy's Barton-Bandis fracture [Pa/m, m, m] for the last loading.
-
-    They are of the net closure, because PorePy computes the deformation of the rock itself.
-    """
+    """Return PorePy's Barton-Bandis constants [Pa/m, m, m], net: it deforms the rock itself."""
     seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
     files, loadings = {}, _loading(history, curves, "PorePy")
     if former := former_maximum(history, cycle := int(loadings[""].cycle.iloc[0])):
@@ -134,10 +128,7 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
 
 
 def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return gaps and apertures [m] of the last loading from seating on as GEOS reads them.
-
-    Apertures are hydraulic, where flow is blocked its upper bound, or mean ones without flow.
-    """
+    """Return gaps and apertures [m], hydraulic or mean, of the last loading as GEOS reads them."""
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
     parts = _loading(history, curves, "GEOS")

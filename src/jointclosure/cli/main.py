@@ -43,10 +43,7 @@ def parser(
 
 
 def main(words: Sequence[str] | None = None, **commands: Any) -> int:
-    """Run a command; report errors of its input in one line on standard error.
-
-    ``commands`` are the arguments of `parser` if they are not those of `jointclosure.cli`.
-    """
+    """Run a command of `parser`; report errors of its input in one line on standard error."""
     words = sys.argv[1:] if words is None else words
     arguments = parser(words, **commands).parse_args(words)
     if isinstance(sys.stdout, io.TextIOWrapper):

@@ -33,10 +33,7 @@ _SAME_LOAD = 0.02
 
 
 class Readings(NamedTuple):
-    """Readings of a curve: closures since seating on loading, and recovered closures on unloading.
-
-    Levels at which a loading has too few points are not read.
-    """
+    """Closures since seating on loading at levels with enough points, and recovered closures."""
 
     cycles: int
     unloaded: tuple[int, ...]  # cycles that were unloaded back to seating
@@ -64,29 +61,22 @@ class Readings(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """Simulated joints (wavelengths, strengths, joints, ...) of a fit.
-
-    ``closures`` are net, on loading and unloading since the seating of each cycle.
-    """
+    """Simulated joints (wavelengths, strengths, joints, ...) of a fit."""
 
     logs: np.ndarray  # (..., readings), logarithms; NaN for a joint of which one is missing
-    closures: np.ndarray  # (..., cycles, 2, stresses) [m]
+    closures: np.ndarray  # (..., cycles, 2, stresses) [m], net since the seating of each cycle
     stresses: np.ndarray  # [Pa]
 
 
 class Likelihood(NamedTuple):
-    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
-
-    ``p_values`` are probabilities that a joint of a wavelength and strength is at least as far from
-    their mean as the measured one.
-    """
+    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa]."""
 
     wavelengths: np.ndarray
     strengths: np.ndarray
     log: np.ndarray  # (wavelengths, strengths)
     means: np.ndarray  # (wavelengths, strengths, readings), of logarithms
     covariance: np.ndarray  # (wavelengths, readings, readings), of logarithms
-    p_values: np.ndarray  # (wavelengths, strengths)
+    p_values: np.ndarray  # (wavelengths, strengths), of as large a distance from the mean
 
     @property
     def scatter(self) -> np.ndarray:

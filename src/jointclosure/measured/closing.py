@@ -180,10 +180,7 @@ def close_surface(
     scans: Any,
     report: Any,
 ) -> xr.Dataset:
-    """Close a surface at each strength, by number, and all that may follow its first loading.
-
-    If nothing differs after it, all loadings are of one history.
-    """
+    """Close a surface at each strength, by number, and all that may follow its first loading."""
     levels, once_cycles = np.array(stresses), 1 if tuple(laters) != (Later(),) else cycles
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
     for place, (number, strength) in enumerate(numbered.items()):

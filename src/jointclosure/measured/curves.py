@@ -205,10 +205,7 @@ LARGEST_CLOSURE = 20e-3
 
 
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa].
-
-    Closures must range over at most `LARGEST_CLOSURE`.
-    """
+    """Check order of cycles, loadings from at or below seating [Pa], and size of closures."""
     if (range_ := float(np.ptp(curve.closure))) > LARGEST_CLOSURE:
         raise InputError(
             f"{name}: closures range over {1e3 * range_:.3g} mm: must be at most "

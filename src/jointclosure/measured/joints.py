@@ -34,10 +34,7 @@ SPACING = 0.25e-3
 
 
 class SimulatedWalls(NamedTuple):
-    """Walls of the simulated joints: random ones, or scanned ones of a ``digest``.
-
-    The JRC is drawn from its range for each joint.
-    """
+    """Walls of simulated joints: random, of a JRC from a range, or scanned, of a digest."""
 
     jrc: tuple[float, float]
     shape: tuple[int, int]

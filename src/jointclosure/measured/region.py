@@ -69,10 +69,7 @@ def mechanism_of(later: Later) -> str:
 
 
 class Region(NamedTuple):
-    """Comparison of a measured curve with joints of all tried constants.
-
-    It is valid only for the joint ``assumed``.
-    """
+    """Comparison of a curve with joints of all tried constants, valid for the joint ``assumed``."""
 
     measured: Readings
     curve: MeasuredCurve

@@ -56,10 +56,7 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
 
 
 def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
-    """Draw changes [%] without each group of effects, with the request [%] as a band.
-
-    Hollow marks are gross closures.
-    """
+    """Draw changes [%] without effects, hollow of gross closure, on the request [%] as a band."""
     names = list(dict.fromkeys(without.variant))
     axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)
     for number, (name, cycle) in enumerate(itertools.product(JUDGED, without.cycle.unique())):

@@ -93,10 +93,7 @@ def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
 
 
 def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = False) -> None:
-    """Draw a column over stress by cycle and branch, with the band of loadings if it is known.
-
-    ``across``: stress over the column.
-    """
+    """Draw a column over stress, or ``across`` it, by cycle and branch, with bands of loadings."""
     middle = members(curves, name)[0]
     fill = axes.fill_betweenx if across else axes.fill_between
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
@@ -117,11 +114,7 @@ def engineering_figure(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> Figure:
-    """Draw net closure since seating, its laws, net stiffness and aperture, with their bands.
-
-    With flow there is a further panel of transmissivity. ``curves`` are bands of `stress_table`,
-    ``laws`` are those of Barton and Bandis since seating, by cycle.
-    """
+    """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
     curves = stress_table(history) if curves is None else curves
     shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
     if members(curves, "")[0]:

@@ -75,10 +75,7 @@ def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray)
 def draw_measured(
     axes: Axes, result: Fit | Region, closures: np.ndarray, stresses: np.ndarray, kind: str
 ) -> None:
-    """Draw the measured curve since seating on the band of joints of a kind, by cycle.
-
-    ``closures`` (joints, cycles, 2, stresses) [m] are those of the joints at ``stresses`` [Pa].
-    """
+    """Draw the curve on the band of closures (joints, cycles, 2, stresses) [m] at stresses [Pa]."""
     for cycle in range(1, result.measured.cycles + 1):
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
@@ -101,10 +98,7 @@ def draw_measured(
 
 
 def _fitted(result: Fit) -> np.ndarray:
-    """Return which joints (wavelengths, strengths, joints) are nearest to the most likely values.
-
-    With them are all others within both intervals if these are valid.
-    """
+    """Return which joints (wavelengths, strengths, joints) are nearest or in valid intervals."""
     likelihood, kept = result.likelihood, np.isfinite(result.simulated.logs).all(axis=-1)
     best = likelihood.nodes(likelihood.best, kept.shape[:2])
     for axis, values in enumerate((likelihood.wavelengths, likelihood.strengths)):
@@ -119,10 +113,7 @@ def _fitted(result: Fit) -> np.ndarray:
 
 @styled
 def region_figure(region: Region, title: str) -> Figure:
-    """Draw p-values by strength and the constant of each mechanism, beside the nearest joints.
-
-    The largest p-value of all mismatch wavelengths counts; the line surrounds what is compatible.
-    """
+    """Draw p-values, of the best wavelength, by strength and constant; and the nearest joints."""
     mechanisms = [name for name in MECHANISMS if name in region.mechanisms] or [NEITHER]
     figure, panels = subplots(
         1, 1 + len(mechanisms), figsize=(5.6 + 3.9 * len(mechanisms), 6.4),

@@ -108,10 +108,7 @@ def reach_of(values: np.ndarray) -> float:
 
 
 def animated_stresses(largest: float) -> list[float]:
-    """Return stresses [Pa] at which an animation up to a largest stress [Pa] has snapshots.
-
-    They are spaced quadratically, because joints close fast at low stress.
-    """
+    """Return stresses [Pa] of an animation, dense at low stress, where joints close fast."""
     return [float(largest * share**2) for share in np.linspace(0.0, 1.0, STRESSES + 1)]
 
 
