@@ -92,9 +92,9 @@ def _files(
     joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str, answer: dict
 ) -> dict[str, Any]:
     """Return history, registration and figures of a joint by the names of their files."""
-    from jointclosure.plotting.joint import closure_curve
+    from jointclosure.plotting.joint import closure_curve, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
-    from jointclosure.plotting.walls import pair_figure, range_figure
+    from jointclosure.plotting.walls import pair_figure
 
     history, budget, laws = joint.history, joint.budget, joint.laws
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}

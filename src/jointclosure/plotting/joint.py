@@ -1,4 +1,4 @@
-"""Figures of a joint: closure, stiffness, laws and apertures."""
+"""Figures of a joint: closure and its range, stiffness, laws and apertures."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET
+from jointclosure.engine.budget import (
+    ALL,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    NUMBERS,
+    TITLES,
+    Budget,
+)
 from jointclosure.engine.quantities import CURVES
 from jointclosure.joint.curves import (
     GROSS,
@@ -49,6 +56,39 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         for axes in panels:
             axes.get_legend().remove()
+    sns.despine(figure)
+    return figure
+
+
+@styled
+def range_figure(budget: Budget, title: str) -> Figure:
+    """Draw the net closure of the first and the last cycle, and how far each source moves it."""
+    ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
+    cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
+    figure, panels = subplots(
+        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
+    )
+    for axes, cycle in zip(panels[0], cycles, strict=True):
+        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
+        shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
+        for place, name in enumerate(shares.index):
+            values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
+            axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
+            label = None if place else "one source changed"
+            axes.plot(values, [place] * values.size, "o", color="C0", label=label)
+        drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
+        label = "9 in 10 of random sets, with their median as a gap"
+        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
+        label = "random sets that were closed"
+        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5, label=label)
+        axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
+        axes.plot(row.best, len(shares), "o", color="C1", label="best value")
+        axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
+        labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
+        axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
+        axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
+    named = panels[0, 0].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower center", ncols=2, frameon=False)
     sns.despine(figure)
     return figure
 

@@ -1,4 +1,4 @@
-"""Figures of scanned walls and of the range of their joint's results."""
+"""Figures of scanned walls."""
 
 from typing import Any
 
@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jointclosure.engine.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import increments
 from jointclosure.walls.motion import CLEAR
@@ -63,39 +62,6 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     return figure
 
 
-@styled
-def range_figure(budget: Budget, title: str) -> Figure:
-    """Draw the net closure of the first and the last cycle, and how far each source moves it."""
-    ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
-    cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
-    figure, panels = subplots(
-        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
-    )
-    for axes, cycle in zip(panels[0], cycles, strict=True):
-        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
-        shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
-        for place, name in enumerate(shares.index):
-            values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
-            axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
-            label = None if place else "one source changed"
-            axes.plot(values, [place] * values.size, "o", color="C0", label=label)
-        drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
-        label = "9 in 10 of random sets, with their median as a gap"
-        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
-        label = "random sets that were closed"
-        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5, label=label)
-        axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
-        axes.plot(row.best, len(shares), "o", color="C1", label="best value")
-        axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
-        labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
-        axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
-        axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
-    named = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*named, loc="outside lower center", ncols=2, frameon=False)
-    sns.despine(figure)
-    return figure
-
-
 def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") -> None:
     """Add a colour bar that is as high as the map."""
     ny, nx = image.get_size()
@@ -143,7 +109,8 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
 @styled
 def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance."""
-    figure, panels = subplots(1, 3, figsize=(13.0, 4.3), title=title, width_ratios=(1.1, 1.0, 1.0))
+    wide: dict = {"layout": ConstrainedLayoutEngine(wspace=0.06), "width_ratios": (1.1, 1.0, 1.0)}
+    figure, panels = subplots(1, 3, figsize=(13.0, 4.3), title=title, **wide)
     image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
     figure.colorbar(image, ax=panels[0], label="height (mm)", shrink=0.85)
     panels[0].set_title("heights, mean plane removed")
@@ -160,9 +127,6 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     panels[1].legend(frameon=False, fontsize=8, **below)
     _draw_increments(panels[2], *increments(heights, spacing))
     sns.despine(figure)
-    layout = figure.get_layout_engine()
-    if isinstance(layout, ConstrainedLayoutEngine):
-        layout.set(wspace=0.06)
     return figure
 
 
