@@ -108,17 +108,15 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
     """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
     words, remarks, blocked = closed.flow_status.attrs["flag_meanings"].split(), [], False
     for cycle in cycle_table(closed).cycle:
-        step = branch_of(closed, cycle, UNLOADING)[:1]
         parts = []
-        for direction in closed.direction.values if step.size else ():
-            value, bound, status = (
-                closed[name].sel(direction=direction).values[step[0]]
-                for name in ("hydraulic_aperture", "largest_hydraulic", "flow_status")
-            )
-            status = words[int(status)]
-            blocked |= status != "flows"
-            most = "" if status == "flows" else f", upper bound {1e3 * bound:.2g}"
-            parts.append(f"along {direction} {1e3 * value:.3g} ({status}){most}")
+        for step in branch_of(closed, cycle, UNLOADING)[:1]:
+            for direction in closed.direction.values:
+                at = closed.isel(step=step).sel(direction=direction)
+                status, value = words[int(at.flow_status)], 1e3 * float(at.hydraulic_aperture)
+                most = f", upper bound {1e3 * float(at.largest_hydraulic):.2g}"
+                flows = status == "flows"
+                blocked |= not flows
+                parts.append(f"along {direction} {value:.3g} ({status}){'' if flows else most}")
         about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
     return [*remarks, _BLOCKED] if blocked else remarks

@@ -93,38 +93,37 @@ def parsed_curve(
         table.insert(0, (table[0][0], [str(1 + i) for i in range(len(table[0][1]))]))
     (first, header), *body = table
     where = f"{name}, line {first}"
-    below: list[str] = []
+    below = [""] * len(header)
     if body and any(_unit(cell) in STRESS_UNITS for cell in body[0][1]):
-        below = [_unit(cell) for cell in body.pop(0)[1]] + [""] * len(header)
+        below = [_unit(cell) for cell in body.pop(0)[1]] + below
     units = {"stress": stress_unit, "closure": closure_unit, "cycle": None}
-    columns: dict[str, tuple[int, str]] = {}
+    found: dict[str, tuple[int, str]] = {}
     for position, quantity in enumerate(_named(header, where, names)):
         if quantity not in _ALLOWED:
             continue
-        what = f"{where}: column {header[position]!r}"
-        if quantity in columns:
+        what, allowed = f"{where}: column {header[position]!r}", _ALLOWED[quantity]
+        if quantity in found:
             raise InputError(f"{what}: must be the only one of {quantity}")
         stated = _heading(header[position])[1]
-        if names is not None and stated not in _ALLOWED[quantity]:
+        if names is not None and stated not in allowed:
             stated = ""  # part of another heading, such as sigma_n
-        unit = stated or (below[position] if below else "") or units[quantity] or ""
-        unit = "" if quantity == "cycle" else unit
-        if unit not in _ALLOWED[quantity]:
+        unit = (stated or below[position] or units[quantity] or "") * (quantity != "cycle")
+        if unit not in allowed:
             usual = {"stress": "MPa", "closure": "mm"}[quantity]
             key = f"--{quantity}-unit ({quantity}_unit= in Python)"
             key = f"the key {quantity}_unit" if cycle is None else key  # of a study
             lacks = f"has no unit; write it in the heading ({quantity}_{usual}), or state {key}:"
             wrong = f"unit {unit!r} must be" if unit else lacks
-            raise InputError(f"{what}: {wrong} one of {', '.join(_ALLOWED[quantity])}")
-        columns[quantity] = position, unit
-    missing = [n for n in _ALLOWED if n not in columns and (n != "cycle" or cycle is None)]
+            raise InputError(f"{what}: {wrong} one of {', '.join(allowed)}")
+        found[quantity] = position, unit
+    missing = [n for n in _ALLOWED if n not in found and (n != "cycle" or cycle is None)]
     if missing:
-        others = "; --columns, or columns= in Python, names or numbers others"
+        others = "; --columns, or columns= in Python, names or numbers others" if cycle else ""
         raise InputError(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle"
-            f"{others if cycle else ''}); there are {', '.join(header)}"
+            f"{others}); there are {', '.join(header)}"
         )
-    columns = {quantity: columns[quantity] for quantity in _ALLOWED if quantity in columns}
+    columns = {quantity: found[quantity] for quantity in _ALLOWED if quantity in found}
     rows = []
     for number, cells in body:
         at = f"{name}, line {number}"

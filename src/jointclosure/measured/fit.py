@@ -63,10 +63,10 @@ class Fit(NamedTuple):
     simulated: Simulated
     likelihood: Likelihood
     assumed: str
-    closure_error: float = 0.02  # relative
-    curve: MeasuredCurve | None = None
-    scanned: bool = False
-    numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
+    closure_error: float  # relative
+    curve: MeasuredCurve
+    scanned: bool
+    numerical: Mapping[str, tuple[float, float]]  # as from `Joints.numerical_changes`
 
     @property
     def interval_holds(self) -> bool:

@@ -216,8 +216,6 @@ def validate(
 
     Parameters
     ----------
-    curve : path or MeasuredCurve
-        As for `jointclosure.fit`.
     strengths : (float, float), optional
         Ends of the range of compressive strengths [Pa], by default a third and twice that of the
         rock. Joints are closed at 4 of them and, for random walls, at 6 mismatch wavelengths from
@@ -231,26 +229,10 @@ def validate(
     numerics
         As for `jointclosure.simulate`; by default breakage is resolved to a tolerance of 5 %, which
         counts as an error of the joints. What it is of the nearest joints is determined besides.
-    cache : path, optional
-        Folder where closed joints are kept; a run with the same joints closes only what is missing.
-    workers : int, optional
-        Number of processes, by default that of the processors available to this process. It does
-        not affect the result.
     report : callable, optional
         Receives lines on what is assumed, on progress and on the remaining time.
-    **joint
-        Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read as a curve, or a number is out of its range.
-
-    Notes
-    -----
-    The region assumes that the model is right and that rock, roughness and size are known. Closures
-    of the model are net of the indentation of the half-spaces
-    (`jointclosure.joint.curves.read_along`).
+    curve, cache, workers, **joint
+        As for `jointclosure.fit`, which has the errors that are raised and what is assumed.
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
     measured, pair = given.measured, given.pair

@@ -84,8 +84,6 @@ def draw_measured(
             axes.fill_betweenx(
                 1e-6 * stresses, *ends, color=colour, alpha=0.25, lw=0.0, label=label
             )
-        if result.curve is None:
-            continue
         seating = result.measured.seating
         for branch, stress, closure in result.curve.since_seating(cycle, seating):
             if branch == LOADING:
