@@ -71,15 +71,18 @@ def intervals(
             values, value = 100.0 - values, 100.0 - value
         positive = bool((values[np.isfinite(values)] > 0.0).all()) and value > 0.0
         rows, spread = (np.log(values), spread / value) if positive else (values, spread)
-        count = np.maximum(np.isfinite(rows).sum(axis=1), 1)
-        number = np.arange(len(rows))
-        weights = np.exp(-0.5 * (number[:, None] - number) ** 2) * (count > 1)
+        nodes = np.flatnonzero(
+            np.isfinite(rows).any(axis=1)
+        )  # all joints of a node may have failed
+        rows, ends = rows[nodes], np.full((2, len(rows)), np.nan)
+        count = np.isfinite(rows).sum(axis=1)
+        weights = np.exp(-0.5 * (nodes[:, None] - nodes) ** 2) * (count > 1)
         weights /= weights.sum(axis=1, keepdims=True)
         mean, scatter = np.nanmean(rows, axis=1), np.nanvar(rows, axis=1)
         variance = weights @ np.nan_to_num(scatter * count / np.maximum(count - 1, 1))
         freedom = 1.0 / (weights**2 @ (1.0 / np.maximum(count - 1, 1)))
         factor = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)
         half = factor * np.sqrt(variance * (1.0 + 1.0 / count) + spread**2)
-        ends = np.stack([mean - half, mean + half])
+        ends[:, nodes] = mean - half, mean + half
         ends = np.exp(ends) if positive else ends
         yield one, *(100.0 - ends[::-1] if share else ends)

@@ -35,6 +35,8 @@ from jointclosure.walls import shifted
 
 CHECKED, FINER = 4, 5.0
 """Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""
+ADVICE = "check rock, roughness, roll-off, size and units"
+"""Advice where no joint is like the measured one."""
 
 
 class Later(NamedTuple):

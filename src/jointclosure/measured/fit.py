@@ -20,7 +20,7 @@ from jointclosure.measured.calibration import (
     Simulated,
     likelihood_of,
 )
-from jointclosure.measured.closing import Joints, Later, numerical_sentence
+from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics
@@ -32,7 +32,6 @@ STRENGTH_RANGE = (0.5, 2.0)
 """Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
 """Smallest p-value for which a mismatch wavelength explains the curve."""
-_CHECK = "check rock, roughness, roll-off, size and units"
 
 
 class Agreement(NamedTuple):
@@ -91,7 +90,7 @@ class Fit(NamedTuple):
         lines: list[str] = []
         if missed:
             which = f"no simulated joint has the measured {' or the '.join(missed)}"
-            lines.append(caution(f"{which}: the interval is that of the nearest joints; {_CHECK}"))
+            lines.append(caution(f"{which}: the interval is that of the nearest joints; {ADVICE}"))
         if not self.scanned:
             lines.append(f"mismatch wavelength {_stated(wavelength, 1e3, 'mm')}")
         if strength is not None:
@@ -152,7 +151,7 @@ class Fit(NamedTuple):
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         text = (
             f"the model does not explain this curve: {seldom} of its joints are as far "
-            f"from their mean, and no interval is valid; {_CHECK}"
+            f"from their mean, and no interval is valid; {ADVICE}"
         )
         if not missed and not all(one.first_loading for one in self.agreements()):
             text += (

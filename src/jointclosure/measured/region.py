@@ -28,7 +28,7 @@ from jointclosure.measured.calibration import (
     likelihood_of,
     logs_of,
 )
-from jointclosure.measured.closing import Joints, Later, numerical_sentence
+from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
@@ -41,7 +41,6 @@ WAVELENGTHS, STRENGTHS = 6, 4
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
 NEITHER = "neither"
-_CHECK = "check rock, roughness, roll-off, size and units"
 
 
 class Mechanism(NamedTuple):
@@ -160,7 +159,7 @@ class Region(NamedTuple):
         """Describe what is compatible, by mechanism, what is not, and what was assumed."""
         lines: list[str] = []
         if not any(map(self.compatible, self.mechanisms)):
-            lines.append(caution(f"none is compatible with all loadings of this curve; {_CHECK}"))
+            lines.append(caution(f"none is compatible with all loadings of this curve; {ADVICE}"))
         rows, quantities = self.table(), self.quantities()
         for mechanism in self.mechanisms:
             title = "no mechanism between loadings" if mechanism == NEITHER else mechanism
