@@ -75,13 +75,8 @@ class Likelihood(NamedTuple):
     strengths: np.ndarray
     log: np.ndarray  # (wavelengths, strengths)
     means: np.ndarray  # (wavelengths, strengths, readings), of logarithms
-    covariance: np.ndarray  # (wavelengths, readings, readings), of logarithms
+    scatter: np.ndarray  # (wavelengths, readings), standard deviations of logarithms
     p_values: np.ndarray  # (wavelengths, strengths), of as large a distance from the mean
-
-    @property
-    def scatter(self) -> np.ndarray:
-        """Standard deviations (wavelengths, readings) of logarithms."""
-        return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
     @property
     def best(self) -> tuple[int, int]:
@@ -223,24 +218,23 @@ def likelihood_of(
     residuals = logs - _terms(rows, varied) @ weights
     fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
     width = 1.0 / max(x.size - 1, 1)
-    log = np.empty((fine_x.size, fine_y.size))
-    distances, covariance = np.empty_like(log), np.empty((fine_x.size, size, size))
-    means = np.empty((*log.shape, size))
+    log, distances = np.empty((2, fine_x.size, fine_y.size))
+    means, scatter = np.empty((*log.shape, size)), np.empty((fine_x.size, size))
     for i, place in enumerate(fine_x):
         near = np.exp(-0.5 * ((rows[:, 0] - place) / width) ** 2)
         near /= near.sum()
         freedom = 1.0 / float(np.sum(near**2)) - 1.0
-        scatter = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
-        scatter += error**2 * np.eye(size)
+        covariance = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
+        covariance += error**2 * np.eye(size)
         means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y]), varied) @ weights
-        covariance[i] = scatter
+        scatter[i] = np.sqrt(np.diagonal(covariance))
         apart = np.log(measured.values) - means[i]
-        squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
+        squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(covariance), apart)
         half_sum = 0.5 * (freedom + size)
-        log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - half_sum * np.log1p(squares / freedom)
+        log[i] = -0.5 * np.linalg.slogdet(covariance)[1] - half_sum * np.log1p(squares / freedom)
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
     fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
-    return Likelihood(*fine, log, means, covariance, distances)
+    return Likelihood(*fine, log, means, scatter, distances)
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:

@@ -25,7 +25,6 @@ from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (
     CURVE_POINTS,
     joints_needed,
-    logs_of,
     readings_of_closures,
 )
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
@@ -88,10 +87,6 @@ class Joints(NamedTuple):
         closures = self._closed([(i, k) for k in range(surfaces) for i in range(wavelengths)])
         closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
-
-    def logs(self, closures: np.ndarray) -> np.ndarray:
-        """Return logarithms of the readings (..., n) of closures (..., cycles, 2, stresses) [m]."""
-        return logs_of(closures, self.stresses, self.asked.measured)
 
     def _closed(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
         """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].

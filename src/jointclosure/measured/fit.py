@@ -19,6 +19,7 @@ from jointclosure.measured.calibration import (
     Readings,
     Simulated,
     likelihood_of,
+    logs_of,
 )
 from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
@@ -223,14 +224,13 @@ def fit(
     measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
     fit_strength = fit_strength or pair is not None
     usual, surfaces = given.rock.compressive_strength, given.joint.surfaces
-    ends = [factor * usual for factor in (STRENGTH_RANGE if fit_strength else (1.0,))]
-    assumed = given.assumed(ends) + ("; only the first loading is fitted" if first_loading else "")
+    strengths = usual * (np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1))
+    assumed = given.assumed(np.unique(strengths[[0, -1]]).tolist())
+    assumed += "; only the first loading is fitted" if first_loading else ""
     if progress and pair is not None:
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
-    strengths = usual * factors
     joints = Joints(
         given, given.conditions(numerics), tuple(strengths.tolist()),
         (surfaces * strengths.size, surfaces, 1), (Later(),), cache, workers,
@@ -241,7 +241,8 @@ def fit(
     if simulated is None:
         closures = joints.closures()
         net = (closures - closures[..., :1, :1])[0]
-        simulated = Simulated(joints.logs(closures[0]), net, joints.stresses)
+        logs = logs_of(closures[0], joints.stresses, measured)
+        simulated = Simulated(logs, net, joints.stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")

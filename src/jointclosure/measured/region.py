@@ -256,7 +256,7 @@ def validate(
     error = math.hypot(given.joint.closure_error, numerical)
     compared: dict[Later, Likelihood] = {}
     left_out: list[str] = []
-    for later, logs in zip(laters, joints.logs(closures), strict=True):
+    for later, logs in zip(laters, logs_of(closures, joints.stresses, measured), strict=True):
         try:
             compared[later] = likelihood_of(measured, logs, wavelengths, tried, error)
         except InputError as reason:
