@@ -25,23 +25,31 @@ _CURVATURE, _SLOPE, _APPROACH, _DEPTH = 50.0, 0.05, 1e-6, 1e-3
 
 
 class Solution(NamedTuple):
-    """Heights [m] by the distance [m], and closure [m] and force [N] of a contact of `RADIUS`."""
+    """Exact solution for a contact of radius a = `RADIUS`; functions of the distance [m] of it."""
 
     heights: Callable[[np.ndarray], np.ndarray]
+    pressure: Callable[[np.ndarray], np.ndarray]  # within a
     closure: float
     force: float
 
 
-_CONE = 0.5 * np.pi * _SLOPE * RADIUS
+_HERTZ, _CONE = 2.0 * MODULUS * RADIUS * _CURVATURE / np.pi, 0.5 * np.pi * _SLOPE * RADIUS
 SOLUTIONS = {
     "sphere": Solution(
         lambda r: -0.5 * _CURVATURE * r**2,
+        lambda r: _HERTZ * np.sqrt(1.0 - (r / RADIUS) ** 2),
         _CURVATURE * RADIUS**2,
         4.0 / 3.0 * MODULUS * _CURVATURE * RADIUS**3,
     ),
-    "cone": Solution(lambda r: -_SLOPE * r, _CONE, 2.0 * MODULUS * _CONE**2 / (np.pi * _SLOPE)),
+    "cone": Solution(
+        lambda r: -_SLOPE * r,
+        lambda r: 0.5 * MODULUS * _SLOPE * np.arccosh(RADIUS / np.maximum(r, 1e-12 * RADIUS)),
+        _CONE,
+        2.0 * MODULUS * _CONE**2 / (np.pi * _SLOPE),
+    ),
     "flat punch": Solution(
         lambda r: np.where(r <= RADIUS, 0.0, -_DEPTH),
+        lambda r: MODULUS * _APPROACH / (np.pi * np.sqrt(RADIUS**2 - r**2)),
         _APPROACH,
         2.0 * MODULUS * RADIUS * _APPROACH,
     ),
@@ -49,21 +57,28 @@ SOLUTIONS = {
 """Johnson 1985, Eqs. (4.22) to (4.24), (5.10), (3.34) to (3.36)."""
 
 
-def error_of(solution: Solution, cells: int) -> float:
-    """Relative error of the force on a grid of so many cells in `RADIUS`."""
-    spacing, reach = RADIUS / cells, cells + cells // 2 + 2
-    x = spacing * np.arange(-reach, reach + 1)
+def errors_of(name: str, cells: int) -> tuple[float, float]:
+    """Relative errors of force, and of pressures in the middles of cells."""
+    solution, spacing = SOLUTIONS[name], RADIUS / cells
+    x = spacing * np.arange(-(cells + cells // 2 + 2), cells + cells // 2 + 3)
     distance = np.hypot(x, x[:, None])
     walls = solution.heights(distance), np.zeros(distance.shape)
-    about = {"closure": solution.closure, "effects": ELASTIC, "unusual_values": True}
-    result = equilibrium(*walls, spacing=spacing, rock=ROCK, **about)
+    result = equilibrium(
+        *walls, spacing=spacing, rock=ROCK, closure=solution.closure, effects=ELASTIC,
+        unusual_values=True,
+    )  # fmt: skip
     assert int(result.status) == 0
-    return float(result.force.sum()) / solution.force - 1.0
+    force, inside = result.force.values, distance < RADIUS
+    exact = np.zeros(force.shape)
+    exact[inside] = spacing**2 * solution.pressure(distance[inside])
+    total = float(force.sum())
+    return total / solution.force - 1.0, float(np.abs(force - exact).sum()) / solution.force
 
 
 @pytest.mark.parametrize("name", SOLUTIONS)
 def test_elastic_joints_converge_to_the_continuum_with_the_first_power_of_the_spacing(name):
-    errors = np.abs([error_of(SOLUTIONS[name], cells) for cells in (8, 16, 32)])
-    orders = np.log2(errors[:-1] / errors[1:])
+    force, pressure = zip(*(errors_of(name, cells) for cells in (8, 16, 32)), strict=True)
+    orders = np.log2(np.abs(force[:-1]) / np.abs(force[1:]))
     assert ((orders > 0.9) & (orders < 1.3)).all()
-    assert errors[-1] < 0.03
+    assert (np.diff(pressure) < 0.0).all()
+    assert abs(force[-1]) < 0.03

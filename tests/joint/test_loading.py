@@ -85,11 +85,13 @@ def lifted():
     return upper + OFFSET, lower
 
 
-@pytest.fixture(scope="module", params=SCENES)
+@pytest.fixture(
+    scope="module", params=[jc.Effects(gouge=False), ELASTIC], ids=["broken", "elastic"]
+)
 def observed(request):
-    """A joint, and the same one with flow and snapshots."""
+    """A joint, and the same one with flow and snapshots; what vanishes changes a wall's mean."""
     # without a bound of strength the second unloading breaks nothing, and is replayed
-    about = {"effects": SCENES[request.param], "strength_bound": "none", "cycles": 3}
+    about = {"effects": request.param, "strength_bound": "none", "cycles": 3}
     asked = {"flow": True, "snapshots": ASKED}
     return [joints.closed(lifted(), STRESS, **about, **more) for more in ({}, asked)]
 
