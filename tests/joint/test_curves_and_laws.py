@@ -11,6 +11,7 @@ from jointclosure.joint.curves import (
     GROSS,
     NET,
     area_of,
+    branch_of,
     closures_at,
     curve_table,
     cycle_table,
@@ -47,11 +48,6 @@ def closed():
 
 def on(table, cycle, branch):
     return table[(table.cycle == cycle) & (table.branch == branch)]
-
-
-def here(closed, cycle=1):
-    """The steps of a loading."""
-    return (closed.load_cycle.values == cycle) & (closed.branch.values == "loading")
 
 
 def following(law, *parameters):
@@ -237,7 +233,8 @@ def test_a_curve_that_bends_up_or_not_at_all_has_a_hyperbola_with_an_end(power):
 def test_chords_before_a_landing_know_nothing_of_it(closed):
     """A cubic through all steps would bring the stiffness of the landing into the chord before."""
     end = landing_stress(closed, 1)
-    kept = np.flatnonzero(here(closed) & (closed.normal_stress.values <= end))
+    first = branch_of(closed, 1, "loading")
+    kept = first[closed.normal_stress.values[first] <= end]
     levels = np.linspace(0.9 * end, end, 4)
     without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
     np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
@@ -246,8 +243,8 @@ def test_chords_before_a_landing_know_nothing_of_it(closed):
 def test_bulk_indentation_and_laws_end_at_the_same_landing(closed):
     end = np.array([landing_stress(closed, 1)])
     bulk = closures_at(closed, end, GROSS) - closures_at(closed, end, NET)
-    at_end = here(closed) & (closed.normal_stress.values == end)
-    assert bulk[0, 0, 0] == pytest.approx(closed.bulk_indentation.values[at_end][0])
+    at_end = np.flatnonzero(closed.normal_stress.values == end)[0]
+    assert bulk[0, 0, 0] == pytest.approx(closed.bulk_indentation.values[at_end])
     stress, fitted = law_curves(closed)[1, "loading"]
     closures = closures_at(closed, 1e6 * stress[[0, -1]], NET)[0, 0]
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])

@@ -1,10 +1,21 @@
-"""Closures and stresses read from a history of a few steps."""
+"""Closures and stresses read from the steps of a history; stiffnesses do not depend on the steps."""
+
+import itertools
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.joint.curves import crossing, unloading_excess, values_at_stresses
+import jointclosure as jc
+from jointclosure.engine.uncertainty import coarser
+from jointclosure.joint.curves import (
+    branch_of,
+    crossing,
+    net_responses,
+    unloading_excess,
+    values_at_stresses,
+)
+from tests.joints import SPACING, closed
 
 STRESS = np.array([0.0, 1.0, 3.0, 2.0, 4.0])
 CLOSURE = np.array([0.0, 10.0, 20.0, 30.0, 40.0])
@@ -55,3 +66,35 @@ def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
 def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
     closed = history([*up, *down], [*LOAD, *relief], [4, len(down)])
     np.testing.assert_allclose(unloading_excess(closed, [0.0, 0.0]), [excess, np.nan])
+
+
+LARGEST, USUAL = 10.27e6, jc.Numerics(breakage="resolved")
+
+
+@pytest.fixture(scope="module")
+def stiff_joints():
+    """Joints by the usual steps of resolved breakage, each with the same one by finer steps."""
+    pairs = []
+    for wavelength, strength in itertools.product((1.6e-3, 6e-3), (60e6, 173e6)):
+        about = {"mismatch_wavelength": wavelength, "roll_off": None}
+        walls = jc.wall_pair(8.0, (24, 24), SPACING, 1, **about)
+        given = {"rock": jc.Rock(11e9, 0.25, strength), "seating_stress": 0.257e6}
+        steps = USUAL, coarser(USUAL, 1.0 / 4.0)
+        pairs.append([closed(walls, LARGEST, numerics=numerics, **given) for numerics in steps])
+    return pairs
+
+
+def test_stiffness_and_closure_of_stiff_joints_are_those_of_finer_steps(stiff_joints):
+    for name, mean in (("stiffness_net", 0.03), ("max_closure_seated_net", 0.03)):
+        read = np.array([[net_responses(one)[name] for one in pair] for pair in stiff_joints])
+        ratios = read[:, 0] / read[:, 1]
+        np.testing.assert_allclose(ratios.mean(axis=0), 1.0, atol=mean)
+        assert ratios.std(axis=0).max() < 0.05
+
+
+def test_every_branch_has_steps_enough_for_a_chord(stiff_joints):
+    for usual, _ in stiff_joints:
+        for cycle in (1, 2):
+            for branch in ("loading", "unloading"):
+                stress = usual.normal_stress.values[branch_of(usual, cycle, branch)]
+                assert (stress > 0.5 * LARGEST).sum() >= 5

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.joint.curves import branch_of
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.walls.gridding import Scan
 from tests import joints
@@ -29,8 +30,7 @@ def closed(walls):
 
 def on(dataset, cycle, branch):
     """Closure and stress on one branch, its start included."""
-    here = np.flatnonzero((dataset.load_cycle.values == cycle) & (dataset.branch.values == branch))
-    here = np.concatenate([here[:1] - 1, here]) if here[0] > 0 else here
+    here = branch_of(dataset, cycle, branch)
     return dataset.closure.values[here], dataset.normal_stress.values[here]
 
 
