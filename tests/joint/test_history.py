@@ -1,4 +1,4 @@
-"""Closures and stresses read from the steps of a history; stiffnesses do not depend on the steps."""
+"""Closures and stresses read from steps of a history; stiffnesses do not depend on the steps."""
 
 import itertools
 
