@@ -1,5 +1,7 @@
 """What states the places of heights agrees and gives one wall, or is refused by its names."""
 
+from unittest.mock import patch
+
 import netCDF4
 import numpy as np
 import pytest
@@ -178,11 +180,15 @@ def test_heights_that_are_not_valid_by_the_cf_conventions_are_missing(bounds, pa
     np.testing.assert_allclose(np.nan_to_num(scan.heights[0]), 1e-3 * heights[0], atol=6e-7)
 
 
-def test_of_a_matlab_file_only_a_large_array_that_is_needed_is_refused(tmp_path, monkeypatch):
+def test_of_a_matlab_file_only_what_is_needed_is_loaded(tmp_path, monkeypatch):
     large = np.zeros((60, 1000))
     content = {"Z_mm": WALL, "h_mm": 0.3, "other": large}
     scipy.io.savemat(tmp_path / "a.mat", content, do_compression=True)
     monkeypatch.setattr(contents, "LARGEST_ARRAY", 100_000)
-    np.testing.assert_allclose(read_scan(tmp_path / "a.mat", variable="Z_mm").heights, 1e-3 * WALL)
-    with pytest.raises(jc.InputError, match="60 x 1000 values of 8 bytes: must be at"):
-        read_scan(tmp_path / "a.mat", variable="other")
+    with patch("scipy.io.loadmat", wraps=scipy.io.loadmat) as load:
+        scan = read_scan(tmp_path / "a.mat", variable="Z_mm")
+        with pytest.raises(jc.InputError, match="60 x 1000 values of 8 bytes: must be at"):
+            read_scan(tmp_path / "a.mat", variable="other")
+    np.testing.assert_allclose(scan.heights, 1e-3 * WALL)
+    loaded = [name for call in load.call_args_list for name in call.kwargs["variable_names"]]
+    assert sorted(loaded) == ["Z_mm", "h_mm"]
