@@ -71,9 +71,7 @@ def intervals(
             values, value = 100.0 - values, 100.0 - value
         positive = bool((values[np.isfinite(values)] > 0.0).all()) and value > 0.0
         rows, spread = (np.log(values), spread / value) if positive else (values, spread)
-        nodes = np.flatnonzero(
-            np.isfinite(rows).any(axis=1)
-        )  # all joints of a node may have failed
+        nodes = np.flatnonzero(np.isfinite(rows).any(axis=1))  # where not all joints failed
         rows, ends = rows[nodes], np.full((2, len(rows)), np.nan)
         count = np.isfinite(rows).sum(axis=1)
         weights = np.exp(-0.5 * (nodes[:, None] - nodes) ** 2) * (count > 1)
