@@ -186,11 +186,6 @@ class Assessment:
     def _cycles(self) -> list[int]:
         return sorted(self._compared.cycle.unique())
 
-    @property
-    def _judged(self) -> list[tuple[int, str]]:
-        """Cycles and closures to which the request applies."""
-        return list(itertools.product(self._cycles, JUDGED))
-
     def _paired(
         self, variants: Sequence[str], cycle: int, quantity: str
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -260,10 +255,9 @@ class Assessment:
     def _of_joint(self) -> str:
         """Say which setting a lone joint needs, or what the budget buys."""
         *cheaper, finest = self.ladder
-        budget, seconds, judged = self.budget, self._seconds, self._judged
-        errors = {
-            name: max(self._apart((name, finest), *at).most for at in judged) for name in cheaper
-        }
+        budget, seconds = self.budget, self._seconds
+        rows = self.differences[self.differences.quantity.isin(JUDGED)]
+        errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
         limited, limit = (errors, self.within) if budget is None else (seconds, budget)
         allowed = [name for name in cheaper if limited[name] <= limit]
         takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
@@ -308,7 +302,7 @@ class Assessment:
         finest, plans = self.ladder[-1], list[Plan | None]()
         cost = float(self._seconds[name])
         both = cost + float(self._seconds[finest]) if name != finest else 0.0
-        for at in self._judged:
+        for at in itertools.product(self._cycles, JUDGED):
             cheap, best = self._paired((name, finest), *at)
             if best.size > 1:
                 first, second = (

@@ -1,12 +1,10 @@
 """Uncertainty budget of a joint: ranges of its results, and the share of each source in them.
 
 The change of a result is expected to be the sum of its changes with each source varied alone.
-Joints depart from it, because sources act together, breakage takes another order, and errors of the
-scans are random. The departures are those of joints that were closed with random values of all
-sources. The range is between the 5 and 95 % quantiles of the expected changes for further random
-values, which need no closures, with each of these departures: the sum is a control variate, with
-which few closures suffice. Values are propagated as in JCGM 101:2008. Changes of positive results
-are changes of logarithms, because the model's open choices act as factors.
+The departures from it are those of joints that were closed with random values of all sources. The
+range is between the 5 and 95 % quantiles of the expected changes for further random values, which
+need no closures, with each of these departures: the sum is a control variate (JCGM 101:2008).
+Changes of positive results are those of logarithms, as the model's open choices act as factors.
 
 The share of a source is its total index: the part of the variance that it takes part in, alone or
 together with others (Homma & Saltelli 1996). Variances of random sources are those among their
@@ -133,7 +131,7 @@ class Budget(NamedTuple):
         cycles = self.ranges.index.unique("cycle")
         lines = [
             f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources in the range, interactions "
-            f"included: {self.shares_text(cycle, closure)}"
+            f"included: {self._shares(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
         for quantity in (closure, STIFFNESS):
@@ -173,8 +171,8 @@ class Budget(NamedTuple):
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
         """Describe a joint whose best value is at the edge of those of random inputs."""
-        of_all = self.results[(self.results.source == ALL) & (self.results.cycle == cycle)]
-        drawn = of_all[quantity].dropna()
+        of_all = self.results.source == ALL
+        drawn = self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
         best = self.ranges.loc[(cycle, quantity), "best"]
         below = (drawn < best).mean() if len(drawn) else 0.5
         if OUTLYING <= below <= 1.0 - OUTLYING:
@@ -215,7 +213,7 @@ class Budget(NamedTuple):
         values = self.results.loc[self.results.cycle == cycle, quantity].dropna()
         return values.empty or bool((values.abs() > ROUNDING).any())
 
-    def shares_text(self, cycle: int, quantity: str) -> str:
+    def _shares(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
@@ -279,11 +277,11 @@ def _range_of(
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
     factors = bool((np.nanmin(known) if least is None else least) > 0.0)
-    shared = next((name for name in sources if sources[name].kind == SHARED), None)
-    from_all = best if shared is None or np.isnan(values[shared][0]) else values[shared][0]
+    shared = next((name for name in sources if sources[name].kind == SHARED), "")
+    by_shared = values[shared][0] if shared else best
     changes = {}
     for name, of_source in values.items():
-        from_here = best if name == shared else from_all
+        from_here = best if name == shared or np.isnan(by_shared) else by_shared
         changes[name] = np.log(of_source / from_here) if factors else of_source - from_here
     drawn = changes.pop(ALL)
     expected, of_further = (

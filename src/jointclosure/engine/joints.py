@@ -22,8 +22,7 @@ from jointclosure.walls.plausibility import doubts
 
 NOT_SIMULATED = np.int16(2 * max(FLAGS))
 """Status bit of a joint that could not be closed; its ``error`` states the reason."""
-Row = dict[str, Any]
-"""Quantities of a joint by name; a failed joint has only those of effort."""
+Row = dict[str, Any]  # quantities of a joint by name; a failed joint has only those of effort
 
 
 class Reading(NamedTuple):

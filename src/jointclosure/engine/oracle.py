@@ -12,18 +12,12 @@ import numpy as np
 from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.special import hyp2f1
 
-_CHUNK = 500
-"""Number of rows of the dense influence matrix that are computed at a time."""
-_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
-"""The eight cells around a cell."""
+_CHUNK = 500  # rows of the dense influence matrix that are computed at a time
+_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])  # the eight cells around a cell
 
 
 class Joint(NamedTuple):
-    """Joint: pristine walls (y, x) [m], spacing [m], rock, effects, choices.
-
-    ``effects`` and ``choices`` are read by the names of `jointclosure.parameters`. The walls are
-    those before any loading.
-    """
+    """Walls (y, x) [m] before any loading, spacing [m], rock, effects and choices of a joint."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -34,9 +28,8 @@ class Joint(NamedTuple):
 
 
 class State(NamedTuple):
-    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N].
-
-    ``crushed`` are pairs (y, x) whose rock was crushed before this loading.
+    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N],
+    and pairs (y, x) whose rock was crushed before this loading.
     """
 
     upper: np.ndarray
@@ -185,10 +178,7 @@ def forces_of_overlaps(overlap, compliance, substrate):
 
 
 def slopes_of_forces(force, compliance, substrate):
-    """Compute dF/d(delta_S) (n,) [N/m] of contacts at forces (n,), as in `forces_of_overlaps`.
-
-    0 if the force is 0 or infinite.
-    """
+    """Compute dF/d(delta_S) (n,) [N/m] of contacts at forces (n,); 0 if those are 0 or infinite."""
     root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)
     stiff = 3 * substrate * root + 2 * compliance
@@ -285,10 +275,8 @@ def volume_change(before, after):
 
 
 def raised(before, after, gouge):
-    """Return the rise of a wall that nothing can cause, over its height range.
-
-    With gouge it is that of the highest cell, because gouge raises no cell above the one from which
-    it came; without gouge it is that of any cell.
+    """Return the rise of a wall that nothing can cause, over its height range: that of any cell, or
+    of the highest with gouge, which raises no cell above the one from which it came.
     """
     rise = float(after.max() - before.max() if gouge else (after - before).max())
     if rise <= 0.0:

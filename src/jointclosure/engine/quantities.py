@@ -205,11 +205,6 @@ def _largest_jump(joint: ClosedWalls) -> float:
     return max(shares)
 
 
-def _stress_over_strength(joint: ClosedWalls) -> float:
-    weaker = min(rock.compressive_strength for rock in both_walls(joint.conditions.rock))
-    return joint.conditions.largest_stress / weaker
-
-
 def _oracle_ratio(joint: ClosedWalls) -> float:
     """Return the oracle's largest number over its limit, at the first maximum.
 
@@ -326,7 +321,8 @@ QUANTITIES: dict[str, Quantity] = {
         lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),
     "stress_over_strength": Quantity(
         "maximum stress over the compressive strength of the weaker rock", "1", (),
-        _stress_over_strength),
+        lambda joint: joint.conditions.largest_stress / min(
+            rock.compressive_strength for rock in both_walls(joint.conditions.rock))),
     "oracle_ratio": Quantity(
         "largest number of the oracle over its limit, at the first maximum", "1", (),
         _oracle_ratio),

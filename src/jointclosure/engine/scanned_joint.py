@@ -181,7 +181,9 @@ def close(
 
     remark(pair.report, () if stated.unusual_values else pair.warnings)
     if progress:
-        print(_described(pair, of_pair, name))
+        ny, nx = pair.upper.shape
+        cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
+        print(f"{rock_text(of_pair.rock, name)}; {cells}: {of_pair.load_text()}")
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
     errors = None if single else pair.errors
     if errors and errors.noise[1] > 0.0:
@@ -199,7 +201,8 @@ def close(
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
         history = close_walls(pair.upper, pair.lower, of_pair, watch, kept)
     if pair.holes.any():
-        history, about = _force_in_holes(pair, history, snapshots)
+        about = _force_in_holes(pair, history)
+        history = with_snapshots(history, snapshots)
         pair = pair._replace(report=[*pair.report, *about])
         remark(about, () if stated.unusual_values else cautions(about))
     joint = ClosedJoint(pair, history, of_pair, name)
@@ -219,19 +222,16 @@ def close(
     return joint._replace(budget=budget)
 
 
-def _force_in_holes(
-    pair: RegisteredPair, history: xr.Dataset, snapshots: Sequence[float]
-) -> tuple[xr.Dataset, list[str]]:
-    """State the force on holes at the highest stress, and leave out what was kept only for it."""
-    about = []
-    if history.sizes["snapshot"]:  # a joint that failed may have reached none
-        highest = history.snapshot_stress.values.argmax()
-        force = history.snapshot_force.values[highest]
-        share = 100.0 * force[pair.holes].sum() / force.sum()
-        stress = 1e-6 * float(history.snapshot_stress[highest])
-        words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
-        about = [caution(words) if share > 0.0 else words]
-    return with_snapshots(history, snapshots), about
+def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:
+    """State the force on holes at the highest stress that was reached."""
+    if not history.sizes["snapshot"]:  # a joint that failed may have reached none
+        return []
+    highest = history.snapshot_stress.values.argmax()
+    force = history.snapshot_force.values[highest]
+    share = 100.0 * force[pair.holes].sum() / force.sum()
+    stress = 1e-6 * float(history.snapshot_stress[highest])
+    words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
+    return [caution(words) if share > 0.0 else words]
 
 
 def registered_walls(
@@ -261,13 +261,6 @@ def registered_walls(
     )
     with naming(" and ".join(names)):
         return registered(above, below, spacing, **options)
-
-
-def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
-    """Describe rock, cells and load of a joint in a line."""
-    ny, nx = pair.upper.shape
-    rock = rock_text(conditions.rock, rock_name)
-    return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {conditions.load_text()}"
 
 
 def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:

@@ -1,14 +1,11 @@
 """Selection of the effects that a scene needs, which loses little time if all matter.
 
-1. A pair of walls is closed with all effects: a realisation, which need not be closed again if all
-   act. It shows what need not be tested (`Pilot.screened`).
-2. Its final walls are closed elastically with and without interaction. As nothing breaks, this
-   shows what interaction does without the chance of breakage, by which single joints differ. It is
-   the prior mean of the change, with the scatter of `PRIORS`. Other effects have no prior.
-3. Pairs that are closed with and without an effect update it (normal prior and normal data, whose
-   variance is estimated). A pair is closed if it costs less than a part of what it may save
-   (`PART`), and if no more than `LOSS` is expected to be lost should the effect act. One pair
-   confirms what frozen walls show, and its cost, whatever may be lost.
+1. A pair of walls is closed with all effects; it shows what need not be tested (`Pilot.screened`).
+2. Its final walls, where nothing breaks, are closed with and without interaction. This is the prior
+   mean of the change, with the scatter of `PRIORS`. Other effects have no prior.
+3. Pairs closed with and without an effect update it (normal prior and data), if they cost less than
+   a part of what they may save (`PART`), and no more than `LOSS` is expected to be lost should the
+   effect act. One pair confirms what frozen walls show, whatever may be lost.
 
 Effects are left out if, with a probability of `ENOUGH`, this changes the mean of no `JUDGED`
 closure by more than the tolerance. The other quantities are reported.

@@ -1,13 +1,13 @@
 """Closures of a joint in which what the model leaves open has other values.
 
-Each source of uncertainty is varied alone: to each end of its range, or by random draws of the
-errors of the scans. Then 16 joints are closed in which every source has a random value, drawn as a
-Latin hypercube (McKay, Beckman & Conover 1979). Random numbers of a source do not depend on the
-other sources. With resolved breakage all variants have twice the tolerance, which halves their time
-and hardly changes what a source does. `jointclosure.engine.budget` makes a range of the results.
+Each source of uncertainty is varied alone, then all together: 16 joints have random values, drawn
+as a Latin hypercube (McKay, Beckman & Conover 1979). Random numbers of a source do not depend on
+the other sources. With resolved breakage all variants have twice the tolerance, which halves their
+time and hardly changes what a source does.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,8 +118,9 @@ def sources_of(
     """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
     _check_ranges(conditions, ranges)
     effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
-    sources = {}
-    step = _coarser(conditions.grid_spacing, ranges)
+    sources, step = {}, COARSER
+    if "spacing" in ranges:
+        step = round(ranges["spacing"][1] / conditions.grid_spacing)
     if min(shape) >= 8 * step:
         sources["spacing"] = Source((1, step))
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
@@ -210,13 +211,18 @@ def uncertainty_budget(
     """
     conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges, errors)
-    variants = list(variants_of(conditions, sources))
+    variants = [Variant("", "", conditions), *variants_of(conditions, sources)]
     closed = close_walls(upper, lower, conditions) if closed is None else closed
     levels = stress_levels(closed)
     known = stress_table(closed, levels)
 
-    def tables_of(variant: Variant, joint: xr.Dataset | None) -> tuple[pd.DataFrame, pd.DataFrame]:
+    def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the rows of a variant, and its curves; values are unknown if it failed."""
+        joint = None if variant.source else closed
+        with suppress(InputError):  # such as more steps than the numerics allow
+            if joint is None:
+                walls = variant.walls(upper, lower, errors)
+                joint = close_walls(*walls, variant.conditions, going_on)
         status = -1 if joint is None else int(joint.status)
         if joint is None or status >= FAILURE:
             rows = pd.DataFrame({"cycle": known.cycle.unique()})
@@ -228,19 +234,11 @@ def uncertainty_budget(
         about = {"source": variant.source, "value": variant.value, "status": status}
         return rows.assign(**about), curves.assign(source=variant.source)
 
-    def closed_tables(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
-        try:
-            walls = variant.walls(upper, lower, errors)
-            return tables_of(variant, close_walls(*walls, variant.conditions, going_on))
-        except InputError:  # such as more steps than the numerics allow
-            return tables_of(variant, None)
-
-    first = tables_of(Variant("", "", conditions), closed)
-    answers, threads = {-1: first}, threads_for(upper.size, workers)
-    for at, answer in in_threads(closed_tables, variants, threads):
+    answers = {}
+    for at, answer in in_threads(tables_of, variants, threads_for(upper.size, workers)):
         answers[at], name = answer, variants[at].source
-        report((len(answers) - 1) / len(variants), TITLES.get(name, name))
-    rows, curves = zip(*(answers[at] for at in sorted(answers)), strict=True)
+        report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
+    rows, curves = zip(*(answers[at] for at in range(len(variants))), strict=True)
     results = pd.concat(rows, ignore_index=True)
     exact = "registration", *acting(both_walls(conditions.rock)[0])
     omitted = tuple(name for name in exact if name not in sources)
@@ -268,7 +266,14 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
             raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
         if name in OF_ROCK and first != second:
             raise InputError(f"ranges: {name}: both walls must be of one rock")
-        if name == "spacing":  # `_coarser` checks it
+        if name == "spacing":
+            grid = conditions.grid_spacing
+            if round(ends[1] / grid) < 2 or not np.isclose(ends[0], grid, rtol=1e-3):
+                raise InputError(
+                    f"ranges: spacing_mm = {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g}: must begin "
+                    f"at the spacing of the joint's grid, {1e3 * grid:.4g} mm, which is the "
+                    "finest, and end at least at twice of it"
+                )
             continue
         given = first if name in OF_ROCK else conditions.choices
         for end in ends:
@@ -281,18 +286,3 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
                 f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
                 f"{joint:g}"
             )
-
-
-def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:
-    """Return the spacing of the coarser grid over that of the joint."""
-    if "spacing" not in ranges:
-        return COARSER
-    low, high = ranges["spacing"]
-    step = round(high / spacing)
-    if step < 2 or not np.isclose(low, spacing, rtol=1e-3):
-        raise InputError(
-            f"ranges: spacing_mm = {1e3 * low:.4g} to {1e3 * high:.4g}: must begin at the spacing "
-            f"of the joint's grid, {1e3 * spacing:.4g} mm, which is the finest, and end at least "
-            "at twice of it"
-        )
-    return step

@@ -21,12 +21,14 @@ WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
 KINDS = {"net": NET, "gross": GROSS}  # in names of columns
 
 
-def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
-    """Read a variable at each step of a history (steps,), by default the net closure.
+def read_along(history: xr.Dataset, of: str | np.ndarray = NET) -> np.ndarray:
+    """Return a variable by name, or given values, at each step (steps,); by default net closure.
 
     It is the gross one less the displacement of the half-spaces under the loaded patch as a whole
     (docs/model.md, "Interaction"), as laboratories report it.
     """
+    if isinstance(of, np.ndarray):
+        return of
     if of == NET:
         return history.closure.values - history.bulk_indentation.values
     return history[of].values
@@ -229,11 +231,6 @@ def has_flow(history: xr.Dataset) -> bool:
     return "hydraulic_aperture" in history
 
 
-def mean_hydraulic(history: xr.Dataset, of: str = "hydraulic_aperture") -> np.ndarray:
-    """Return the geometric mean (n,) of the hydraulic apertures along x and y [m]."""
-    return np.sqrt(history[of].prod("direction", skipna=False).values)
-
-
 def _flow_columns(history: xr.Dataset) -> dict[str, np.ndarray]:
     """Return hydraulic apertures (steps,) and ratios to the mean aperture; {} without flow."""
     columns: dict[str, np.ndarray] = {}
@@ -309,7 +306,7 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 
-def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
+def closures_at(history: xr.Dataset, levels: np.ndarray, of: str | np.ndarray = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa]."""
     closures = np.full((int(history.load_cycle.max()), 2, levels.size), np.nan)
     for (index, side), here in _branches(history, len(closures)):
@@ -360,9 +357,8 @@ def secant_stiffness(
 def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Compute the stiffness (cycles, 2, levels) [Pa/m] at stresses [Pa], which rises with them.
 
-    It is the slope of the concave curve nearest to the closure over stress, as the slope of the
-    closure itself goes up and down where contacts break. Beyond the former maximum there is another
-    curve.
+    It is the slope of the concave curve nearest to the closure over stress, as that of the closure
+    itself goes up and down where contacts break; of another one beyond the former maximum.
     """
     fine = np.linspace(levels[0], levels[-1], POINTS + 1)
     closures = closures_at(history, fine, of)
@@ -413,12 +409,13 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
     columns["mean_aperture_mm"] = 1e3 * closures_at(history, levels, "mean_aperture")
     if has_flow(history):
-        known, most = mean_hydraulic(history), mean_hydraulic(history, "largest_hydraulic")
-        known = np.where(np.isfinite(known), known, most)
-        means = {"largest_hydraulic": most, "hydraulic_aperture": known}
-        flows = history.assign({f"{name}_mean": ("step", mean) for name, mean in means.items()})
-        read = {n: np.maximum(closures_at(flows, levels, f"{n}_mean"), 0.0) for n in means}
-        columns |= {f"{name}_mm": 1e3 * values for name, values in read.items()}
+        names = ("largest_hydraulic", "hydraulic_aperture")  # geometric means along x and y
+        products = (history[name].prod("direction", skipna=False).values for name in names)
+        most, known = map(np.sqrt, products)
+        for name, mean in zip(
+            names, (most, np.where(np.isfinite(known), known, most)), strict=True
+        ):
+            columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(history, levels, mean), 0.0)
     index = pd.MultiIndex.from_product(
         [range(1, begun + 1), BRANCHES, 1e-6 * levels],
         names=["cycle", "branch", "normal_stress_MPa"],

@@ -228,10 +228,7 @@ def acting(rock: Rock) -> list[str]:
 def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks."""
     pair = (rock, rock) if isinstance(rock, Rock) else rock
-    if (
-        not isinstance(pair, tuple | list)
-        or [isinstance(wall, Rock) for wall in pair] != [True] * 2
-    ):
+    if not isinstance(pair, tuple | list) or [type(wall) for wall in pair] != [Rock, Rock]:
         raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
     for wall in pair:
         check_rock(wall)

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TextIO
 
-SHOWN = "jointclosure: "
-"""Prefix of lines on standard error that are for the user."""
+SHOWN = "jointclosure: "  # prefix of lines on standard error that are for the user
 
 
 class Logbook:

@@ -12,8 +12,7 @@ from jointclosure.storage.files import atomically, check_seal, seal
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
-Place = dict[str, slice | int]
-"""Position of a region in a dataset by dimension."""
+Place = dict[str, slice | int]  # position of a region in a dataset by dimension
 
 
 def write_netcdf(
