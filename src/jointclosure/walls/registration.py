@@ -289,7 +289,7 @@ def _fitted(
         if clear := best.correlation >= CLEAR * max(second.correlation, 0.0):
             break
     of_orientation = {fit.orientation: fit for fit in reversed(tried)}  # the best of each
-    fits = sorted(of_orientation.values(), key=tried.index)
+    fits = [fit for fit in tried if fit is of_orientation[fit.orientation]]
     if not clear and orientation is None:
         raise InputError(
             f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
