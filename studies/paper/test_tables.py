@@ -23,15 +23,7 @@ from studies.paper import needs  # noqa: F401
 from studies.paper.closures import max_closure_table
 from studies.paper.layout import case_table, rock_table, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
-from studies.paper.report.content import (
-    STAYS,
-    Material,
-    content,
-    departures,
-    headline,
-    most_sensitive,
-    setting_rows,
-)
+from studies.paper.report import content as report
 from studies.paper.responses import (
     Covariates,
     as_dataset,
@@ -105,12 +97,12 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
     tables = {"max_closure": max_closure_table(study), "checks": checks}
     paper, schema = read_csv(PAPER_TABLE_3), json_schema(model())
-    shown = content(Material(study, tables, paper, DEFAULT, schema, {}))
+    shown = report.content(report.Material(study, tables, paper, DEFAULT, schema, {}))
     row = shown["frames"]["in_short"].iloc[0, 1:]
     base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
     assert row["Net closure since seating, cycle 2 (mm)"] == base.max_closure_seated_net_mean_mm[2]
     stays = base.residual_closure_seated_net_mean_mm[1] / base.max_closure_seated_net_mean_mm[1]
-    assert row[STAYS] == pytest.approx(100.0 * stays)
+    assert row[report.STAYS] == pytest.approx(100.0 * stays)
     case = study.sel(case="slate-base", cycle=1)
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
@@ -118,9 +110,9 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
 
 def test_settings_that_differ_from_the_papers_are_found():
     schema = json_schema(model())
-    assert departures(setting_rows(DEFAULT, DEFAULT, schema)) == []
-    rows = setting_rows(KEYS, DEFAULT, schema)
-    found = departures(rows)
+    assert report.departures(report.setting_rows(DEFAULT, DEFAULT, schema)) == []
+    rows = report.setting_rows(KEYS, DEFAULT, schema)
+    found = report.departures(rows)
     assert {"study.realizations", "rocks.granite.jrc"} <= set(found)
     assert not any(key.startswith("rocks.slate") for key in found)
     assert not any(key.startswith("rocks.dolerite") for key in rows.key)  # not in the study
@@ -143,9 +135,9 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
         for name, value in (("youngs_modulus", modulus), ("compressive_strength", 0.6))
     ]
     table = pd.DataFrame(rows).assign(elasticity_standard_error=error)
-    assert most_sensitive(table, "youngs_modulus") == verdict
+    assert report.most_sensitive(table, "youngs_modulus") == verdict
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
-    assert headline(table) == about
+    assert report.headline(table) == about
 
 
 # Covariates belong to the joints that were closed, and are alike in all cases of a study

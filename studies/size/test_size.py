@@ -6,21 +6,7 @@ import xarray as xr
 
 from jointclosure.joint.laws import barton_bandis
 from jointclosure.walls.roughness import rms_slope, z2_of_jrc
-from studies.size.study import (
-    EXPERIMENT,
-    GEOMETRY,
-    READ,
-    barton_bandis_table,
-    centred,
-    collapse_of,
-    collapse_table,
-    exponent_table,
-    runs_of,
-    scaled_to,
-    size_table,
-    sizes_of,
-    spreads,
-)
+from studies.size import study as scale
 from tests.studied import study_of, tiny
 
 TINY = tiny("size")
@@ -30,7 +16,7 @@ ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 def points_of(spectrum, patch, spacing, **study):
     """Points of patches of a size, by their position."""
-    jobs = EXPERIMENT.design(study_of(TINY, {"study": study})).jobs()
+    jobs = scale.EXPERIMENT.design(study_of(TINY, {"study": study})).jobs()
     return [
         point
         for point in jobs[f"slate.{spectrum}"]
@@ -45,7 +31,7 @@ def walls_of(point):
 
 @pytest.fixture(scope="module")
 def run(joints):
-    return runs_of(joints, list(ROLL_OFFS))["slate"]
+    return scale.runs_of(joints, list(ROLL_OFFS))["slate"]
 
 
 def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
@@ -66,7 +52,7 @@ def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
 
 
 def test_ratios_are_of_pairs_of_the_same_walls(run):
-    table = size_table({"slate": run}, BASE)
+    table = scale.size_table({"slate": run}, BASE)
     row = table[
         (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
     ].iloc[0]  # fmt: skip
@@ -90,8 +76,8 @@ def power_law(power, bend=0.0, surfaces=6):
     size = np.log(patch / patch[0])[None, :, None, None, None]
     scatter = np.exp(1e-3 * random.standard_normal((2, 3, 2, 1, surfaces)))
     values = 1e-4 * own * scatter * np.exp(power * size + bend * size**2)
-    geometry = {name: (over, 1e-4 * np.exp(0.5 * size) * scatter) for name in GEOMETRY}
-    readings = {name: ((*over, "cycle"), np.stack([values, values], -1)) for name in READ}
+    geometry = {name: (over, 1e-4 * np.exp(0.5 * size) * scatter) for name in scale.GEOMETRY}
+    readings = {name: ((*over, "cycle"), np.stack([values, values], -1)) for name in scale.READ}
     return xr.Dataset(
         readings | geometry | {"status": (over, 0.0 * values)},
         coords={"spectrum": list(ROLL_OFFS), "patch": patch, "spacing": spacing, "cycle": [1, 2]},
@@ -99,12 +85,12 @@ def power_law(power, bend=0.0, surfaces=6):
 
 
 def test_an_exponent_is_found_and_what_is_no_power_is_told():
-    table = exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
+    table = scale.exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
     straight = table[(table.reading == "max_closure") & (table.of == "patch")]
     assert straight.exponent.values == pytest.approx(0.7, abs=4 * straight.error.max())
     assert (straight.error < 0.01).all()
     assert (straight.p > 1e-3).all()
-    bent = exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
+    bent = scale.exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
     bent = bent[(bent.reading == "max_closure") & (bent.of == "patch")]
     # the slope of size^2 between neighbours rises by 2 ln 2 times the bend
     assert bent.change.values == pytest.approx(0.2 * np.log(2.0), abs=0.01)
@@ -112,7 +98,7 @@ def test_an_exponent_is_found_and_what_is_no_power_is_told():
 
 
 def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
-    table = collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
+    table = scale.collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
     table = table[(table.reading == "max_closure") & (table.cycle == 1)].set_index(
         ["between", "scaling"]
     )
@@ -129,11 +115,11 @@ def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_pa
 
 
 def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
-    jrc, strength = scaled_to(0.4, 10.0, 100e6, 0.1)
+    jrc, strength = scale.scaled_to(0.4, 10.0, 100e6, 0.1)
     assert jrc == pytest.approx(10.0 * 4.0**-0.2)
     assert strength == pytest.approx(100e6 * 4.0**-0.3)
-    assert scaled_to(0.1, 10.0, 100e6, 0.1) == (10.0, 100e6)
-    table = barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
+    assert scale.scaled_to(0.1, 10.0, 100e6, 0.1) == (10.0, 100e6)
+    table = scale.barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
     row = table[(table.reading == "kni_net") & (table.to_mm == 6) & (table.cycle == 1)].iloc[0]
     small = barton_bandis(6.5, 159e6, 1.5, 1)
     large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1)
@@ -144,7 +130,7 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
 
 def test_what_is_too_many_cells_is_not_closed(run):
     sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
-    assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
+    assert list(scale.sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
     closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
     assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
 
@@ -162,7 +148,7 @@ def made_up(surfaces, noise, power=0.7, extra=0.0, seed=1):
     response = (power * size + extra * other)[:, None] + own + scatter
     groups = np.zeros(9)
     predictor = np.broadcast_to(size[:, None], response.shape)[np.newaxis]
-    return centred(predictor, groups), centred(response, groups)
+    return scale.centred(predictor, groups), scale.centred(response, groups)
 
 
 def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
@@ -170,8 +156,8 @@ def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
     for seed in range(40):
         random = np.random.default_rng(100 + seed)
         predictors, response = made_up(8, 0.05, power=0.0, extra=0.1, seed=seed)
-        noise = centred(random.standard_normal((5, *response.shape)), np.zeros(9))
-        before, after = spreads(np.concatenate([predictors, noise]), response)
+        noise = scale.centred(random.standard_normal((5, *response.shape)), np.zeros(9))
+        before, after = scale.spreads(np.concatenate([predictors, noise]), response)
         removed.append(1.0 - after / before)
     mean, error = np.mean(removed), np.std(removed) / np.sqrt(len(removed))
     assert mean < 2.0 * error
@@ -181,13 +167,13 @@ def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
 def test_errors_of_the_exponent_cover_it():
     held = []
     for seed in range(60):
-        found = collapse_of(*made_up(8, 0.2, seed=seed))
+        found = scale.collapse_of(*made_up(8, 0.2, seed=seed))
         held.append(abs(found.exponents[0] - 0.7) < 2.36 * found.errors[0])  # t of 7 degrees
     assert np.mean(held) > 0.85
 
 
 def test_the_spread_is_free_of_the_noise_of_its_means():
-    squares = [spreads(*made_up(8, 0.5, power=0.3, seed=seed))[0] for seed in range(200)]
+    squares = [scale.spreads(*made_up(8, 0.5, power=0.3, seed=seed))[0] for seed in range(200)]
     true = np.mean((0.3 * np.log([0.5, 1.0, 2.0])) ** 2)
     error = np.std(squares) / np.sqrt(len(squares))
     assert abs(np.mean(squares) - true) < 3.0 * error

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from jointclosure.statistics import verdicts
 from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
@@ -12,14 +13,6 @@ from jointclosure.statistics.standard_errors import (
     ratio_of_means,
     rounded,
     variation_of,
-)
-from jointclosure.statistics.verdicts import (
-    FALLS,
-    NO_DIFFERENCE,
-    STANDS,
-    UNDECIDED,
-    frequency,
-    verdict,
 )
 
 LEVELS = np.array([70.0, 78.0, 85.0])
@@ -115,31 +108,31 @@ def test_a_number_ends_where_its_error_does(value, error, text):
 @pytest.mark.parametrize(
     ("interval", "above", "alike", "expected"),
     [
-        ((0.1, 0.2), 0.0, None, STANDS),
-        ((0.1, float("inf")), 0.0, None, STANDS),
-        ((-0.1, 0.2), 0.0, None, UNDECIDED),
-        ((-0.2, -0.1), 0.0, None, FALLS),
-        ((0.0, 0.0), 0.0, None, FALLS),
-        ((float("nan"), 1.0), 0.0, None, UNDECIDED),
-        ((0.11, 0.2), 0.1, 0.1, STANDS),
-        ((0.05, 0.2), 0.1, 0.1, UNDECIDED),
-        ((-0.03, -0.01), 0.1, 0.1, NO_DIFFERENCE),
-        ((-0.1, 0.1), 0.1, 0.1, NO_DIFFERENCE),
-        ((-0.2, -0.05), 0.1, 0.1, UNDECIDED),
-        ((-0.2, -0.11), 0.1, 0.1, FALLS),
+        ((0.1, 0.2), 0.0, None, verdicts.STANDS),
+        ((0.1, float("inf")), 0.0, None, verdicts.STANDS),
+        ((-0.1, 0.2), 0.0, None, verdicts.UNDECIDED),
+        ((-0.2, -0.1), 0.0, None, verdicts.FALLS),
+        ((0.0, 0.0), 0.0, None, verdicts.FALLS),
+        ((float("nan"), 1.0), 0.0, None, verdicts.UNDECIDED),
+        ((0.11, 0.2), 0.1, 0.1, verdicts.STANDS),
+        ((0.05, 0.2), 0.1, 0.1, verdicts.UNDECIDED),
+        ((-0.03, -0.01), 0.1, 0.1, verdicts.NO_DIFFERENCE),
+        ((-0.1, 0.1), 0.1, 0.1, verdicts.NO_DIFFERENCE),
+        ((-0.2, -0.05), 0.1, 0.1, verdicts.UNDECIDED),
+        ((-0.2, -0.11), 0.1, 0.1, verdicts.FALLS),
     ],
 )
 def test_a_claim_stands_above_falls_below_and_a_difference_within_the_tolerance_is_none(
     interval, above, alike, expected
 ):
-    assert verdict(interval, above, alike) == expected
+    assert verdicts.verdict(interval, above, alike) == expected
 
 
 def test_a_frequency_covers_its_truth():
     random = generator(3)
     inside = []
     for _ in range(1000):
-        found = frequency(int(random.binomial(200, 0.9)), 200)
+        found = verdicts.frequency(int(random.binomial(200, 0.9)), 200)
         inside.append(found.low <= 0.9 <= found.high)
     assert 0.93 <= np.mean(inside) <= 0.97
-    assert frequency(50, 50).low < 1.0
+    assert verdicts.frequency(50, 50).low < 1.0

@@ -16,19 +16,10 @@ import psutil
 import pytest
 
 from tests.engine.test_forks import processes_in
-from tests.workflow.runs import (
-    NEEDED,
-    ROOT,
-    STAMP,
-    answer,
-    assert_same,
-    checkout,
-    planned,
-    studies_command,
-)
+from tests.workflow import runs
 
 RESULTS = "results/tiny"
-STUDY = ["make", "-o", STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
+STUDY = ["make", "-o", runs.STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
 HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
 SECONDS = 30.0
 """Within which all must have ended."""
@@ -81,7 +72,7 @@ def files_in(folder: Path) -> int:
 
 
 def finished(folder: Path) -> str:
-    done = answer(STUDY, folder)
+    done = runs.answer(STUDY, folder)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -89,7 +80,7 @@ def finished(folder: Path) -> str:
 @pytest.mark.parametrize("number", range(KILLS))
 def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(study, tmp_path, number):
     """Moments are drawn as a number of files written: how busy the machine is does not count."""
-    folder, chance = checkout(tmp_path / "killed"), random.Random(number)
+    folder, chance = runs.checkout(tmp_path / "killed"), random.Random(number)
     signal_number, whom, times = STRIKES[number % len(STRIKES)]
     moment = chance.randrange(int(0.95 * files_in(study)))
     run = started(folder, STUDY)
@@ -108,7 +99,7 @@ def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(study, tmp_pa
     run.wait()
     finished(folder)
     assert processes_in(folder) == []
-    assert_same(folder / RESULTS, study / RESULTS)
+    runs.assert_same(folder / RESULTS, study / RESULTS)
     assert [path for path in (folder / "results").rglob(".*") if path.is_file()] == []
 
 
@@ -117,15 +108,15 @@ def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(study, tmp_pa
 def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
     tmp_path, number, whom
 ):
-    for name in (*NEEDED, "workflow/scripts/process_group.py"):
+    for name in (*runs.NEEDED, "workflow/scripts/process_group.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, tmp_path / name)
+        shutil.copy(runs.ROOT / name, tmp_path / name)
     run = started(tmp_path, ["make", "setup"])
     time.sleep(random.Random(number).uniform(0.5, 10.0))
     strike(run, number, whom)
     wait_for_the_end(tmp_path, run)
     assert run.returncode != 0
-    assert not (tmp_path / STAMP).exists()
+    assert not (tmp_path / runs.STAMP).exists()
 
 
 def case(number: int) -> str:
@@ -147,7 +138,7 @@ def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied)
     (mine / "tables/table_3_indifference.csv").write_text("")
     shutil.copy2(mine / "figures/wall_pair.png", mine / "figures/fig_5_closure.png")
     (mine / "tables/max_closure.csv").unlink()
-    refused = studies_command("report", mine, "--output", copied / "page.html")
+    refused = runs.studies_command("report", mine, "--output", copied / "page.html")
     assert (refused.returncode, len(refused.stderr.splitlines())) == (2, 1)
     assert not (copied / "page.html").exists()
     printed = finished(copied)
@@ -156,20 +147,20 @@ def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied)
         "results/tiny/study.nc: the file is not as jointclosure wrote it"
         in (mine / "logs/make_study.log").read_text()
     )
-    assert_same(mine, intact, "figures")
-    assert planned(copied) == {}
+    runs.assert_same(mine, intact, "figures")
+    assert runs.planned(copied) == {}
 
 
 def test_any_realisation_is_repeated_by_one_command(copied):
     results = copied / RESULTS
-    again = studies_command("repeat", results, "slate-jrc-level_1", 2)
+    again = runs.studies_command("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "identical to the stored results" in again.stdout
     for file in (results / "cases").iterdir():
         file.unlink()  # as where the job failed: the log is enough
-    again = studies_command("repeat", results, "slate-jrc-level_1", 2)
+    again = runs.studies_command("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
     assert "no stored results to compare with" in again.stdout
-    missing = studies_command("repeat", results, "slate-jrc-level_1", 3)
+    missing = runs.studies_command("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
     assert "has no realisation 3" in missing.stderr
