@@ -38,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-WITHOUT_KERNELS := tests/statistics tests/storage studies/paper
+WITHOUT_KERNELS := tests/statistics tests/storage tests/package studies/paper studies/frame/test_sources.py
 
 .PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 
