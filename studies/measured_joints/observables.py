@@ -21,6 +21,7 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import CONFIDENCE
 
 BASE = "default choices"
 """Name of the model with its default choices."""
@@ -44,7 +45,6 @@ UPPER_BOUND = "contact_share"
 PREDICTED = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 CLOSURE_ERROR = 0.04
 """Relative error of the measured first closures: two digits of a figure."""
-CONFIDENCE = 0.95
 RESAMPLES = 1000
 AGREES = "agrees"
 

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from jointclosure.engine.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import ratio_of_means
+from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
@@ -29,7 +29,6 @@ MEANS = ("max_closure", CLOSURE, RESIDUAL, "hysteresis", "mean_aperture_at_seati
 """Quantities whose means over surfaces are columns of the table."""
 SHOWN = (CLOSURE, "stiffness_net", RESIDUAL, "hysteresis")
 """Quantities of the figure."""
-CONFIDENCE = 0.95
 RESAMPLES = 2000
 
 

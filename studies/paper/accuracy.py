@@ -19,6 +19,7 @@ from jointclosure.engine.assess import ASSESSED, JUDGED
 from jointclosure.engine.quantities import QUANTITIES, shown_unit
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.statistics.two_level import (
     FEWEST,
     Interval,
@@ -70,7 +71,7 @@ def reached_table(
     surfaces closed by both; minutes are those of one more surface of all cases.
     """
     costs = [part.timing_simulation.mean("realization").values for part in (study, finest)]
-    reach = scipy.stats.t.ppf(0.975, accuracy.most - 1) / math.sqrt(accuracy.most)
+    reach = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, accuracy.most - 1) / math.sqrt(accuracy.most)
     rows = []
     for about, counts, cases, estimate in (
         _intervals(study, finest, significance)

@@ -20,13 +20,12 @@ from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.statistics.standard_errors import Estimate, Limits, confidence_limits
+from jointclosure.statistics.standard_errors import CONFIDENCE, Estimate, Limits, confidence_limits
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, frequency
 from studies.paper import claims as stated
 from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, TARGET, Claim, Findings
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 
-CONFIDENCE = 0.95
 COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark", "found_here"]
 OF_PAPER = ["section", "paper", "paper_finds"]
 """Columns that are left out in a study of other rocks."""

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from jointclosure.measured.calibration import CONFIDENCE, Readings
+from jointclosure.measured.calibration import Readings
+from jointclosure.statistics.standard_errors import CONFIDENCE
 
 
 class Quantity(NamedTuple):

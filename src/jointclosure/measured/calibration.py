@@ -17,11 +17,11 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.statistics.two_level import Interval
 
 PARTS = (0.25, 0.5, 1.0)
 """Stresses at which closures of a loading are read, as shares of the range above seating."""
-CONFIDENCE = 0.95
 CURVE_POINTS = 25
 """Number of stresses, from seating to the maximum, at which curves of joints are kept."""
 _STEPS = 161

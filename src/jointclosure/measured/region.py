@@ -22,7 +22,6 @@ from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
 from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
-    CONFIDENCE,
     Likelihood,
     Readings,
     likelihood_of,
@@ -32,7 +31,7 @@ from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sente
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
-from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""

@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from jointclosure.joint.protocol import LOADING
-from jointclosure.measured.calibration import CONFIDENCE, Likelihood
+from jointclosure.measured.calibration import Likelihood
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import MECHANISMS, NEITHER, Region
 from jointclosure.plotting.style import StyledFigure, decimal_ticks, styled, subplots
+from jointclosure.statistics.standard_errors import CONFIDENCE
 
 _LEAST = 1e-4
 """Smallest p-value of the scale of colours."""

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+CONFIDENCE = 0.95  # of all intervals, unless another is stated
+
 
 class Estimate(NamedTuple):
     """Number and its standard error, in the same unit."""
@@ -29,7 +31,7 @@ def mean_of(samples) -> Estimate:
 
 
 def confidence_limits(
-    estimate: tuple[float, float], samples: int, confidence: float = 0.95
+    estimate: tuple[float, float], samples: int, confidence: float = CONFIDENCE
 ) -> Limits:
     """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
     value, error = estimate

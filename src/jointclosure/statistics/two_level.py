@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-CONFIDENCE = 0.95
+from jointclosure.statistics.standard_errors import CONFIDENCE
+
 FEWEST = 8
 """Fewest differences that a plan takes: a standard deviation of fewer is not known."""
 

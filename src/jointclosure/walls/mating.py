@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.roughness import detrended
 
-CONFIDENCE = 0.95  # of the interval of a mismatch wavelength
 _WAVES_FOR_ONE = 4.5  # coefficients that count as one: mirror images, window (1.5 an axis)
 _RESOLUTION = 0.75
 """In wave numbers of the walls' length: 99 % of intervals of 24 pairs contained the true value."""

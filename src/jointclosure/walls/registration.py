@@ -8,9 +8,10 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
-from jointclosure.walls.mating import CONFIDENCE, Mating, Mismatch, mating, measured_mismatch
+from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
 from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
