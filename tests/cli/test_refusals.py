@@ -38,6 +38,7 @@ def nothing_is_computed(monkeypatch, inputs):
         (["simulate", "--rock", "slate", "--tolerance", 0.01], "--tolerance: has no effect on"),
         (["simulate", "--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),
         (["simulate", "--rock", "slate", "--snapshots", 1], "--snapshots: needs --output FILE.nc"),
+        (["simulate", "--rock", "slate", "--rule", "x"], "--rule: invalid choice: 'x' (choose"),
         (["simulate", "--without", "gravity"], "(see jointclosure simulate --help)"),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),

@@ -177,3 +177,8 @@ def test_settings_are_refused_when_they_are_made(settings, change, named):
     if "largest_radius" not in change:  # whose bound is the spacing
         with pytest.raises(jc.InputError, match=re.escape(named)):
             type(settings)(**settings._asdict() | change)
+
+
+def test_what_is_no_effects_is_refused_at_a_closure_too():
+    with pytest.raises(jc.InputError, match="effects = 3: must be an Effects"):
+        jc.equilibrium(*pair(6), spacing=SPACING, rock=DOLERITE, closure=1e-6, effects=3)

@@ -21,6 +21,8 @@ from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Num
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.files import check_record
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
+from jointclosure.walls.roughness import RELATIONS
+from jointclosure.walls.synthesis import NORMALISATIONS, RULES
 
 UNITS = (
     {name: about.unit for name, about in OF_ROCK.items()}
@@ -46,6 +48,9 @@ _CHOICES: dict[str, Iterable[str]] = {
     "solver": SOLVER_NAMES,
     "stress_unit": STRESS_UNITS,
     "closure_unit": CLOSURE_UNITS,
+    "jrc_relation": tuple(RELATIONS),
+    "normalise": NORMALISATIONS,
+    "rule": RULES,
 }
 PICTURES = (".png", ".pdf", ".svg")
 SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
@@ -72,7 +77,8 @@ def add_keywords(
     texts, signature = documented(function), inspect.signature(function).parameters
     for name in (*names, *changes):
         change, parameter = changes.get(name, {}), signature[name]
-        text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0].replace("%", "%%")
+        text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0]
+        text = text.replace("%", "%%").replace("None", "none")
         default = change.get("default", usual.get(name, parameter.default))
         about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}
         if isinstance(default, bool):

@@ -234,7 +234,8 @@ def equilibrium(
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
     pair = rocks_of_walls(rock)
-    effects = effects._replace(breakage=False, gouge=False)
+    if isinstance(effects, Effects):  # else it is refused
+        effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
     check_numerics(numerics)
     check_choices(choices, spacing)
