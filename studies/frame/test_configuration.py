@@ -47,8 +47,7 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     study = study_of()
     # but for the points of an elastic curve, which in a study meet the output's axis of stresses,
     # and the paper's words on strength, which leave the first cycle without a limit
-    points = study.output.stress_points - 1
-    assert study.numerics == jc.Numerics(curve_points=points)
+    assert study.numerics == jc.Numerics(curve_points=study.output.stress_points - 1)
     assert study.choices == jc.Choices(strength_bound="none")
     assert study.rocks["slate"].effects == jc.Effects()
     surface = dict(study.surface)
@@ -170,24 +169,17 @@ def test_levels_beyond_three_are_named_and_ordered():
 
 def seeds_by_case(study):
     """Seeds of a realisation of all cases, by what the case is."""
-    return {
-        case[1:4]: seeds_of(block_settings(study, case, range(3, 4)))[0] for case in cases_of(study)
-    }
+    blocks = ((case, block_settings(study, case, range(3, 4))) for case in cases_of(study))
+    return {case[1:4]: seeds_of(block)[0] for case, block in blocks}
 
 
-COMMON = {"study": {"draws": "common"}}
-
-
-def test_common_draws_share_the_seeds_of_a_rock():
-    assert len(set(seeds_by_case(study_of()).values())) == 36
-    assert len(set(seeds_by_case(study_of(COMMON)).values())) == 4
-
-
-def test_adding_reordering_or_dropping_cases_changes_no_surface():
+def test_common_draws_share_the_seeds_of_a_rock_and_other_cases_change_no_surface():
     fewer = {"study": {"rocks": ["slate", "dolerite"]},
              "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}}  # fmt: skip
-    for changes in ({}, COMMON):
-        before, after = (seeds_by_case(study_of(changes, each)) for each in ({}, fewer))
+    for draws, different in (("independent", 36), ("common", 4)):
+        common = {"study": {"draws": draws}}
+        before, after = (seeds_by_case(study_of(common, each)) for each in ({}, fewer))
+        assert len(set(before.values())) == different
         shared = set(before) & set(after)
         assert len(shared) > 10
         assert all(before[key] == after[key] for key in shared)
@@ -211,14 +203,14 @@ def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_s
 
 
 def test_closures_count_from_half_a_megapascal_or_from_a_tenth_of_a_small_maximum():
-    low = {"study": {"rocks": ["slate"]}, "rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}
-    assert study_of(low).seating_stress == pytest.approx(0.04e6)
-    assert study_of({"rocks": low["rocks"]} | {"seating_stress_MPa": 0.1}).seating_stress == 0.1e6
+    low = {"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}
+    assert study_of(low, {"study": {"rocks": ["slate"]}}).seating_stress == pytest.approx(0.04e6)
+    assert study_of(low, {"seating_stress_MPa": 0.1}).seating_stress == 0.1e6
 
 
 def test_a_study_is_read_again_from_the_keys_that_it_left():
-    keys = study_of({"study": {"realizations_per_job": 3}}).stated
-    left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
+    left = study_of({"study": {"realizations_per_job": 3}}).stated
+    del left["study"]["realizations_per_job"]
     assert dict(resolved(left)) == dict(study_of())
 
 
@@ -295,11 +287,8 @@ REFUSED = [
     ("misalignment", {"misalignment": {"tilt_degrees": [0.1]}}, "[0.1]: must have 0 among"),
     ("measured_joints", {"study": {"cycles": 1}}, "study.cycles = 1: must be at least 2 (measured"),
     ("measured_joints", {"study": {"rocks": ["slate", "dolerite"]}}, "must be one rock (measured"),
-    (
-        "measured_joints",
-        {"measured_joints": {"reseating_shift_in_cells": [20]}},
-        "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 18",
-    ),
+    ("measured_joints", {"measured_joints": {"reseating_shift_in_cells": [20]}},
+     "reseating_shift_in_cells = 20: must leave at least 8 of grid.cells_x = 18"),
     ("misalignment", {"misalignment": {"rotation_degrees": [360]}}, "rotation_degrees = 360"),
     ("misalignment", {"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20)"),
     ("mismatch", {"mismatch": {"shift_in_cells": [1]}}, "shift_in_cells = [1]: must have 0 among"),
@@ -308,7 +297,7 @@ REFUSED = [
     ("size", {"size": {"spacing_mm": [0.15, 0.25]}}, "spacing_mm = 0.25: must be a multiple of"),
     ("size", {"size": {"patch_mm": [3, 4]}}, "patch_mm = 3: must be a whole part of 4"),
     ("size", {"size": {"spectra": {"flat": {"roll_off_mm": 0.2}}}}, "spectra.flat: roll_off"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "change", "reason"), REFUSED)

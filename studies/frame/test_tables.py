@@ -32,15 +32,14 @@ def ensemble():
 def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
     table = band_table(ensemble)
     good = ensemble.isel(realization=[0, 1, 2, 4])
-    row = table[(table.cycle == 1) & (table.branch == "loading") & (table.stress_MPa == 1.0)]
-    closure = 1e3 * good.closure.sel(cycle=1, branch="loading", stress=1e6).values
+    row = table.query("cycle == 1 and branch == 'loading' and stress_MPa == 1.0")
     assert row.samples.item() == 4
-    bulk = 1e3 * good.bulk_indentation.sel(cycle=1, branch="loading", stress=1e6).values
-    for kind, values in (("gross", closure), ("net", closure - bulk)):
-        assert row[f"closure_{kind}_mm_mean"].item() == pytest.approx(values.mean())
-        assert row[f"closure_{kind}_mm_q50"].item() == pytest.approx(np.median(values))
-    aperture = 1e3 * good.mean_aperture.sel(cycle=1, branch="loading", stress=1e6).values
-    assert row.mean_aperture_mm_mean.item() == pytest.approx(aperture.mean())
+    good = good.sel(cycle=1, branch="loading", stress=1e6)
+    net, aperture = good.closure - good.bulk_indentation, good.mean_aperture
+    expected = {"closure_gross": good.closure, "closure_net": net, "mean_aperture": aperture}
+    for name, values in expected.items():
+        assert row[f"{name}_mm_mean"].item() == pytest.approx(1e3 * values.values.mean())
+        assert row[f"{name}_mm_q50"].item() == pytest.approx(1e3 * np.median(values.values))
     assert "hydraulic_aperture_x_mm_q95" in table
 
 
@@ -51,17 +50,12 @@ def test_stiffness_is_that_of_single_joints_and_its_mean_that_of_the_mean_curve(
     finely = {"numerics": jc.Numerics(curve_points=60)}
     joints = jc.simulate_ensemble(walls, stress_points=31, workers=1, **rock, **finely)
     table, name = band_table(joints), "normal_stiffness_net_MPa_per_mm"
-    single = [
-        stress_table(jc.simulate(*pair, **rock, **finely), joints.stress.values) for pair in walls
-    ]
-    first, second = (of[name].to_numpy() for of in single)
+    single = [jc.simulate(*pair, **rock, **finely) for pair in walls]
+    one, other = (stress_table(joint, joints.stress.values)[name].to_numpy() for joint in single)
     inside = table.stress_MPa.between(0.5, 1.2).to_numpy()
-    np.testing.assert_allclose(
-        table[f"{name}_mean"][inside], (2.0 / (1.0 / first + 1.0 / second))[inside], rtol=0.02
-    )
-    np.testing.assert_allclose(
-        table[f"{name}_q50"][inside], 0.5 * (first + second)[inside], rtol=0.02
-    )
+    for part, expected in (("mean", 2.0 / (1.0 / one + 1.0 / other)), ("q50", 0.5 * (one + other))):
+        found = table[f"{name}_{part}"]
+        np.testing.assert_allclose(found[inside], expected[inside], rtol=0.02)
 
 
 def test_stiffness_of_the_landing_is_left_out(ensemble):
@@ -86,9 +80,8 @@ def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, c
     written = pd.read_csv(tmp_path / "engineering/a-base.csv")
     expected = band_table(ensemble)
     assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
-    np.testing.assert_allclose(written.closure_net_mm_q95, expected.closure_net_mm_q95, rtol=1e-6)
-    name = "normal_stiffness_net_MPa_per_mm_mean"
-    np.testing.assert_allclose(written[name], expected[name], rtol=1e-6)
+    for name in ("closure_net_mm_q95", "normal_stiffness_net_MPa_per_mm_mean"):
+        np.testing.assert_allclose(written[name], expected[name], rtol=1e-6)
     capsys.readouterr()
     assert cli.main(["engineering", str(tmp_path), "--case", "b-base"]) != 0
     assert "--case b-base: must be one of a-base, a-jrc-low" in capsys.readouterr().err
@@ -97,30 +90,22 @@ def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, c
 # Panels of tables: lines, bars, ends of axes, names and levels
 
 
-FREE = {"wavelength_mm": np.inf}
 NAMES = {"wavelength_mm": {0.0: "mated", 1.0: "waves beyond 1 mm mate", np.inf: "independent"}}
 
 
-def table():
-    """Values that say where they belong: a hundred wavelengths and ten shifts and the cycle."""
-    rows = [
-        (wavelength, shift, cycle, 100.0 * min(wavelength, 9.0) + 10.0 * shift + cycle, 0.5)
-        for wavelength, shift, cycle in itertools.product([np.inf, 0.0, 1.0, 2.0], [0, 1], [1, 2])
-        if np.isfinite(wavelength) or shift == 0
-    ]
-    return pd.DataFrame(rows, columns=["wavelength_mm", "shift_mm", "cycle", "value", "error"])
-
-
-@pytest.fixture
-def figure():
+def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate():
+    """Values say where they belong: a hundred wavelengths and ten shifts and the cycle."""
+    rows = itertools.product([np.inf, 0.0, 1.0, 2.0], [0, 1], [1, 2])
+    made = pd.DataFrame(rows, columns=["wavelength_mm", "shift_mm", "cycle"])
+    made = made[np.isfinite(made.wavelength_mm) | (made.shift_mm == 0)]
+    value = 100.0 * made.wavelength_mm.clip(upper=9.0) + 10.0 * made.shift_mm + made.cycle
+    free = {"wavelength_mm": np.inf}
     columns = [
         Column("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
-        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=FREE),
+        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=free),
     ]
-    return panels([Row("closure (mm)", table(), "value", "error")], columns, NAMES, bars=2.0)
-
-
-def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate(figure):
+    row = Row("closure (mm)", made.assign(value=value, error=0.5), "value", "error")
+    figure = panels([row], columns, NAMES, bars=2.0)
     over_wavelength, over_shift = figure.axes
     lines = [container[0] for container in over_wavelength.containers]
     assert [line.get_ydata().tolist() for line in lines] == [[1, 101, 201, 901], [2, 102, 202, 902]]
@@ -179,18 +164,14 @@ def test_all_that_differs_is_named():
     assert found[2] == "variable residual_closure: only in the first"
 
 
-@pytest.fixture
-def folders(tmp_path):
+def test_compare_exact_fails_where_anything_differs(tmp_path, capsys):
     for name, factor in (("one", 1.0), ("two", 1.1)):
         (tmp_path / name).mkdir()
         write_netcdf(study(factor), tmp_path / name / "study.nc")
-    return tmp_path / "one", tmp_path / "two"
-
-
-def test_compare_exact_fails_where_anything_differs(folders, capsys):
-    assert cli.main(["compare", "--exact", *map(str, folders)]) == 1
+    command = ["compare", "--exact", str(tmp_path / "one")]
+    assert cli.main([*command, str(tmp_path / "two")]) == 1
     assert "variable max_closure differs in 84 of 84" in capsys.readouterr().out
-    assert cli.main(["compare", "--exact", str(folders[0]), str(folders[0])]) == 0
+    assert cli.main([*command, command[-1]]) == 0
     assert capsys.readouterr().out == "identical except for provenance and timing\n"
 
 

@@ -5,38 +5,25 @@ import pytest
 import xarray as xr
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters.units import to_si
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged
 from studies.frame.experiments import experiment_named
 from studies.frame.points import close_points
 from studies.frame.yaml_files import read_plain
+from studies.global_sensitivity import table as sensitivity
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
-from studies.global_sensitivity.table import (
-    QUANTITIES,
-    by_rock,
-    conclusion_tables,
-    elasticity_table,
-    index_table,
-)
 from tests.studied import ROOT, study_of, tiny
 
-EXPERIMENT = experiment_named("global_sensitivity")
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
 
 OVER = ("row", "point", "surface", "cycle")
 
 
-def tiny_study(**changes):
-    return study_of(tiny("global_sensitivity"), changes)
-
-
-def section(**changes) -> dict:
-    return {"global_sensitivity": changes}
-
-
 @pytest.fixture(scope="module")
 def design():
-    return sampling_of(tiny_study(**section(rows=64)))  # rows beyond the file's 16
+    rows = {"global_sensitivity": {"rows": 64}}  # beyond the file's 16
+    return sampling_of(study_of(tiny("global_sensitivity"), rows))
 
 
 @pytest.fixture(scope="module")
@@ -48,20 +35,14 @@ def world(design):
         own = np.empty(points.shape[:2])
         for where in np.ndindex(own.shape):
             at = keys_at(design, rock, points[where])
-            values = at["rocks"][rock]
-            powers = (
-                values["youngs_modulus_GPa"] ** -0.9
-                * values["compressive_strength_MPa"] ** 0.5
-                * values["jrc"] ** 0.3
-            )
-            own[where] = powers * (2.0 if at["choices"]["peaks"] == "current" else 1.0)
+            values = to_si(at["rocks"][rock])
+            own[where] = np.prod([values[name] ** power for name, power in ELASTICITIES.items()])
+            own[where] *= 2.0 if at["choices"]["peaks"] == "current" else 1.0
         noise = 1.0 + 0.05 * random.standard_normal((len(points), 1, 2, 1))
         values = own[:, :, None, None] * noise * np.ones(2)
-        loops = values * [0.5, 0.0]
-        closed[rock] = xr.Dataset(
-            {name: (OVER, (loops if name == "loop" else values).copy()) for name in QUANTITIES},
-            coords={"row": np.arange(len(points)), "cycle": [1, 2]},
-        )
+        parts = {name: (OVER, values.copy()) for name in sensitivity.QUANTITIES}
+        parts["loop"] = OVER, values * [0.5, 0.0]
+        closed[rock] = xr.Dataset(parts, {"row": np.arange(len(points)), "cycle": [1, 2]})
     return closed
 
 
@@ -82,26 +63,22 @@ MORE = {
 
 
 def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
-    changes = {"inputs": {name: each | {"title": name} for name, each in MORE.items()}}
-    full = study_of(
-        read_plain(ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"),
-        section(**changes),
-    )
+    inputs = {name: each | {"title": name} for name, each in MORE.items()}
+    file = ROOT / "studies/global_sensitivity/global_sensitivity_full.yaml"
+    full = study_of(read_plain(file), {"global_sensitivity": {"inputs": inputs}})
     sampling = sampling_of(full)
     for rock in sampling.rocks:
         settings = settings_of_rock(sampling, full, rock)
         for row, point in enumerate(sampling.points()[:3, 0]):
             alone = {"study": {"rocks": [rock], "draws": "common"}}
-            keys = merged(full.stated, keys_at(sampling, rock, point), alone)
-            typed = configured(keys)
-            case = base_case(typed, rock)
+            typed = configured(merged(full.stated, keys_at(sampling, rock, point), alone))
             block = range(2 * row, 2 * row + 2)
-            expected = block_settings(typed, case, block)
+            expected = block_settings(typed, base_case(typed, rock), block)
             assert repr(settings(row, point)) == repr(expected)
 
 
 def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design):
-    table = elasticity_table(design, world)
+    table = sensitivity.elasticity_table(design, world)
     for row in table.itertuples():
         truth = ELASTICITIES.get(row.input, 0.0)
         # surfaces are noise of a row, which changes within a row do not have
@@ -112,19 +89,18 @@ def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, desi
 
 
 def test_the_choice_that_doubles_the_closure_has_most_of_its_variance(world, design):
-    table = index_table(design, world)
+    table = sensitivity.index_table(design, world)
     whole = table[(table.rows == 64) & (table.response == "max_closure")]
     assert (whole[whole.input == "peaks"].total > 0.8).all()
     nothing = whole[whole.input == "poisson_ratio"]
     assert (nothing.total.abs() <= 3.0 * nothing.total_error + 1e-9).all()
     assert sorted(table.rows.unique()) == [16, 32, 64]
     inputs = whole[(whole.input != "surfaces") & (whole.cycle == 1) & (whole.rock == "slate")]
-    assert inputs.shapley.sum() == pytest.approx(1.0)
-    assert inputs.shapley_dependent.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(inputs[["shapley", "shapley_dependent"]].sum(), 1.0, rtol=1e-6)
 
 
 def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design):
-    table, margins = conclusion_tables(design, world)
+    table, margins = sensitivity.conclusion_tables(design, world)
     assert set(table.rock) == {"dolerite", "slate", "all"}
     for number in ("1a", "2a", "3", "5a", "5b", "5c"):
         assert (table[table.number == number].share > 0.95).all(), number
@@ -141,14 +117,12 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
     assert (sure.share_error == 0.0).all()
     np.testing.assert_allclose(sure.share_low, 64 / (64 + 1.96**2), rtol=1e-4)
     assert (sure.share_high == 1.0).all()
-    switched = {name: each.copy() for name, each in world.items()}
-    for each in switched.values():
-        each["max_closure"] = 1.0 / each.max_closure
-    shares = conclusion_tables(design, switched)[0]
+    switched = {n: each.assign(max_closure=1.0 / each.max_closure) for n, each in world.items()}
+    shares = sensitivity.conclusion_tables(design, switched)[0]
     shares = shares[shares.response == "max_closure"].set_index("number").share
     assert (shares[["5a", "5b", "5c"]] < 0.05).all()
     with pytest.raises(InputError, match="the joints of slate are missing"):
-        conclusion_tables(design, {"dolerite": world["dolerite"]})
+        sensitivity.conclusion_tables(design, {"dolerite": world["dolerite"]})
 
 
 def mixed(world, design, part: float) -> dict:
@@ -166,14 +140,12 @@ def mixed(world, design, part: float) -> dict:
 
 def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design):
     random = np.random.default_rng(5)
-    noisy = {}
-    for name, each in world.items():
-        noise = np.exp(0.01 * random.standard_normal(each.max_closure.shape))
-        noisy[name] = each.assign(max_closure=each.max_closure * noise)
-    fits = elasticity_table(design, noisy)
+    noise = np.exp(0.01 * random.standard_normal(world["slate"].max_closure.shape))
+    noisy = {n: each.assign(max_closure=noise * each.max_closure) for n, each in world.items()}
+    fits = sensitivity.elasticity_table(design, noisy)
     fits = fits[fits.response == "max_closure"]
     assert fits.fit_over_noise.between(0.4, 2.0).all()
-    missed = elasticity_table(design, mixed(noisy, design, 0.5))
+    missed = sensitivity.elasticity_table(design, mixed(noisy, design, 0.5))
     of_modulus = missed[(missed.response == "max_closure") & (missed.input == "youngs_modulus")]
     assert (of_modulus.fit_over_noise > 2.0).all()
 
@@ -183,7 +155,7 @@ def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices
     for each in broken.values():
         each.max_closure[5, 2, 0, :] = np.nan
     broken["dolerite"].max_closure_net[5:, 2, 0, :] = np.nan
-    table = index_table(design, broken)
+    table = sensitivity.index_table(design, broken)
     whole = table[(table.response == "max_closure") & (table.rows > 32)]
     assert (set(whole.rows), set(whole.left_out)) == ({63}, {1})
     assert whole.total.notna().all()
@@ -194,10 +166,10 @@ def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices
 
 
 def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
-    design = EXPERIMENT.design(tiny_study())
+    design = experiment_named("global_sensitivity").design(study_of(tiny("global_sensitivity")))
     points = [point for point in design.jobs()["slate.0"] if point.coordinates["row"] == 2]
-    joints = close_points(points, QUANTITIES)
-    closed = by_rock(joints)["slate"]
+    joints = close_points(points, sensitivity.QUANTITIES)
+    closed = sensitivity.by_rock(joints)["slate"]
     assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
     assert (closed.status < 16).all()
     assert (closed.max_closure_net < closed.max_closure).all()
@@ -206,15 +178,13 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
     assert read.sel(cycle=2).mean() > 0.8
     assert read.sel(cycle=1).any()
     assert (read | np.isnan(closed.compliance_net)).all()
+    second = closed.max_closure.sel(row=2, cycle=2)
     for row in joints[joints.cycle == 2].itertuples():
-        here = closed.max_closure.sel(
-            row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
-        )
-        assert float(here) == row.max_closure
+        assert second.sel(point=row.point, surface=row.realization - 4) == row.max_closure
 
 
 def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design):
-    margins = conclusion_tables(design, mixed(world, design, 0.5))[1]
+    margins = sensitivity.conclusion_tables(design, mixed(world, design, 0.5))[1]
     here = margins[(margins.number == "5a") & (margins.response == "max_closure")]
     assert (here[here.input == "poisson_ratio"].share > 0.9).all()
     assert (here[here.input != "poisson_ratio"].share < 0.1).all()

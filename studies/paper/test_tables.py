@@ -1,6 +1,5 @@
 """Tables 1 to 3 in the paper's layout."""
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,23 +14,17 @@ from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import merged, model, resolved
 from studies.frame.keys import json_schema
 from studies.frame.plan import inputs_of, settings_of
-from studies.frame.products import Product, make_files
+from studies.frame.products import make_files
 from studies.frame.settings import walls_of
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper import figures as plotting
 from studies.paper import needs  # noqa: F401
+from studies.paper import responses as measured
 from studies.paper.closures import max_closure_table
 from studies.paper.layout import case_table, rock_table, table_3_markdown, with_paper
 from studies.paper.products import PRODUCTS
 from studies.paper.report import content as report
-from studies.paper.responses import (
-    Covariates,
-    as_dataset,
-    covariates_of_pair,
-    from_dataset,
-    known_covariates,
-    measure_covariates,
-)
+from studies.paper.responses import Covariates, known_covariates, measure_covariates
 from studies.paper.test_table_3 import study as three_surfaces
 from tests.studied import DEFAULT, ROOT, keys_of, study_of
 from tests.world import world
@@ -68,9 +61,8 @@ def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():
 
 
 def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
-    at = {"rock": "slate", "parameter": "jrc", "cycle": 1}
-    paper = pd.DataFrame([at | {"paper_length": 0.726, "paper_percent": 11}])
-    own = pd.DataFrame([at | {"length": 1.5, "percent": 15.0, "samples": 20}])
+    own = pd.DataFrame([{"rock": "slate", "parameter": "jrc", "cycle": 1, "length": 1.5}])
+    paper = own.drop(columns="length").assign(paper_length=0.726, paper_percent=11)
     assert with_paper(own, paper).paper_length.item() == 0.726
     other = own.assign(rock="granite")
     pd.testing.assert_frame_equal(with_paper(other, paper), other)
@@ -88,12 +80,10 @@ KEYS = keys_of(
 def test_the_first_screen_has_the_numbers_of_the_tables():
     """In every case one joint failed."""
     study = world(resolved(KEYS))
-    status = np.zeros(study.seed.shape, dtype=np.int16)
-    status[:, 3] = 16
-    study = study.assign(
-        status=(study.seed.dims, status), stiffness_net=1e6 / study.max_closure
-    ).assign_attrs({"references": "the paper"} | provenance(KEYS))
+    study.status[:, 3] = 16
+    study = study.assign(stiffness_net=1e6 / study.max_closure)
     study = study.assign_coords(scene=("case", ["all"] * study.sizes["case"]))
+    study.attrs = {"references": "the paper"} | provenance(KEYS)
     checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
     tables = {"max_closure": max_closure_table(study), "checks": checks}
     paper, schema = read_csv(PAPER_TABLE_3), json_schema(model())
@@ -129,12 +119,12 @@ def test_settings_that_differ_from_the_papers_are_found():
     ],
 )
 def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error, samples, verdict):
-    rows = [
-        {"rock": rock, "parameter": name, "cycle": 2, "samples": samples, "elasticity": value}
-        for rock, modulus in (("slate", of_slate), ("dolerite", of_dolerite))
-        for name, value in (("youngs_modulus", modulus), ("compressive_strength", 0.6))
-    ]
-    table = pd.DataFrame(rows).assign(elasticity_standard_error=error)
+    table = pd.DataFrame({
+        "rock": ["slate", "slate", "dolerite", "dolerite"],
+        "parameter": 2 * ["youngs_modulus", "compressive_strength"],
+        "elasticity": [of_slate, 0.6, of_dolerite, 0.6], "elasticity_standard_error": error,
+        "cycle": 2, "samples": samples,
+    })  # fmt: skip
     assert report.most_sensitive(table, "youngs_modulus") == verdict
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
     assert report.headline(table) == about
@@ -153,10 +143,10 @@ def test_covariates_are_those_of_the_walls_that_were_closed():
     configuration = study_of(SMALL)
     values = measure_covariates(world(configuration), configuration.grid, configuration.surface)
     for i, case in enumerate(cases_of(configuration)):
-        walls = list(walls_of(block_settings(configuration, case, range(4))))
         z2 = z2_of_jrc(case.jrc, configuration.grid.spacing, configuration.surface.hurst)
+        walls = walls_of(block_settings(configuration, case, range(4)))
         for j, (upper, lower) in enumerate(walls):
-            expected = covariates_of_pair(upper, lower, z2)
+            expected = measured.covariates_of_pair(upper, lower, z2)
             np.testing.assert_array_equal(values[i, j], expected)
             # of 480 cells 1 % end between the fourth and fifth highest, 5 % at the 24th
             highest = np.sort((upper + lower).ravel())[::-1]
@@ -172,8 +162,9 @@ def test_covariates_of_one_noise_are_the_same_at_every_jrc(normalise):
     study = world(configuration)
     values = measure_covariates(study, configuration.grid, configuration.surface)
     for rock in ("slate", "dolerite"):
-        own = values[(study.rock == rock).values]
-        assert len(set(study.jrc.values[(study.rock == rock).values])) == 3
+        here = (study.rock == rock).values
+        own = values[here]
+        assert len(set(study.jrc.values[here])) == 3
         np.testing.assert_allclose(own, np.broadcast_to(own[0], own.shape), rtol=1e-10)
 
 
@@ -192,8 +183,8 @@ def test_covariates_come_back_from_their_file(tmp_path):
     study = world(configuration)
     known = known_covariates(20, 1, configuration.grid, configuration.surface)
     values = measure_covariates(study, configuration.grid, configuration.surface)
-    write_netcdf(as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
-    again = from_dataset(read_netcdf(tmp_path / "covariates.nc"))
+    write_netcdf(measured.as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
+    again = measured.from_dataset(read_netcdf(tmp_path / "covariates.nc"))
     np.testing.assert_array_equal(again.values, values)
     for one, other in zip(again.known, known, strict=True):
         np.testing.assert_array_equal(one, other)
@@ -212,23 +203,9 @@ FAILED = ("pool", "volume", "at most 1e-12", "2e-9 of it", False)
 CURVE = {"rocks": {"slate": {"measured": {"file": "config/my_rock_measured.csv"}}}}
 
 
-def settings(*changes: dict) -> dict[str, dict]:
-    study = study_of(*changes)
-    return {name: settings_of(product, study) for name, product in PRODUCTS.items()}
-
-
-@pytest.fixture(scope="module")
-def unchanged():
-    return settings()
-
-
 def test_a_parameter_that_a_product_cannot_read_is_named():
-    def draw(fineness):
-        pass
-
-    draw.__module__ = "studies.paper.products"
-    misspelt = Product(draw, lambda study: (), lambda study: True, 0, False)
-    with pytest.raises(ValueError, match="draw: parameter 'fineness' is no table of its study"):
+    misspelt = PRODUCTS["draw_figures"]._replace(make=lambda fineness: None)
+    with pytest.raises(ValueError, match="parameter 'fineness' is no table of its study"):
         settings_of(misspelt, study_of())
 
 
@@ -253,11 +230,10 @@ TITLED = {"write_tables", "draw_figures", "draw_pool_figures"}
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",  # sets have no order
 )
-def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(
-    unchanged, change, made_again
-):
-    after = settings(change)
-    changed = {name for name in PRODUCTS if after[name] != unchanged[name]}
+def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(change, made_again):
+    studies = study_of(), study_of(change)
+    before, after = ([settings_of(each, study) for each in PRODUCTS.values()] for study in studies)
+    changed = {name for name, *two in zip(PRODUCTS, before, after, strict=True) if two[0] != two[1]}
     assert changed == made_again | {"state_configuration"}
 
 
@@ -272,26 +248,23 @@ def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(ch
     for product in planned:
         for paths in inputs_of(product, study).values():
             for path in [paths] if isinstance(paths, str) else paths:
-                stored = not path.startswith("results/") and Path(path).is_file()
-                assert path in known or stored
+                assert path in known or (not path.startswith("results/") and Path(path).is_file())
 
 
-@pytest.mark.parametrize("rows", [[PASSED, FAILED], [PASSED, PASSED]])
-def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path, rows):
+def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
     table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
-    pd.DataFrame(rows, columns=COLUMNS).to_csv(table, index=False)
     lines: list[str] = []
-    make = partial(make_files, PRODUCTS["require_checks"].make, {"checks": str(table)}, {})
-    if FAILED not in rows:
-        make([str(note)], log=lines.append)
-        assert note.read_text() == "2 checks passed\n"
-        assert lines == [f"wrote {note}"]
-        return
+    given = PRODUCTS["require_checks"].make, {"checks": str(table)}, {}, [str(note)]
+    pd.DataFrame([PASSED, FAILED], columns=COLUMNS).to_csv(table, index=False)
     with pytest.raises(SystemExit) as ended:
-        make([str(note)], log=lines.append)
+        make_files(*given, log=lines.append)
     assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
     assert "least force" not in str(ended.value)
     assert not note.exists()
+    pd.DataFrame([PASSED, PASSED], columns=COLUMNS).to_csv(table, index=False)
+    make_files(*given, log=lines.append)
+    assert note.read_text() == "2 checks passed\n"
+    assert lines == [f"wrote {note}"]
 
 
 def test_tables_of_other_studies_are_read_by_the_study_of_their_model_only(monkeypatch):

@@ -10,14 +10,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.cli import exports
 from jointclosure.cli import main as cli
-from jointclosure.cli.exports import (
-    OPENING_SLOPE,
-    fracture_mesh,
-    geos_files,
-    itasca_tables,
-    porepy_files,
-)
 from jointclosure.joint.curves import cycle_table, stress_table
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.storage.files import write
@@ -40,13 +34,16 @@ def history(folder):
     return read_netcdf(folder / "joint.nc")
 
 
-def exported(export, history):
-    """What an export writes of a joint without a band."""
-    return export(history, stress_table(history))
+def porepy(history):
+    return exports.porepy_files(history, stress_table(history))["porepy.json"]
+
+
+def itasca(history):
+    return exports.itasca_tables(history, stress_table(history))["joint_stiffness.dat"]
 
 
 def geos_table(history):
-    files = exported(geos_files, history)
+    files = exports.geos_files(history, stress_table(history))
     return [np.array(files[f"geos_{name}.csv"].split(), float) for name in ("gap", "aperture")]
 
 
@@ -71,18 +68,16 @@ def with_flow(history, share=1.0):
     """A history whose hydraulic apertures are the mean one, and four times it, and bounds."""
     aperture = history.mean_aperture.values
     along = np.stack([aperture, 4.0 * aperture])
-    flow = {"hydraulic_aperture": share * along, "largest_hydraulic": 2.0 * along}
-    over = ("direction", "step")
-    flow = {name: (over, values) for name, values in flow.items()}
-    return history.assign_coords(direction=["x", "y"]).assign(flow)
+    own = xr.DataArray(along, {"direction": ["x", "y"]}, ("direction", "step"))
+    return history.assign(hydraulic_aperture=share * own, largest_hydraulic=2.0 * own)
 
 
 def test_tables_of_flow_hold_the_geometric_mean_of_both_directions_and_a_bound(history):
     flow = with_flow(history)
-    files, table = exported(itasca_tables, flow), stress_table(flow)
+    text, table = itasca(flow), stress_table(flow)
     first = table[(table.cycle == 1) & (table.branch == "loading")]
     for name, factor in (("aperture", 2.0), ("aperture-bound", 4.0)):
-        _, values = itasca_table(files["joint_stiffness.dat"], f"{name}-cycle-1-loading")
+        _, values = itasca_table(text, f"{name}-cycle-1-loading")
         np.testing.assert_allclose(values, factor * 1e-3 * first.mean_aperture_mm, rtol=1e-6)
     shut = flow.hydraulic_aperture - flow.hydraulic_aperture.min("step")  # at the maximum
     curves = stress_table(flow.assign(hydraulic_aperture=shut))
@@ -96,10 +91,9 @@ def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history, capsys):
     names = [name for name in curves if name not in ("cycle", "branch", "normal_stress_MPa")]
     ends = {"median": 1.1, "low": 1.0, "high": 1.3}
     band = curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
-    text = itasca_tables(history, band)["joint_stiffness.dat"]
-    plain = exported(itasca_tables, history)["joint_stiffness.dat"]
-    known = itasca_table(plain, "kn-cycle-2-loading")[1]
-    solids, one = porepy_files(history, band), exported(porepy_files, history)["porepy.json"]
+    text = exports.itasca_tables(history, band)["joint_stiffness.dat"]
+    known = itasca_table(itasca(history), "kn-cycle-2-loading")[1]
+    solids, one = exports.porepy_files(history, band), porepy(history)
     for ending, factor in (("", 1.1), ("-low", 1.0), ("-high", 1.3)):
         values = itasca_table(text, f"kn-cycle-2-loading{ending}")[1]
         np.testing.assert_allclose(values, factor * known, rtol=1e-6)
@@ -107,12 +101,10 @@ def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history, capsys):
         for name, value in one.items():
             power = -1.0 if name == "fracture_normal_stiffness" else 1.0
             assert solid[name] == pytest.approx(factor**power * value, rel=1e-3)
-    files = geos_files(history, band)
+    files = exports.geos_files(history, band)
     apertures = [files[f"geos_aperture{end}.csv"].split() for end in ("_low", "", "_high")]
-    low, middle, high = (np.array(values, float) for values in apertures)
-    assert (low < middle).all()
-    assert (middle < high).all()
-    full = geos_files(history, band.assign(mean_aperture_mm_low=0.0))
+    assert (np.diff(np.array(apertures, float), axis=0) > 0.0).all()
+    full = exports.geos_files(history, band.assign(mean_aperture_mm_low=0.0))
     assert {"geos_aperture.csv", "geos_aperture_high.csv"} == {n for n in full if "aperture" in n}
     assert "not written: geos_aperture_low.csv: at this end" in capsys.readouterr().out
 
@@ -120,10 +112,8 @@ def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history, capsys):
 def test_porepy_closes_as_the_joint_does(folder, history):
     """Its fracture closes from the elastic opening by Bandis' hyperbola."""
     solid = json.loads((folder / "t/porepy.json").read_text())
-    assert solid == exported(porepy_files, history)["porepy.json"]
-    stiffness, opening = (
-        solid[name] for name in ("fracture_normal_stiffness", "maximum_elastic_fracture_opening")
-    )
+    assert solid == porepy(history)
+    stiffness, opening = list(solid.values())[:2]
     traction = float(history.normal_stress.max()) - 0.5e6
     closes = opening * traction / (stiffness * opening + traction)
     cycle = cycle_table(history).iloc[1]
@@ -141,11 +131,10 @@ def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):
     """Softer half-spaces change no number of theirs: what they take is net."""
     history = history.assign_attrs(numerics="{}")  # no landing, whose steps are gross
     softer = on_softer_half_spaces(history)
-    one, other = (exported(porepy_files, each)["porepy.json"] for each in (history, softer))
+    one, other = (porepy(each) for each in (history, softer))
     assert other == pytest.approx(one, rel=1e-4)
     np.testing.assert_allclose(geos_table(softer), geos_table(history), rtol=1e-6, atol=1e-12)
-    texts = (exported(itasca_tables, each)["joint_stiffness.dat"] for each in (history, softer))
-    tables = [re.findall(r"[\d.]+e[+-]\d+", text) for text in texts]
+    tables = [re.findall(r"[\d.]+e[+-]\d+", itasca(each)) for each in (history, softer)]
     np.testing.assert_allclose(*(np.array(table, float) for table in tables), rtol=1e-6)
 
 
@@ -171,10 +160,9 @@ def test_geos_takes_the_table(folder, history):
 def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     meshio = pytest.importorskip("meshio")
     upper, lower = small_joint
-    opening = float((upper + lower).max())
     axes = {name: SPACING * np.arange(n) for name, n in zip("yx", upper.shape, strict=True)}
     walls = {"upper_final": (("y", "x"), upper), "lower_final": (("y", "x"), lower)}
-    (mesh,) = fracture_mesh(xr.Dataset(walls, axes), pd.DataFrame()).values()
+    (mesh,) = exports.fracture_mesh(xr.Dataset(walls, axes), pd.DataFrame()).values()
     write(mesh, tmp_path / "a.vtu")
     read = meshio.read(tmp_path / "a.vtu")
     ny, nx = upper.shape
@@ -183,9 +171,8 @@ def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     corners = read.points[triangles]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert (across[:, 2] > 0.0).all()  # all face up, and cover the joint once
-    covered = 0.5 * across[:, 2].sum()
-    assert covered == pytest.approx((ny - 1) * (nx - 1) * SPACING**2)
-    gap = opening - upper - lower
+    assert 0.5 * across[:, 2].sum() == pytest.approx((ny - 1) * (nx - 1) * SPACING**2)
+    gap = (upper + lower).max() - upper - lower
     np.testing.assert_allclose(read.points[:, 2], (lower + 0.5 * gap).ravel())
     aperture = read.cell_data_dict["aperture"]["triangle"]
     np.testing.assert_allclose(aperture, gap.ravel()[triangles].mean(axis=1), atol=1e-15)
@@ -199,22 +186,22 @@ def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_take
     walls = jc.wall_pair(8.0, (24, 20), SPACING, seed=1)
     joint = closed(walls, [4e6, 0.0, 4e6, 1e6, 4e6], seating_stress=0.5e6)
     before = joint.sel(step=joint.load_cycle <= 2)
-    assert exported(porepy_files, joint) == exported(porepy_files, before)
+    assert porepy(joint) == porepy(before)
     np.testing.assert_array_equal(geos_table(joint), geos_table(before))
     above = joint.sel(step=joint.load_cycle == 3)
     with pytest.raises(jc.InputError, match="no loading begins at or below the seating stress"):
-        exported(porepy_files, above)
+        porepy(above)
 
 
 def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
     history = closed(small_joint, 2e6, effects=alone, seating_stress=0.2e6)
-    gap, aperture = geos_table(history)  # without interaction the slope is 1
-    slopes = np.diff(aperture) / np.diff(gap)
-    assert slopes[-1] == pytest.approx(OPENING_SLOPE, rel=1e-6)
+    gap, aperture = geos_table(history)
+    slopes = np.diff(aperture) / np.diff(gap)  # without interaction 1
+    assert slopes[-1] == pytest.approx(exports.OPENING_SLOPE, rel=1e-6)
     np.testing.assert_allclose(slopes[:-2], 1.0, rtol=1e-6)
     assert slopes[-2] == pytest.approx(1.0, rel=1e-2)
     assert gap[-1] == 0.0
     blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
     with pytest.raises(jc.InputError, match=r"mean aperture must be positive, and is not from 0.2"):
-        exported(geos_files, blocked)
+        geos_table(blocked)

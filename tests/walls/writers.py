@@ -28,11 +28,6 @@ class Ground:
         return x + self.corner[1], y + self.corner[0]
 
 
-def as_npy(path, ground):
-    np.save(path, ground.heights)
-    return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
-
-
 def as_npz(path, ground):
     np.savez(path, Z_um=1e3 * ground.heights, spacing_m=1e-3 * ground.step)
     return {}
@@ -63,7 +58,13 @@ def as_shuffled_text(path, ground):
 
 
 def as_matrix(path, ground):
-    np.savetxt(path, ground.heights, "%.6f")
+    """Heights alone: what they are is stated beside the file."""
+    if path.suffix == ".npy":
+        np.save(path, ground.heights)
+    elif path.suffix == ".tif":
+        pytest.importorskip("tifffile").imwrite(path, ground.heights)
+    else:
+        np.savetxt(path, ground.heights, "%.6f")
     return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
 
 
@@ -145,11 +146,6 @@ def as_esri(path, ground, rows=None, **head):
     return {"units": "mm"}
 
 
-def as_tiff(path, ground):
-    pytest.importorskip("tifffile").imwrite(path, ground.heights)
-    return {"units": "mm", "scan_spacing": 1e-3 * ground.step}
-
-
 def as_geotiff(path, ground, placed=2):
     """A GeoTIFF in metres, whose first row has the largest y, placed by a middle (2) or corner."""
     keys, step = (1, 1, 0, 3, 1025, 0, 1, placed, 3076, 0, 1, 9001, 4099, 0, 1, 9001), 1e-3
@@ -168,27 +164,14 @@ def as_geotiff(path, ground, placed=2):
 
 
 FORMS = {
-    "a.npy": as_npy,
-    "a.npz": as_npz,
-    "a.nc": as_netcdf,
-    "a.csv": as_csv,
-    "a.xyz": as_shuffled_text,
-    "a.stl": as_mesh,
-    "a.ply": as_mesh,
-    "text.ply": as_mesh,
-    "a.obj": as_mesh,
-    "a.txt": as_matrix,
-    "gwyddion.asc": as_gwyddion,
+    **dict.fromkeys(("a.npy", "a.txt", "a.tif"), as_matrix),
+    **dict.fromkeys(("a.stl", "a.ply", "text.ply", "a.obj"), as_mesh),
+    **dict.fromkeys(("a.grd", "b.grd", "c.grd"), as_surfer),
+    **dict.fromkeys(("a.asc", "esri.txt"), as_esri),
+    "a.npz": as_npz, "a.mat": as_matlab, "a.nc": as_netcdf, "geo.tiff": as_geotiff,
+    "a.csv": as_csv, "a.xyz": as_shuffled_text, "gwyddion.asc": as_gwyddion,
     "x.dat.txt,y.dat.txt,z.dat.txt": as_three_files,
-    "a.mat": as_matlab,
-    "a.grd": as_surfer,
-    "b.grd": as_surfer,
-    "c.grd": as_surfer,
-    "a.asc": as_esri,
-    "esri.txt": as_esri,
-    "a.tif": as_tiff,
-    "geo.tiff": as_geotiff,
-}
+}  # fmt: skip
 
 
 def files_in(form: str, folder: Path) -> list[Path]:

@@ -35,14 +35,11 @@ def test_the_key_table_and_the_schema_are_those_of_the_keys():
 
 
 def samples(language: str) -> list:
-    """Fenced code of a language in all documents, each with its document."""
-    found = []
+    """Fenced codes of a language of each document that has one."""
+    fence, found = re.compile(rf"^```{language}\n(.*?)^```", re.S | re.M), []
     for document in DOCUMENTS:
-        name = document.relative_to(ROOT).as_posix()
-        text = document.read_text(encoding="utf-8")
-        fences = re.findall(r"^```(\w*)\n(.*?)^```", text, re.S | re.M)
-        codes = [code for kind, code in fences if kind == language]
-        found += [pytest.param(code, id=f"{name}-{i}") for i, code in enumerate(codes)]
+        if codes := fence.findall(document.read_text(encoding="utf-8")):
+            found.append(pytest.param(codes, id=document.relative_to(ROOT).as_posix()))
     return found
 
 
@@ -63,50 +60,40 @@ def smoke_study(project):
              "seating_stress_MPa": 0.1}  # fmt: skip
     study = study_of(small)
     case = cases_of(study)[0]
-    settings = block_settings(study, case, range(2))
-    closed = close_block(settings)
+    closed = close_block(block_settings(study, case, range(2)))
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
     write_netcdf(join_cases([case], [closed]), folder / "study.nc")
 
 
-WITH_PYTHON = [path for path in DOCUMENTS if "```python" in path.read_text(encoding="utf-8")]
-
-
-@pytest.mark.parametrize("document", WITH_PYTHON, ids=lambda p: p.relative_to(ROOT).as_posix())
-def test_python_samples_run_one_after_the_other(document, smoke_study, monkeypatch):
+@pytest.mark.parametrize("codes", samples("python"))
+def test_python_samples_run_one_after_the_other(codes, smoke_study, monkeypatch):
     """Without the range of a joint, which takes half a minute (see test_pages), and coarse."""
     quick = functools.partial(jc.close, single=True, numerics=COARSE)
     monkeypatch.setattr(jc, "close", quick)
-    codes = re.findall(r"^```python\n(.*?)^```", document.read_text(encoding="utf-8"), re.S | re.M)
     namespace: dict = {}
     for code in codes:
-        exec(compile(code, document.name, "exec"), namespace)  # raises where one is wrong
+        exec(code, namespace)  # raises where one is wrong
 
 
-@pytest.mark.parametrize("code", samples("yaml"))
-def test_yaml_samples_are_valid_studies(code):
+@pytest.mark.parametrize("codes", samples("yaml"))
+def test_yaml_samples_are_valid_studies(codes):
     """What a sample leaves out of a rock of its own is as in dolerite."""
-    sample = yaml.safe_load(code)
-    for name, rock in sample.get("rocks", {}).items():
-        if name not in DEFAULT["rocks"]:
-            usual = dict(DEFAULT["rocks"]["dolerite"], levels={})
-            if "walls" in rock:
-                del usual["jrc"]
-            sample["rocks"][name] = merged(usual, rock)
-    study_of(written_out(sample))
+    for sample in map(yaml.safe_load, codes):
+        for name, rock in sample.get("rocks", {}).items():
+            if name not in DEFAULT["rocks"]:
+                usual = dict(DEFAULT["rocks"]["dolerite"], levels={})
+                if "walls" in rock:
+                    del usual["jrc"]
+                sample["rocks"][name] = merged(usual, rock)
+        study_of(written_out(sample))
 
 
-def command_lines(code: str) -> list[list[str]]:
-    """Words of each command of a sample, without comments."""
-    lines = [shlex.split(line, comments=True) for line in code.splitlines()]
-    return [words for words in lines if words]
-
-
-@pytest.mark.parametrize("code", [*samples("bash"), *samples("sh")])
-def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, capsys):
+@pytest.mark.parametrize("codes", samples("(?:bash|sh)"))
+def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, capsys):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)
-    for program, *words in command_lines(code):
+    lines = [shlex.split(line, comments=True) for code in codes for line in code.splitlines()]
+    for program, *words in filter(None, lines):
         program = program.removeprefix(".venv/bin/")
         if program == "make":
             assert words[0] in targets
@@ -123,8 +110,7 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, c
         elif program == "python":
             assert (ROOT / words[0]).is_file()
         elif program == "snakemake":
-            paths = [words[words.index(option) + 1] for option in words if option == "--configfile"]
-            assert all((ROOT / path).is_file() for path in paths)
+            assert (ROOT / words[words.index("--configfile") + 1]).is_file()
         else:
             raise AssertionError(f"who is to run {program}?")
 
