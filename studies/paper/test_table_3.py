@@ -18,15 +18,10 @@ from studies.frame.cases import cases_of, closed_keys, ensembles_of, pool_of, wa
 from studies.frame.closing import Ensemble
 from studies.frame.keys import Accuracy
 from studies.frame.yaml_files import PAPER_TABLE_3
+from studies.paper import closures
 from studies.paper.accuracy import START, Counts, next_counts, reached_table, start_counts
 from studies.paper.claims import TARGET
-from studies.paper.closures import (
-    best_fits,
-    correlation_table,
-    elasticity_table,
-    fit_table,
-    indifference_table,
-)
+from studies.paper.closures import best_fits, fit_table
 from studies.paper.judged_claims import Evidence, judge_claims
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 from studies.paper.responses import responses
@@ -36,8 +31,6 @@ from tests.world import ELASTICITIES, world
 PAPER = read_csv(PAPER_TABLE_3)
 ONE = {"study": {"rocks": ["dolerite"], "pool": 40}, "statistics": {"bootstrap_resamples": 20}}
 COMMON = {"study": {"draws": "common", "pool": None}}
-OTHERS = dict.fromkeys(("poisson_ratio", "youngs_modulus_GPa", "jrc"))
-STRENGTH_ALONE = {"rocks": {"dolerite": {"levels": OTHERS}}}
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +54,8 @@ def test_the_pool_has_common_surfaces_that_no_study_has():
 
 def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
     statistics = study_of(ONE).statistics
-    independent = indifference_table(world(study_of(ONE)), statistics, 1)
-    common = indifference_table(world(study_of(ONE, COMMON)), statistics, 1)
+    independent = closures.indifference_table(world(study_of(ONE)), statistics, 1)
+    common = closures.indifference_table(world(study_of(ONE, COMMON)), statistics, 1)
     assert set(independent.test) == {"unpaired"}
     np.testing.assert_array_equal(independent.length, independent.unpaired_length)
     assert set(common.test) == {"paired"}
@@ -76,19 +69,19 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
 def test_more_than_three_levels_have_both_tests_and_a_kink_is_a_lack_of_fit():
     levels = {"levels": {"youngs_modulus_GPa": [70, 74, 76, 80, 82, 85]}}
     dataset = world(study_of(ONE, {"rocks": {"dolerite": levels}}, COMMON))
-    table = indifference_table(dataset, study_of(ONE).statistics, 1)
+    table = closures.indifference_table(dataset, study_of(ONE).statistics, 1)
     one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
     assert np.isfinite([one.length, one.unpaired_length]).all()
-    p = correlation_table(dataset).set_index(["parameter", "cycle"]).lack_of_fit_p
+    p = closures.correlation_table(dataset).set_index(["parameter", "cycle"]).lack_of_fit_p
     assert np.isnan(p["jrc", 2])
     kinked = dataset.copy(deep=True)
     kinked["max_closure"][(dataset.youngs_modulus > 80e9).values] *= 1.03
-    worse = correlation_table(kinked).set_index(["parameter", "cycle"]).lack_of_fit_p
+    worse = closures.correlation_table(kinked).set_index(["parameter", "cycle"]).lack_of_fit_p
     assert worse["youngs_modulus", 2] < 1e-6 < p["youngs_modulus", 2]
 
 
 def test_elasticities_are_the_worlds_within_their_errors(pool):
-    table = elasticity_table(pool)
+    table = closures.elasticity_table(pool)
     assert table.paired.all()
     truth = [ELASTICITIES[row.cycle][row.parameter] for row in table.itertuples()]
     # a parabola through three levels of a power is off by some thousandths of it
@@ -111,7 +104,7 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     errors = table[["median_error", "median_pool_error", "p_error", "null_p_error"]]
     assert (errors > 0.0).all(axis=None)
     joint = joint_table(found, PAPER).set_index("entries")
-    assert (joint.number["all"], joint.number["cycle 1 without JRC"]) == (8, 3)
+    assert joint.number[["all", "cycle 1 without JRC"]].tolist() == [8, 3]
     assert joint.null_p["all"] < 0.01 < joint.p["all"]
     # the pool's surfaces make more of an error than 400 repetitions
     p = joint.p["cycle 2"]
@@ -131,7 +124,7 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert read_csv(tmp_path / "entries.csv").empty
     assert read_netcdf(tmp_path / "lengths.nc").sizes["entry"] == 0
     assert joint_table(found, PAPER).empty
-    assert elasticity_table(study).empty
+    assert closures.elasticity_table(study).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
@@ -151,7 +144,7 @@ def study(status=(0, 0, 0)):
     scale = np.array([1.0, 2.0, 3.0])[:, None, None, None] * np.array([1.0, 0.1])[:, None, None]
     closure = scale * np.stack([loading, unloading])
     end = closure[..., 1, 0]
-    start = np.concatenate([np.zeros((3, 1)), end[:, :-1]], axis=1)
+    start = np.pad(end[:, :-1], ((0, 0), (1, 0)))
     closure = closure + start[..., None, None]
     maximum = closure[..., 0, -1] - start
     seat = scale[..., 0, 0] * 1e-4 * 0.5
@@ -177,41 +170,29 @@ def study(status=(0, 0, 0)):
 
 def like(number, cycle=1, offset=0.0):
     """A measured curve that is a modelled one, from another zero."""
-    base = study().isel(case=0).sel(cycle=cycle).isel(realization=number)
-    net = base.closure - base.bulk_indentation
-    up, down = (net.sel(branch=name).values for name in ("loading", "unloading"))
-    stress = base.stress.values
-    rows = [(stress, up), (stress[::-1][1:], down[::-1][1:])]
-    return MeasuredCurve(
-        np.concatenate([s for s, _ in rows]),
-        np.concatenate([c for _, c in rows]) + offset,
-        np.full(2 * stress.size - 1, cycle),
-        np.arange(2 * stress.size - 1),
-    )
+    base = study().isel(case=0, realization=number).sel(cycle=cycle)
+    up, down = (base.closure - base.bulk_indentation).values
+    stress = np.append(base.stress, base.stress[-2::-1])
+    closure = np.append(up, down[-2::-1]) + offset
+    return MeasuredCurve(stress, closure, np.full(stress.size, cycle), np.arange(stress.size))
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])
 @pytest.mark.parametrize("cycle", [1, 2])
 @pytest.mark.parametrize("offset", [0.0, 3e-4])
 def test_the_surface_that_was_measured_fits_best_and_without_misfit(number, cycle, offset):
-    table = fit_table(study(), {"one": like(number, cycle, offset)}, SEATING)
-    (row,) = table.itertuples()
-    assert row.best_realization == 10 + number
+    (row,) = fit_table(study(), {"one": like(number, cycle, offset)}, SEATING).itertuples()
     assert row.misfit_mm < 1e-12
     assert row.median_misfit_mm > 1e-3
-    assert row.samples == 3
-    # 6 above the seating on loading, and 8 on unloading
-    assert row.points == 14
+    # 6 points are above the seating on loading, and 8 on unloading
+    assert (row.best_realization, row.samples, row.points) == (10 + number, 3, 14)
 
 
 def test_the_misfit_is_the_root_mean_square_of_the_differences_of_closures():
     curve = like(0)
-    doubled = curve._replace(closure=1.3 * curve.closure)
-    table = fit_table(study(), {"one": doubled}, SEATING)
-    differences = np.concatenate(
-        [0.3 * closure for _, _, closure in curve.since_seating(1, SEATING)]
-    )
-    expected = 1e3 * np.sqrt(np.mean(differences**2))
+    table = fit_table(study(), {"one": curve._replace(closure=1.3 * curve.closure)}, SEATING)
+    known = np.concatenate([closure for *_, closure in curve.since_seating(1, SEATING)])
+    expected = 1e3 * np.sqrt(np.mean((0.3 * known) ** 2))
     assert table.misfit_mm[0] == pytest.approx(expected)
     largest = 1e3 * 1.3 * (1e-4 - 0.5e-4)
     assert table.misfit_percent[0] == pytest.approx(100 * expected / largest)
@@ -228,23 +209,20 @@ def test_each_cycle_has_its_own_best_and_all_together_one():
 
 
 def test_a_failed_surface_is_never_the_best():
-    table = fit_table(study(status=(16, 0, 0)), {"one": like(0)}, SEATING)
-    assert table.best_realization[0] == 11
-    assert table.samples[0] == 2
+    (row,) = fit_table(study(status=(16, 0, 0)), {"one": like(0)}, SEATING).itertuples()
+    assert (row.best_realization, row.samples) == (11, 2)
 
 
 # Accuracy of a study by two levels: results, their intervals, and what `make study` does next
 
 
-LEVELS = {"poisson_ratio": None, "compressive_strength_MPa": None, "jrc": None}
-
-
 def slate(surfaces, seed=1, draws="independent", elasticity=-1.0):
     """A rock with three levels of E whose truth is known."""
     study = {"rocks": ["slate"], "realizations": surfaces, "root_seed": seed, "draws": draws}
-    rocks = {"slate": {"levels": LEVELS}}
+    levels = dict.fromkeys(("poisson_ratio", "compressive_strength_MPa", "jrc"))
     known = ELASTICITIES[2] | {"youngs_modulus": elasticity}
-    closed = world(study_of({"study": study, "rocks": rocks}), {1: known, 2: known})
+    whole = study_of({"study": study, "rocks": {"slate": {"levels": levels}}})
+    closed = world(whole, dict.fromkeys((1, 2), known))
     net = 0.8 * closed.max_closure
     return closed.assign(stiffness_net=1e6 / closed.max_closure, max_closure_seated_net=net)
 
@@ -273,28 +251,25 @@ def test_a_mean_is_that_of_all_surfaces_and_of_the_differences_to_the_finest_num
     table = reached_closures(study, finest, 0.1)
     assert (table.surfaces == 40).all()
     assert (table.differences == 12).all()
-    closures, finer = (1e3 * part.max_closure.values[0, :, 0] for part in (study, finest))
+    coarse, finer = (1e3 * part.max_closure.values[0, :, 0] for part in (study, finest))
     row = table.iloc[0]
-    assert row.value == pytest.approx(closures.mean() + (finer - closures[:12]).mean())
-    assert row.study_value == pytest.approx(closures.mean())
+    assert row.value == pytest.approx(coarse.mean() + (finer - coarse[:12]).mean())
+    assert row.study_value == pytest.approx(coarse.mean())
     assert row.low < row.value < row.high
     assert row.half_width_percent == pytest.approx(50.0 * (row.high - row.low) / row.value)
     assert (table.met == (table.half_width_percent <= 10.0)).all()
     # without any difference it is the interval of the surfaces, but for degrees of freedom
     same = reached_closures(study, study.isel(realization=slice(38)), 0.1)
-    alone = t_interval(closures)
+    alone = t_interval(coarse)
     assert same.value[0] == pytest.approx(alone.value)
     assert same.high[0] == pytest.approx(alone.high, rel=0.01)
 
 
 def test_failed_joints_of_either_level_are_left_out_and_few_differences_never_suffice():
-    study, bad = slate(20), np.zeros((3, 20), dtype=np.int16)
-    bad[0, [1, 15]] = 16
-    study = study.assign(status=(("case", "realization"), bad))
-    finest = refined(slate(20), 9)
-    failed = np.zeros((3, 9), dtype=np.int16)
-    failed[0, 4] = 16
-    finest = finest.assign(status=(("case", "realization"), failed))
+    study = slate(20)
+    finest = refined(study, 9).copy(deep=True)
+    study.status[0, [1, 15]] = 16
+    finest.status[0, 4] = 16
     finest.max_closure[2, 6, 0] = np.nan
     table = reached_closures(study, finest, 0.99)
     assert table[["surfaces", "differences"]].iloc[0].tolist() == [18, 7]
@@ -309,9 +284,8 @@ def test_failed_joints_of_either_level_are_left_out_and_few_differences_never_su
 @pytest.mark.parametrize("draws", ["independent", "common"])
 def test_indifference_intervals_cover_those_of_the_finest_numerics(draws):
     whole = refined(slate(2000, 1, draws, -1.1), 2000)
-    truth = {
-        r.cycle: 100.0 * r.interval(0.05, 100).length / r.base for r in responses(whole, TARGET)
-    }
+    known = ((r, r.interval(0.05, 100)) for r in responses(whole, TARGET))
+    truth = {r.cycle: 100.0 * interval.length / r.base for r, interval in known}
     wish, covered = Accuracy(within=0.5, of="interval"), []
     for seed in range(4 if draws == "common" else 8):
         finest = refined(slate(100, 50 + seed, draws, -1.1), 20, seed=seed)
@@ -326,16 +300,14 @@ def test_indifference_intervals_cover_those_of_the_finest_numerics(draws):
     assert row.value == pytest.approx(row.study_value)
 
 
-def rows(needed, differences=8, half=9.0, least=4.0):
-    return pd.DataFrame(
-        {
-            "rock": "slate", "parameter": "base", "level": "base", "cycle": 1, "surfaces": 10,
-            "quantity": "max_closure",
-            "differences": 8, "surfaces_needed": needed, "differences_needed": differences,
-            "half_width_percent": half, "met": [need <= 10 for need in needed],
-            "least_percent": least, "surface_core_minutes": 1.0, "difference_core_minutes": 4.0,
-        }
-    )  # fmt: skip
+def rows(needed, differences=8):
+    return pd.DataFrame({
+        "rock": "slate", "parameter": "base", "level": "base", "cycle": 1, "surfaces": 10,
+        "quantity": "max_closure", "differences": 8, "surfaces_needed": needed,
+        "differences_needed": differences, "met": [need <= 10 for need in needed],
+        "half_width_percent": 9.0, "least_percent": 4.0,
+        "surface_core_minutes": 1.0, "difference_core_minutes": 4.0,
+    })  # fmt: skip
 
 
 def test_both_counts_grow_by_blocks_until_all_is_met_the_most_are_closed_or_the_budget_is_spent():
@@ -354,30 +326,24 @@ def test_both_counts_grow_by_blocks_until_all_is_met_the_most_are_closed_or_the_
 
 
 def test_a_budget_sets_the_start_and_must_suffice_for_two_surfaces():
-    price = pd.DataFrame(
-        {"ensemble": ["cases", "finest"], "rock": "slate", "cases": 9, "seconds": [2.0, 20.0]}
-    )
-
-    def start(minutes):
-        return start_counts(price, Accuracy(within=0.05, budget_core_minutes=minutes))
-
-    assert start(28.0) == START
-    assert start(20.0) == (5, 4)
-    assert start(7.0) == (2, 2)
+    price = {"ensemble": ["cases", "finest"], "rock": "slate", "cases": 9, "seconds": [2.0, 20.0]}
+    wish = Accuracy(within=0.05)
+    for minutes, counts in ((28.0, START), (20.0, (5, 4)), (7.0, (2, 2))):
+        budget = wish._replace(budget_core_minutes=minutes)
+        assert start_counts(pd.DataFrame(price), budget) == counts
     words = "must be at least 6.6, for 2 surfaces of all 9 cases; a joint takes up to 2 s"
     with pytest.raises(InputError, match=re.escape(words)):
-        start(6.5)
+        start_counts(pd.DataFrame(price), wish._replace(budget_core_minutes=6.5))
 
 
 def test_a_mean_stiffness_is_harmonic_and_its_interval_in_order():
     study = slate(40)
     finest = refined(study, 12)
     table = reached_table(study, finest, Accuracy(within=0.1, of="stiffness"), 0.05)
-    closures = reached_closures(study, finest, 0.1)
-    assert (table.low < table.value).all()
-    assert (table.value < table.high).all()
-    np.testing.assert_allclose(table.half_width_percent, closures.half_width_percent)
-    np.testing.assert_allclose(table.value * closures.value, 1.0)  # in MPa/mm and mm
+    mean = reached_closures(study, finest, 0.1)
+    assert ((table.low < table.value) & (table.value < table.high)).all()
+    np.testing.assert_allclose(table.half_width_percent, mean.half_width_percent)
+    np.testing.assert_allclose(table.value * mean.value, 1.0)  # in MPa/mm and mm
 
 
 def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():

@@ -14,19 +14,11 @@ BASE = (3e-3, 0.25e-3)
 ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 
-def points_of(spectrum, patch, spacing, **study):
-    """Points of patches of a size, by their position."""
-    jobs = scale.EXPERIMENT.design(study_of(TINY, {"study": study})).jobs()
-    return [
-        point
-        for point in jobs[f"slate.{spectrum}"]
-        if (point.coordinates["patch"], point.coordinates["spacing"]) == (patch, spacing)
-    ]
-
-
-def walls_of(point):
-    """Walls of the first realisation of a point."""
-    return next(point.walls())
+def walls_of(patch, spacing, position=0):
+    """Walls of the first realisation of a patch of a size."""
+    points = scale.EXPERIMENT.design(study_of(TINY)).jobs()["slate.free"]
+    sizes = [(point.coordinates["patch"], point.coordinates["spacing"]) for point in points]
+    return next(points[sizes.index((patch, spacing)) + position].walls())
 
 
 @pytest.fixture(scope="module")
@@ -35,30 +27,26 @@ def run(joints):
 
 
 def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
-    (whole,) = points_of("free", 6e-3, 0.25e-3)
-    for wall in walls_of(whole):
+    whole = walls_of(6e-3, 0.25e-3)
+    for wall in whole:
         assert wall.shape == (24, 24)
         # at the spacing of the study they have the slope of their JRC, but for their plane
         assert rms_slope(wall, 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6), rel=0.01)
-    fine, coarse = (walls_of(points_of("free", 1.5e-3, h)[1])[0] for h in (0.125e-3, 0.25e-3))
+    fine, coarse = (walls_of(1.5e-3, spacing, 1)[0] for spacing in (0.125e-3, 0.25e-3))
     assert (fine.shape, coarse.shape) == ((12, 12), (6, 6))
-    of_whole = walls_of(whole)[0][6:12, 6:12]
+    of_whole = whole[0][6:12, 6:12]
     # but for their planes they are the same heights
     for other in (fine[::2, ::2], of_whole):
-        plane = other - coarse
-        assert np.ptp(np.diff(plane, axis=0)) < 1e-12
-        assert np.ptp(np.diff(plane, axis=1)) < 1e-12
+        assert max(np.ptp(np.diff(other - coarse, axis=axis)) for axis in (0, 1)) < 1e-12
     assert np.ptp(coarse - (of_whole - of_whole.mean())) > 0.0
 
 
 def test_ratios_are_of_pairs_of_the_same_walls(run):
     table = scale.size_table({"slate": run}, BASE)
-    row = table[
-        (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
-    ].iloc[0]  # fmt: skip
+    row = table.query("spectrum == 'free' and patch_mm == 6 and cycle == 1").iloc[0]
     closure = run.max_closure.sel(spectrum="free", cycle=1, spacing=0.25e-3)
-    pairs = np.log(closure.sel(patch=6e-3)).mean("position").values
-    pairs = pairs - np.log(closure.sel(patch=3e-3)).mean("position").values
+    means = np.log(closure).mean("position")
+    pairs = (means.sel(patch=6e-3) - means.sel(patch=3e-3)).values
     ratio = np.exp(pairs.mean())
     assert row.max_closure_mm_ratio == pytest.approx(ratio)
     assert row.max_closure_mm_error == pytest.approx(ratio * pairs.std(ddof=1) / 2.0)
@@ -99,9 +87,8 @@ def test_an_exponent_is_found_and_what_is_no_power_is_told():
 
 def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
     table = scale.collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
-    table = table[(table.reading == "max_closure") & (table.cycle == 1)].set_index(
-        ["between", "scaling"]
-    )
+    table = table.query("reading == 'max_closure' and cycle == 1")
+    table = table.set_index(["between", "scaling"])
     for between in ("sizes", "sizes and spectra"):
         own = table.loc[between]
         assert own.loc["none", "removed_percent"] == 0.0
@@ -146,9 +133,8 @@ def made_up(surfaces, noise, power=0.7, extra=0.0, seed=1):
     own = random.standard_normal(surfaces)  # what a surface has at all conditions
     scatter = noise * random.standard_normal((9, surfaces))
     response = (power * size + extra * other)[:, None] + own + scatter
-    groups = np.zeros(9)
     predictor = np.broadcast_to(size[:, None], response.shape)[np.newaxis]
-    return scale.centred(predictor, groups), scale.centred(response, groups)
+    return [scale.centred(values, np.zeros(9)) for values in (predictor, response)]
 
 
 def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
