@@ -148,9 +148,8 @@ def as_esri(path, ground, rows=None, **head):
 
 def as_geotiff(path, ground, placed=2):
     """A GeoTIFF in metres, whose first row has the largest y, placed by a middle (2) or corner."""
-    keys, step = (1, 1, 0, 3, 1025, 0, 1, placed, 3076, 0, 1, 9001, 4099, 0, 1, 9001), 1e-3
-    step *= ground.step
-    y, x = (1e-3 * part for part in ground.corner)
+    keys = (1, 1, 0, 3, 1025, 0, 1, placed, 3076, 0, 1, 9001, 4099, 0, 1, 9001)
+    step, y, x = (1e-3 * part for part in (ground.step, *ground.corner))
     top = y + step * (len(ground.heights) - 1)
     tags = [
         (33550, "d", 3, (step, step, 0.0), True),

@@ -1,10 +1,9 @@
 """What the documents say, held against the project."""
 
 import functools
-import importlib.util
+import importlib
 import re
 import shlex
-from pathlib import Path
 
 import pytest
 import yaml
@@ -18,20 +17,16 @@ from studies.frame.closing import close_block
 from studies.frame.configuration import merged, written_out
 from studies.frame.tables import join_cases
 from tests.joints import COARSE
-from tests.studied import DEFAULT, study_of
+from tests.studied import DEFAULT, ROOT, study_of
 
-ROOT = Path(__file__).parents[2]
-DOCUMENTS = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
-    *(ROOT / f"config/{name}README.md" for name in ("", "walls/")),
-    *sorted((ROOT / "docs").rglob("*.md")),
-]
+DOCUMENTS = sorted(p for where in ("", "config/**/", "docs/**/") for p in ROOT.glob(f"{where}*.md"))
 
 
-def test_the_key_table_and_the_schema_are_those_of_the_keys():
-    for file, text in (("README.md", "main"), ("schema.json", "schema")):
-        page = (ROOT / "config" / file).read_text(encoding="utf-8")
-        assert page == getattr(script("key_table"), text)(), file
+def test_the_key_table_and_the_schema_are_those_of_the_keys(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    key_table = importlib.import_module("key_table")
+    for file, made in (("README.md", key_table.main), ("schema.json", key_table.schema)):
+        assert (ROOT / "config" / file).read_text(encoding="utf-8") == made(), file
 
 
 def samples(language: str) -> list:
@@ -113,11 +108,3 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, 
             assert (ROOT / words[words.index("--configfile") + 1]).is_file()
         else:
             raise AssertionError(f"who is to run {program}?")
-
-
-def script(name: str):
-    """A script of the workflow, as a module."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / f"workflow/scripts/{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
