@@ -1,7 +1,5 @@
 """Tables 1 to 3 in the paper's layout."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -235,20 +233,6 @@ def test_settings_change_of_the_products_that_read_a_key_and_of_no_other(change,
     before, after = ([settings_of(each, study) for each in PRODUCTS.values()] for study in studies)
     changed = {name for name, *two in zip(PRODUCTS, before, after, strict=True) if two[0] != two[1]}
     assert changed == made_again | {"state_configuration"}
-
-
-@pytest.mark.parametrize("changes", [{}, {"flow": True} | CURVE, {"study": {"pool": None}}])
-def test_files_that_products_read_are_of_the_ensembles_or_made_by_one_product(changes, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    study = study_of(changes)
-    planned = [product for product in PRODUCTS.values() if product.when(study)]
-    made = [study.file(name) for product in planned for name in product.files(study)]
-    assert len(set(made)) == len(made)
-    known = [*made, *map(study.file, ("study.nc", "pool.nc", "first_walls.nc"))]
-    for product in planned:
-        for paths in inputs_of(product, study).values():
-            for path in [paths] if isinstance(paths, str) else paths:
-                assert path in known or (not path.startswith("results/") and Path(path).is_file())
 
 
 def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
