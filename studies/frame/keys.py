@@ -15,8 +15,8 @@ import pydantic
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, Strict
 from pydantic_core import core_schema
 
-from jointclosure.parameters import INTERVALS, PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
-from jointclosure.parameters.units import documented, ends_of, name_and_unit, to_si
+from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
+from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
 from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
@@ -85,10 +85,8 @@ def keys_of(fields: Any, **units: str) -> Any:
     for name, text in documented(fields).items():
         kind, unit, bounds = get_type_hints(fields)[name], units.get(name), {}
         if {kind, *get_args(kind)} & {float, int}:
-            interval, _ = INTERVALS.get(name, ("(0, inf)", ""))
-            signs = "ge" if interval[0] == "[" else "gt", "le" if interval[-1] == "]" else "lt"
-            ends = zip(signs, ends_of(interval), strict=True)
-            bounds = {sign: end for sign, end in ends if math.isfinite(end)}
+            interval, *_ = getattr(fields.__annotations__[name], "__metadata__", ["(0, inf)"])
+            bounds = bounds_of(interval)
         alias = f"{name}_{unit}" if unit else name
         keys[name] = kind, entry(text.replace("None", "null"), alias=alias, **bounds)
     return pydantic.create_model(fields.__name__, __base__=Section, **keys)

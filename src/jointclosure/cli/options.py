@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
@@ -17,7 +17,7 @@ from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
 from jointclosure.measured.joints import MeasuredJoint
-from jointclosure.parameters import OF_ROCK, SOLVER_NAMES, Choices, Effects, Numerics, Rock
+from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.files import check_record
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
@@ -45,7 +45,6 @@ _CHOICES: dict[str, Iterable[str]] = {
     "orientation": ORIENTATIONS,
     "shift": SHIFTS,
     "spikes": SPIKES,
-    "solver": SOLVER_NAMES,
     "stress_unit": STRESS_UNITS,
     "closure_unit": CLOSURE_UNITS,
     "jrc_relation": tuple(RELATIONS),
@@ -94,7 +93,8 @@ def add_keywords(
 
 def _form(name: str, hint: Any) -> dict[str, Any]:
     """Return the arguments of ``add_argument`` for a keyword with a type."""
-    types = get_args(hint) if get_origin(hint) is UnionType else (hint,)
+    types = get_args(hint)[:1] if get_origin(hint) is Annotated else (hint,)
+    types = get_args(hint) if get_origin(hint) is UnionType else types
     kinds = {get_origin(kind) or kind for kind in types}
     several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
     if hint is bool:

@@ -41,7 +41,7 @@ def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[li
 
 
 @lru_cache(maxsize=None)
-def compile_kernels(scene: str, peaks: Any, bound: Any, solver: str, breakage: Any) -> None:
+def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: Any) -> None:
     """Close a small joint, to compile the kernels of an entry of `kernels_of`, or load them."""
     effects, choices = scene_of(scene), Choices(peaks=peaks, strength_bound=bound)
     joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}

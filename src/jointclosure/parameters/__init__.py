@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
-from jointclosure.parameters.units import Property, ends_of, properties_of, unit_meant
+from jointclosure.parameters.units import Property, check_inside, properties_of, unit_meant
 
 
 class Rock(NamedTuple):
@@ -18,7 +18,7 @@ class Rock(NamedTuple):
     """
 
     youngs_modulus: Annotated[float, Property("Young's modulus", "GPa", "E", usual=(1e8, 3e11))]
-    poisson_ratio: Annotated[float, Property("Poisson's ratio", "1", "nu", (0.0, 0.5))]
+    poisson_ratio: Annotated[float, Property("Poisson's ratio", "1", "nu", "[0, 0.5]")]
     compressive_strength: Annotated[
         float, Property("compressive strength", "MPa", "sigma_c", None, True, (2.5e5, 1e9))
     ]
@@ -26,7 +26,7 @@ class Rock(NamedTuple):
 
 OF_ROCK = properties_of(Rock)
 """Units, ranges, symbols and titles of the properties of a `Rock`, by name."""
-_JRC = Property("JRC", "1", "JRC", (0.0, 20.0))
+_JRC = Property("JRC", "1", "JRC", "[0, 20]")
 _FIRST = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """Rows of the paper's Table 3, in its order."""
 PROPERTIES = {name: (OF_ROCK | {"jrc": _JRC})[name] for name in dict.fromkeys((*_FIRST, *OF_ROCK))}
@@ -91,6 +91,17 @@ def scene_of(name: str) -> Effects:
     return Effects(*(effect in name.split("-") for effect in Effects._fields))
 
 
+_Part = Annotated[float, "(0, 1]"]
+_OfBase = Annotated[
+    float,
+    "(0, 1]",
+    "; with larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold",
+]
+_Tolerance = Annotated[float, "[1e-14, 1)", "; rounding allows no less"]
+_Most = Annotated[float, "[1, inf]"]
+"""Numbers of an interval, and its reason if that is not plain."""
+
+
 class Choices(NamedTuple):
     """Decisions that the paper leaves open.
 
@@ -119,14 +130,14 @@ class Choices(NamedTuple):
         height of both walls: about 3e-13 m in the paper's study.
     """
 
-    base_radius_in_cells: float = 0.5
-    peak_modulus_ratio: float = 0.05
+    base_radius_in_cells: _OfBase = 0.5
+    peak_modulus_ratio: _Part = 0.05
     concave: Literal["magnitude", "flat"] = "magnitude"
     peaks: Literal["pristine", "current"] = "pristine"
     largest_radius: float | None = None
     strength_bound: Literal["base", "none"] = "base"
-    crushed_strength_ratio: float = 1.0
-    tie_tolerance: float = 2e-9
+    crushed_strength_ratio: _Part = 1.0
+    tie_tolerance: Annotated[float, "(0, 0.001)"] = 2e-9
 
 
 PLAUSIBLE: dict[str, tuple[Any, Any]] = {
@@ -193,17 +204,20 @@ class Numerics(NamedTuple):
     later_displacement_step: float = 6.25e-6
     later_breakage_step: float = 2.5e-6
     target: Literal["equilibrate", "interpolate"] = "equilibrate"
-    stress_tolerance: float = 1e-3
-    force_tolerance: float = 1e-5
-    sweep_tolerance: float = 0.01
-    solver: str = "fast"
-    curve_points: int = 20
+    stress_tolerance: _Tolerance = 1e-3
+    force_tolerance: _Tolerance = 1e-5
+    sweep_tolerance: _Tolerance = 0.01
+    solver: Literal["fast", "reference"] = "fast"
+    curve_points: Annotated[int, "[1, 100000]"] = 20
     breakage: Literal["fixed_step", "resolved"] = "fixed_step"
-    tolerance: float = 0.02
-    most_steps: float = 1e5
-    most_breakage_steps: float = 1e6
+    tolerance: Annotated[float, "(0, 0.1]"] = 0.02
+    most_steps: _Most = 1e5
+    most_breakage_steps: _Most = 1e6
     replay: bool = True
-    idle_interaction: float = 0.0
+    idle_interaction: Annotated[float, "[0, 1)"] = 0.0
+
+
+SOLVER_NAMES: tuple[str, ...] = get_args(Numerics.__annotations__["solver"])
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
@@ -280,43 +294,19 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
-_LEAST = "; rounding allows no less"
-INTERVALS: dict[str, tuple[str, str]] = {
-    "base_radius_in_cells": (
-        "(0, 1]",
-        "; with larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold",
-    ),
-    **dict.fromkeys(("peak_modulus_ratio", "crushed_strength_ratio"), ("(0, 1]", "")),
-    "tie_tolerance": ("(0, 0.001)", ""),
-    "tolerance": ("(0, 0.1]", ""),
-    "idle_interaction": ("[0, 1)", ""),
-    "curve_points": ("[1, 100000]", ""),
-    **dict.fromkeys(("most_steps", "most_breakage_steps"), ("[1, inf]", "")),
-    **{f"{of}_tolerance": ("[1e-14, 1)", _LEAST) for of in ("stress", "force", "sweep")},
-}
-"""Interval of each number of `Choices` and `Numerics`, and its reason."""
-
-
 def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
-    """Raise `InputError` unless settings are of a kind, their numbers inside of `INTERVALS`, and
-    their words and switches as annotated.
-    """
+    """Raise `InputError` unless settings are of a kind, and numbers and words as annotated."""
     if not isinstance(settings, kind):
         raise InputError(f"{kind.__name__.lower()} = {settings!r}: must be a {kind.__name__}")
     for name, value in settings._asdict().items():
-        hint = kind.__annotations__[name]
-        if words := tuple(word for word in get_args(hint) if isinstance(word, str)):
-            check_one_of(name, value, words)
+        hint: Any = kind.__annotations__[name]
+        if get_origin(hint) is Literal:
+            check_one_of(name, value, get_args(hint))
         elif hint is bool and not isinstance(value, bool | np.bool_):
             raise InputError(f"{name} = {value!r}: must be True or False")
-        elif name in INTERVALS:
-            check_number(name, value, whole=hint is int)
-            interval, reason = INTERVALS[name]
-            low, high = ends_of(interval)
-            above = value > low or (value == low and interval[0] == "[")
-            below = value < high or (value == high and interval[-1] == "]")
-            if not (above and below):
-                raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
+        elif hasattr(hint, "__metadata__"):
+            check_number(name, value, whole=hint.__origin__ is int)
+            check_inside(name, value, *hint.__metadata__)
 
 
 def check_choices(choices: Choices, spacing: float = 0.0) -> None:
@@ -336,9 +326,6 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
             )
 
 
-SOLVER_NAMES = ("fast", "reference")  # of `jointclosure.solvers.registry`
-
-
 def check_numerics(numerics: Numerics) -> None:
     """Raise `InputError` if a step, a tolerance or the solver is out of its range."""
     _check_fields(numerics, Numerics)
@@ -352,7 +339,6 @@ def check_numerics(numerics: Numerics) -> None:
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
                 f"{prefix}displacement_step = {step!r} m"
             )
-    check_one_of("solver", numerics.solver, SOLVER_NAMES)
     for name, needed in (("solver", "fast"), ("target", "equilibrate")):
         if numerics.breakage == "resolved" and getattr(numerics, name) != needed:
             raise InputError(

@@ -2,13 +2,12 @@
 
 import inspect
 import math
+import operator
 import re
 from collections.abc import Callable
 from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple, get_type_hints
-
-import numpy as np
 
 from jointclosure.inputs import InputError, check_number, check_positive
 
@@ -33,14 +32,14 @@ class Property(NamedTuple):
     """Metadata that annotates a field: ``Annotated[float, Property(...)]``.
 
     ``unit`` is that of tables and configurations ("1" for none), ``symbol`` in ASCII ("sigma_c").
-    ``interval`` is the closed range of allowed values [SI]; None allows any positive number, and
+    ``interval`` holds the allowed values [SI], such as "[0, 0.5]"; None any positive number, and
     infinity if ``may_be_infinite``. Outside of ``usual`` [SI] a value is probably in a wrong unit.
     """
 
     long_name: str
     unit: str
     symbol: str
-    interval: tuple[float, float] | None = None
+    interval: str | None = None
     may_be_infinite: bool = False
     usual: tuple[float, float] | None = None
 
@@ -67,21 +66,16 @@ class Property(NamedTuple):
     @property
     def bounds(self) -> dict[str, float]:
         """Bounds of the key in its unit, in the form that `pydantic.Field` takes."""
-        if self.interval is None:
-            return {"gt": 0}
-        named = zip(("ge", "le"), self.interval, strict=True)
-        return {name: end / self.size for name, end in named if np.isfinite(end)}
+        ends = bounds_of(self.interval or "(0, inf)")
+        return {sign: end / self.size for sign, end in ends.items()}
 
     def check(self, name: str, value: Any) -> None:
         """Raise `InputError` unless a value [SI] is allowed for the property."""
         if self.interval is None:
             unit = "" if self.unit == "1" else self.si_unit
             check_positive(name, value, unit, may_be_infinite=self.may_be_infinite)
-            return
-        check_number(name, value)
-        low, high = self.interval
-        if not low <= value <= high:
-            raise InputError(f"{name} = {value!r}: must lie in [{low:g}, {high:g}]")
+        else:
+            check_inside(name, value, self.interval)
 
 
 def properties_of(fields: type) -> dict[str, Property]:
@@ -94,9 +88,18 @@ def properties_of(fields: type) -> dict[str, Property]:
     return properties
 
 
-def ends_of(interval: str) -> list[float]:
-    """Return the ends of an interval such as "(0, 1]"."""
-    return [float(end) for end in interval[1:-1].split(",")]
+def bounds_of(interval: str) -> dict[str, float]:
+    """Return the finite ends of an interval such as "(0, 1]" by the words of `pydantic.Field`."""
+    signs = "ge" if interval[0] == "[" else "gt", "le" if interval[-1] == "]" else "lt"
+    ends = zip(signs, map(float, interval[1:-1].split(",")), strict=True)
+    return {sign: end for sign, end in ends if math.isfinite(end)}
+
+
+def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None:
+    """Raise `InputError` unless a value is a number in an interval, which has a reason."""
+    check_number(name, value)
+    if not all(getattr(operator, sign)(value, end) for sign, end in bounds_of(interval).items()):
+        raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
 
 
 def documented(function: Callable[..., Any]) -> dict[str, str]:
