@@ -26,7 +26,7 @@ from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.protocol import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
 from jointclosure.joint.warmup import compile_kernels, kernels_of
-from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock, rock_of
+from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
 from studies.frame.keys import validated
@@ -205,7 +205,7 @@ def _setting(case: dict) -> dict:
 
     def scaled(rock: dict) -> Rock:
         in_pascals = (name for name in rock if OF_ROCK[name].si_unit == "Pa")
-        return rock_of(rock | {name: rock[name] * stresses for name in in_pascals})
+        return Rock(**rock | {name: rock[name] * stresses for name in in_pascals})
 
     rocks = [scaled(rock) for rock in (case["rock"], case["lower_rock"] or case["rock"])]
     if case["swapped"]:

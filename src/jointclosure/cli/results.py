@@ -14,7 +14,6 @@ from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, results_o
 from jointclosure.engine.budget import QUANTITIES as BUDGETED
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import largest_stress
 from jointclosure.joint.curves import (
     branch_of,
     cycle_table,
@@ -155,7 +154,7 @@ def kept_stresses(
         return snapshots
     from jointclosure.plotting.snapshots import animated_stresses
 
-    return (*snapshots, *animated_stresses(largest_stress(stress)))
+    return (*snapshots, *animated_stresses(np.max(stress)))
 
 
 def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: str) -> xr.Dataset:

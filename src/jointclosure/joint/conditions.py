@@ -74,11 +74,6 @@ def usual_seating(least: float) -> float:
     return _SEATING_SHARE * least if low else SEATING_STRESS
 
 
-def largest_stress(max_normal_stress: float | Sequence[float]) -> float:
-    """Return the largest stress of a maximum or a load history, unchecked."""
-    return max(_turns(max_normal_stress)[0])
-
-
 def _turns(stress: float | Sequence[float]) -> tuple[list[float], bool]:
     """Return the stresses of a load, and whether it is a history and no single maximum."""
     many = isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
@@ -164,7 +159,7 @@ class Conditions(NamedTuple):
     @property
     def largest_stress(self) -> float:
         """Largest normal stress of all cycles [Pa]."""
-        return largest_stress(self.max_normal_stress)
+        return max(_turns(self.max_normal_stress)[0])
 
     @property
     def model(self) -> tuple[Effects, Choices, Numerics]:

@@ -12,7 +12,8 @@ import xarray as xr
 from jointclosure.joint.protocol import BRANCHES, FLAGS, LOADING, UNLOADING
 
 NET, GROSS = "closure_net", "closure"
-"""Names of closures: net, without the indentation of the half-spaces (`read_along`), or with it."""
+"""Names of closures: net, as laboratories report it, without the displacement of the half-spaces
+under the loaded patch as a whole (docs/model.md, "Interaction"), or with it."""
 LEVELS = 20  # stresses of a table, evenly spaced from seating to the maximum
 POINTS = 60  # intervals of stress by which the slope of a curve is computed
 LAST_CHORD = 0.15  # least part of the range of stress over which its last stiffness is read
@@ -22,11 +23,7 @@ KINDS = {"net": NET, "gross": GROSS}  # in names of columns
 
 
 def read_along(history: xr.Dataset, of: str | np.ndarray = NET) -> np.ndarray:
-    """Return a variable by name, or given values, at each step (steps,); by default net closure.
-
-    It is the gross one less the displacement of the half-spaces under the loaded patch as a whole
-    (docs/model.md, "Interaction"), as laboratories report it.
-    """
+    """Return a variable by name, or given values, at each step (steps,); by default net closure."""
     if isinstance(of, np.ndarray):
         return of
     if of == NET:
@@ -412,9 +409,8 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
         names = ("largest_hydraulic", "hydraulic_aperture")  # geometric means along x and y
         products = (history[name].prod("direction", skipna=False).values for name in names)
         most, known = map(np.sqrt, products)
-        for name, mean in zip(
-            names, (most, np.where(np.isfinite(known), known, most)), strict=True
-        ):
+        means = most, np.where(np.isfinite(known), known, most)
+        for name, mean in zip(names, means, strict=True):
             columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(history, levels, mean), 0.0)
     index = pd.MultiIndex.from_product(
         [range(1, begun + 1), BRANCHES, 1e-6 * levels],
@@ -450,10 +446,7 @@ _VARIABLES = {
     "max_closure_seated": ("m", "maximum gross closure since seating"),
     "residual_closure_seated": ("m", "residual closure at seating"),
     "max_bulk_indentation": ("m", "bulk indentation at the maximum stress"),
-    "unloading_excess": (
-        "Pa",
-        "largest stress by which unloading exceeds loading at equal closure",
-    ),
+    "unloading_excess": ("Pa", "largest excess of unloading over loading at equal closure"),
     "least_force": ("N", "least force on any cell at any step"),
     "locked_share": ("1", "share of the force on locked contacts at the maximum stress"),
     "flat_share": ("1", "share of the force on other flat contacts at the maximum stress"),
@@ -465,19 +458,13 @@ _VARIABLES = {
     "breakage_steps": ("1", "breakage steps taken"),
     "replayed_cycles": ("1", "cycles that are the unloading curve of the one before"),
     "idle_steps": ("1", "steps of the first loading without interaction, as it was idle"),
-    "idle_displacement": (
-        "1",
-        "largest displacement of a contact that was left out so, over the closure",
-    ),
+    "idle_displacement": ("1", "largest displacement of a contact left out so, over closure"),
     "locked_contacts": ("1", "largest number of locked contacts at a step"),
     "solver_iterations": ("1", "products with the interaction, or sweeps (reference)"),
     "force": ("N", "normal force of each contact"),
     "overlap": ("m", "overlap delta_S, negative where the walls are apart"),
     "interaction_displacement": ("m", "displacement by all other contacts"),
-    "hydraulic_aperture": (
-        "m",
-        "aperture of parallel plates that pass as much, 0 where flow is blocked",
-    ),
+    "hydraulic_aperture": ("m", "aperture of parallel plates that pass as much, 0 if blocked"),
     "largest_hydraulic": (
         "m",
         "upper bound of the hydraulic aperture",

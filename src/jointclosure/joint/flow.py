@@ -31,17 +31,12 @@ LARGEST_IMBALANCE = 1e-6
 
 
 class Flow(NamedTuple):
-    """Flow along one direction; ``status`` is an index of `STATUSES`.
+    """Flow along one direction."""
 
-    ``hydraulic_aperture`` [unit of the apertures] of parallel plates that pass as much is 0 if
-    blocked, NaN if not solved, a lower bound for `AT_LEAST`; ``imbalance`` the sum of the cells'
-    mass balances over the inflow; ``pressure`` (y, x) 1 at the inlet, 0 at the outlet, or NaN.
-    """
-
-    hydraulic_aperture: float
-    status: int
-    imbalance: float
-    pressure: np.ndarray
+    hydraulic_aperture: float  # of plates [unit of the apertures]: 0 blocked, NaN not solved
+    status: int  # index of `STATUSES`; for `AT_LEAST` the aperture is a lower bound
+    imbalance: float  # sum of the cells' mass balances over the inflow
+    pressure: np.ndarray  # (y, x): 1 at the inlet, 0 at the outlet, or NaN
 
 
 class _Network(NamedTuple):

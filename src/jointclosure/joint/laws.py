@@ -91,9 +91,7 @@ def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, n
 
 
 def fitted_laws(
-    history: xr.Dataset,
-    laws: Sequence[str] = tuple(LAWS),
-    branches: Sequence[str] = BRANCHES,
+    history: xr.Dataset, laws: Sequence[str] = tuple(LAWS), branches: Sequence[str] = BRANCHES
 ) -> pd.DataFrame:
     """Fit laws by least squares of closure, for each cycle and branch."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
@@ -162,9 +160,7 @@ class BartonBandis(NamedTuple):
         """Return the same law with stress and closure counted from a normal stress [Pa]."""
         rise = 1.0 + normal_stress / (self.initial_stiffness * self.largest_closure)
         left = self.largest_closure - float(self.closure(normal_stress))
-        return self._replace(
-            initial_stiffness=self.initial_stiffness * rise**2, largest_closure=left
-        )
+        return BartonBandis(self.aperture, left, self.initial_stiffness * rise**2)
 
     def results(self, normal_stress: float, seating: float = 0.0) -> dict[str, float]:
         """Return results [SI] of a loading to a stress [Pa] by the names of the model's."""
@@ -221,9 +217,7 @@ class JointLaws(NamedTuple):
     def sentence(self) -> str:
         """Describe the laws, and their constants from zero stress."""
         if not self.by_cycle:
-            return (
-                f"Barton-Bandis: left out, as it holds for JRC 5 to 15, and not for {self.jrc:.2g}"
-            )
+            return f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {self.jrc:.2g}"
         first = barton_bandis(self.jrc, self.strength, 1.0, 1)
         return (
             f"Barton-Bandis: empirical law of mated joints for JRC {self.jrc:.2g} (by the slope of "

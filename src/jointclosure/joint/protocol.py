@@ -11,26 +11,19 @@ from jointclosure.joint.step_control import StepControl, must_repeat
 from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled, Solver
 
-TARGET_JUMPED = 1
-OUTSIDE_MODEL_RANGE = 2
-FAILURE = 16
-TOO_MANY_STEPS = 16 * FAILURE
 FLAGS = {
-    TARGET_JUMPED: "target_jumped",
-    OUTSIDE_MODEL_RANGE: "outside_model_range",
-    FAILURE: "not_converged",
-    2 * FAILURE: "breakage_not_at_rest",
-    4 * FAILURE: "rigid_contact",
-    8 * FAILURE: "stress_not_reached",
-    TOO_MANY_STEPS: "too_many_steps",
+    1: "target_jumped",
+    2: "outside_model_range",
+    16: "not_converged",
+    32: "breakage_not_at_rest",
+    64: "rigid_contact",
+    128: "stress_not_reached",
+    256: "too_many_steps",
 }
-"""Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
-
-FLAG_OF_OUTCOME = {
-    Outcome.NOT_CONVERGED: FAILURE,
-    Outcome.NOT_AT_REST: 2 * FAILURE,
-    Outcome.RIGID_CONTACT: 4 * FAILURE,
-}
+"""Bits of a simulation's status: below `FAILURE` remarks on a success, from it on failures."""
+TARGET_JUMPED, OUTSIDE_MODEL_RANGE, *_FAILURES, _NOT_REACHED, _TOO_MANY_STEPS = FLAGS
+FLAG_OF_OUTCOME = dict(zip(list(Outcome)[1:], _FAILURES, strict=True))
+FAILURE = _FAILURES[0]
 LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
 BRANCHES = LOADING, UNLOADING = "loading", "unloading"
 Observer = Callable[[Joint, "Step"], None]
@@ -104,7 +97,7 @@ class _Run:
         elif self.effort.breakage_steps > self.numerics.most_breakage_steps * self.joint.upper.size:
             self.status |= FLAG_OF_OUTCOME[Outcome.NOT_AT_REST]
         elif self.effort.settled > self.numerics.most_steps:
-            self.status |= TOO_MANY_STEPS
+            self.status |= _TOO_MANY_STEPS
         return settled
 
     def predict(self, step: float, residual: float) -> float:
@@ -249,7 +242,7 @@ def _load(
     run.cycle_start = run.closure
     while True:
         if run.closure > run.closure_limit:
-            run.status |= 8 * FAILURE
+            run.status |= _NOT_REACHED
             return
         before = run.joint.snapshot()
         if control:
@@ -317,7 +310,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
             before = run.joint.snapshot()
     run.joint.restore(before)
     # if even the first force exceeds the target, no state below the target carries force
-    run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
+    run.status |= TARGET_JUMPED if run.total_force > 0.0 else _NOT_REACHED
     return True
 
 

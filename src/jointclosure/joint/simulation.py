@@ -307,8 +307,8 @@ def _history_dataset(
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
     along_cycle = curves.cycle_closures(closed, curves.GROSS, reached)
     along_cycle["unloading_excess"] = curves.unloading_excess(closed, reached)
-    fields = {name: name for name in ("locked_share", "flat_share")}
-    for name, field in ({"max_bulk_indentation": "mean_interaction"} | fields).items():
+    for field in ("mean_interaction", "locked_share", "flat_share"):
+        name = "max_bulk_indentation" if field == "mean_interaction" else field
         along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
     effort = history.effort
     once = {

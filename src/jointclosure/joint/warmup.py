@@ -18,7 +18,6 @@ from jointclosure.compilation.kernels import PROCESSOR, SHIPPED, cache_folder
 from jointclosure.joint.simulation import equilibrium, simulate
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import (
-    SOLVER_NAMES,
     Choices,
     Effects,
     Numerics,
@@ -80,12 +79,9 @@ def main(words: list[str]) -> None:
     only_close = words == ["close"]
     scenes = [Effects()] if only_close else well_posed_scenes()
     for scene, peaks in product(scenes, ("pristine", "current")):
-        kernels = [("base", "fast", "fixed_step"), ("base", "fast", "resolved")]
-        if not only_close:
-            kernels += [("base", name, "fixed_step") for name in SOLVER_NAMES if name != "fast"]
-        if scene.breakage and not only_close:
-            kernels += [("none", "fast", "fixed_step"), ("none", "fast", "resolved")]
-        for kernel in kernels:
+        bounds = ("base", "none") if scene.breakage and not only_close else ("base",)
+        reference = [] if only_close else [("base", "reference", "fixed_step")]
+        for kernel in (*product(bounds, ("fast",), ("fixed_step", "resolved")), *reference):
             compile_kernels(scene_name(scene), peaks, *kernel)
 
 

@@ -10,7 +10,7 @@ from jointclosure.mechanics.contact import (
     substrate_compliance,
 )
 from jointclosure.mechanics.strength import critical_indentation, strength_factor
-from jointclosure.parameters import Choices, Effects, Rock, strength_of
+from jointclosure.parameters import Choices, Effects, Rock
 
 
 class ContactLaw(NamedTuple):
@@ -42,7 +42,7 @@ def contact_law(
     asperity_modulus = np.array(
         [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
     )
-    limit = min(strength_of(wall) / strength_factor(wall.poisson_ratio) for wall in rock)
+    limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
     asperity_modulus = np.tile(asperity_modulus, 2)
     limits = np.repeat([limit, limit * choices.crushed_strength_ratio], 4)
     critical = np.array(list(map(critical_indentation, limits, asperity_modulus)))

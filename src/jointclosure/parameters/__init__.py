@@ -1,6 +1,6 @@
 """Parameters of a simulation in SI units: rocks, effects, choices and numerics."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import wraps
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
@@ -37,16 +37,6 @@ def key_of(name: str) -> str:
     """Return the configuration key of a property, which ends in its unit."""
     unit = PROPERTIES[name].unit
     return name if unit == "1" else f"{name}_{unit}"
-
-
-def rock_of(values: Mapping[str, float]) -> Rock:
-    """Make a `Rock` from properties by name [SI]."""
-    return Rock(**{name: values[name] for name in OF_ROCK if name in values})
-
-
-def strength_of(wall: Rock) -> float:
-    """Return the compressive strength of a wall [Pa] that all equations use."""
-    return wall.compressive_strength
 
 
 USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() if about.usual} | {

@@ -51,8 +51,7 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     ends = [0.6 * settings.seconds.min(), 1.8 * settings.seconds.max()]
     axes.plot(ends, [within, within], alpha=0.0)  # room for ticks
     axes.set(xscale="log", yscale="log")
-    for axis in (axes.xaxis, axes.yaxis):
-        decimal_ticks(axis)
+    decimal_ticks(axes.xaxis, axes.yaxis)
 
 
 def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
@@ -63,12 +62,9 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
         rows = without[(without.quantity == name) & (without.cycle == cycle)]
         at = [names.index(variant) + 0.15 * (number - 1.5) for variant in rows.variant]
         bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
-        style: dict[str, Any] = {
-            "color": f"C{cycle - 1}",
-            "label": f"{ASSESSED[name]}, cycle {cycle}",
-        }
-        style |= {"mfc": "w"} if name != JUDGED[0] else {}
-        axes.errorbar(rows.value_percent, at, xerr=bars, fmt="o", ms=4, **style)
+        style: dict[str, Any] = {"fmt": "o", "ms": 4, "mfc": None if name == JUDGED[0] else "w"}
+        style |= {"color": f"C{cycle - 1}", "label": f"{ASSESSED[name]}, cycle {cycle}"}
+        axes.errorbar(rows.value_percent, at, xerr=bars, **style)
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xscale("symlog", linthresh=within)

@@ -9,14 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.budget import (
-    ALL,
-    CLOSURE_GROSS,
-    CLOSURE_NET,
-    NUMBERS,
-    TITLES,
-    Budget,
-)
+from jointclosure.engine.budget import ALL, CLOSURE_GROSS, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.engine.quantities import CURVES
 from jointclosure.joint.curves import (
     GROSS,

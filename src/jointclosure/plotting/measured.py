@@ -12,11 +12,10 @@ from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.calibration import Likelihood
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import MECHANISMS, NEITHER, Region
-from jointclosure.plotting.style import StyledFigure, decimal_ticks, styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.statistics.standard_errors import CONFIDENCE
 
-_LEAST = 1e-4
-"""Smallest p-value of the scale of colours."""
+_LEAST = 1e-4  # p-value at the end of the scale of colours
 
 
 @styled
@@ -24,9 +23,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
     """Draw the curve on the band of the fitted joints; readings and likelihood by the parameter."""
     if not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
-    figure = StyledFigure(figsize=(12.5, 6.4), layout="constrained")
-    figure.suptitle(title, parse_math=False)
-    panels = figure.subplot_mosaic("ca;cb", height_ratios=(2, 1))
+    figure, panels = subplots("ca;cb", figsize=(12.5, 6.4), title=title, height_ratios=(2, 1))
     curve, above, below = (panels[name] for name in "cab")
     above.sharex(below)
     above.tick_params(labelbottom=False)
@@ -46,8 +43,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
         below.legend(frameon=False)
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
     below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
-    decimal_ticks(below.xaxis)
-    decimal_ticks(above.yaxis)
+    decimal_ticks(below.xaxis, above.yaxis)
     return figure
 
 

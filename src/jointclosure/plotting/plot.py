@@ -32,9 +32,6 @@ def __dir__() -> list[str]:
     return __all__
 
 
-_SINCE = ("touch", "seating", "cycle")
-
-
 @styled
 def curves(
     joint: Joint, axes: Axes | None = None, since: str = "touch", gross: bool = False
@@ -51,7 +48,7 @@ def curves(
     gross : bool
         Whether to draw gross closure, with the elastic indentation of the half-spaces.
     """
-    check_one_of("since", since, _SINCE)
+    check_one_of("since", since, ("touch", "seating", "cycle"))
     history, axes = _history(joint), _axes(axes)
     if "realization" in history.dims:
         if since != "touch":

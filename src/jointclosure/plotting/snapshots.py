@@ -16,15 +16,12 @@ from matplotlib.image import AxesImage
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import GROSS, spacing_of
 from jointclosure.plotting.joint import draw_curves
-from jointclosure.plotting.style import StyledFigure, panel_grid, styled
+from jointclosure.plotting.style import panel_grid, styled, subplots
 from jointclosure.plotting.walls import draw_field
 
-STRESSES = 16
-"""Number of snapshots of a branch for a smooth animation."""
-_PAUSE = 300
-"""Duration of a frame in milliseconds."""
-_ROWS = 3
-"""Rows of full size; with n snapshots each map has sqrt(n / 3) columns."""
+STRESSES = 16  # snapshots of a branch for a smooth animation
+_PAUSE = 300  # duration of a frame in milliseconds
+_ROWS = 3  # of full size; with n snapshots each map has sqrt(n / 3) columns
 
 
 @styled
@@ -117,10 +114,9 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
     """Animate the walls along x, the change of their heights, and the curve up to each snapshot."""
     if not closed.sizes.get("snapshot"):
         raise InputError("an animation needs snapshots: simulate(..., snapshots=[...])")
-    figure = StyledFigure(figsize=(8.0, 6.0), layout="constrained")
-    panels = figure.subplot_mosaic([["curve", "map"], ["walls", "walls"]])
+    mosaic = [["curve", "map"], ["walls", "walls"]]
+    figure, panels = subplots(mosaic, figsize=(8.0, 6.0), title=title)
     FigureCanvasAgg(figure)
-    figure.suptitle(title, parse_math=False)
     image = draw_map(panels["map"], closed, "change", 0)
     label = "change of height (mm)"
     figure.colorbar(image, ax=panels["map"], label=label, extend="both", shrink=0.85)
@@ -129,8 +125,18 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
     def show(frame: int) -> list:
         for axes in panels.values():
             axes.clear()
-        _draw_state(panels["curve"], closed, frame)
-        _draw_change(panels["map"], closed, frame)
+        at = closed.isel(snapshot=frame)
+        state = closed.isel(step=int(at.snapshot_step))
+        closure, stress = 1e3 * state.closure, 1e-6 * state.normal_stress
+        draw_curves(panels["curve"], closed, of=GROSS)
+        panels["curve"].plot(closure, stress, "o", color="black", ms=7, zorder=5)
+        panels["curve"].set_title(describe_state(at)[0])
+        draw_map(panels["map"], closed, "change", frame)
+        touching = at.snapshot_force.values > 0.0
+        contacts = np.ma.masked_where(~touching, np.zeros(touching.shape))
+        style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
+        draw_field(panels["map"], contacts, spacing_of(closed), **style)
+        panels["map"].set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
         _draw_walls(panels["walls"], closed, frame)
         for name in ("curve", "walls"):
             sns.despine(ax=panels[name])
@@ -138,25 +144,6 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
 
     show(0)
     return FuncAnimation(figure, show, frames=closed.sizes["snapshot"], interval=_PAUSE)
-
-
-def _draw_state(axes, closed: xr.Dataset, frame: int) -> None:
-    """Draw the curve, with the state of a snapshot."""
-    at = closed.isel(snapshot=frame)
-    state = closed.isel(step=int(at.snapshot_step))
-    draw_curves(axes, closed, of=GROSS)
-    axes.plot(1e3 * state.closure, 1e-6 * state.normal_stress, "o", color="black", ms=7, zorder=5)
-    axes.set_title(describe_state(at)[0])
-
-
-def _draw_change(axes, closed: xr.Dataset, frame: int) -> None:
-    """Draw the change of height of both walls, with contacts in black."""
-    draw_map(axes, closed, "change", frame)
-    touching = closed.snapshot_force.values[frame] > 0.0
-    contacts = np.ma.masked_where(~touching, np.zeros(touching.shape))
-    style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
-    draw_field(axes, contacts, spacing_of(closed), **style)
-    axes.set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
 
 
 def _draw_walls(axes, closed: xr.Dataset, frame: int) -> None:

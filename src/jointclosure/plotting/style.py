@@ -52,14 +52,13 @@ class StyledFigure(Figure):
     savefig = styled(Figure.savefig)
 
 
-def subplots(
-    rows: int = 1, columns: int = 1, *, figsize, layout="constrained", title="", **settings
-) -> tuple:
-    """Return a figure and its axes like ``pyplot.subplots``, but unknown to pyplot."""
+def subplots(*shape, figsize, layout="constrained", title="", **settings) -> tuple:
+    """Return a figure unknown to pyplot, and its axes: rows and columns, or those of a mosaic."""
     figure = StyledFigure(figsize=figsize, layout=layout)
     if title:
         figure.suptitle(title, parse_math=False)  # a file's name is not a formula
-    return figure, figure.subplots(rows, columns, **settings)
+    make = figure.subplots if len(shape) != 1 else figure.subplot_mosaic
+    return figure, make(*shape, **settings)
 
 
 def panel_grid(rows: int, columns: int, panel: tuple, margin: tuple = (0.0, 0.0), **settings):
@@ -73,12 +72,13 @@ def above(cycle: int, branch: str) -> float:
     return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
 
 
-def decimal_ticks(axis: Axis, **locator) -> None:
-    """Label a logarithmic axis by decimal numbers: at 1, 2 and 5, 1 and 3, or 1, by its length."""
-    low, high = axis.get_view_interval()
-    places = {"subs": (1.0, 2.0, 5.0)} | locator
-    if high > 50.0 * low:
-        places["subs"] = (1.0,) if high > 3e3 * low else (1.0, 3.0)
-    axis.set_major_locator(LogLocator(**places))
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axis.set_minor_formatter(NullFormatter())
+def decimal_ticks(*logarithmic: Axis, **locator) -> None:
+    """Label axes by decimal numbers: at 1, 2 and 5, 1 and 3, or 1, by their length."""
+    for axis in logarithmic:
+        low, high = axis.get_view_interval()
+        places = {"subs": (1.0, 2.0, 5.0)} | locator
+        if high > 50.0 * low:
+            places["subs"] = (1.0,) if high > 3e3 * low else (1.0, 3.0)
+        axis.set_major_locator(LogLocator(**places))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())

@@ -132,19 +132,15 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
 
 def _draw_increments(axes, distances: np.ndarray, rms: dict[str, np.ndarray]) -> None:
     distances = 1e3 * distances
-    for marker, prefix, words in (
-        ("o", "", "of two heights"),
-        ("^", "second_", "second differences"),
-    ):
+    kinds = {"": ("o", "of two heights"), "second_": ("^", "second differences")}
+    for prefix, (marker, words) in kinds.items():
         for axis, colour in (("x", "C0"), ("y", "C1")):
-            values, label = rms[prefix + axis], f"{words} along {axis}"
-            style = {"color": colour, "ms": 4, "mfc": "none", "label": label}
-            axes.loglog(distances, 1e3 * values, marker, **style)
+            style = {"color": colour, "ms": 4, "mfc": "none", "label": f"{words} along {axis}"}
+            axes.loglog(distances, 1e3 * rms[prefix + axis], marker, **style)
     both = 1e3 * np.sqrt(0.5 * (rms["second_x"] ** 2 + rms["second_y"] ** 2))
     slope, offset = np.polyfit(np.log(distances[1:]), np.log(both[1:]), 1)
     line = np.exp(offset) * distances[1:] ** slope
     axes.loglog(distances[1:], line, color="0.3", lw=1.2, label=f"H = {slope:.2f}")
-    for axis in (axes.xaxis, axes.yaxis):
-        decimal_ticks(axis)
+    decimal_ticks(axes.xaxis, axes.yaxis)
     axes.set(title="height differences over distance", xlabel="distance (mm)", ylabel="rms (mm)")
     axes.legend(frameon=False, fontsize=8)

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from jointclosure.mechanics.contact_law import ContactLaw, contact_law
-from jointclosure.parameters import Choices, Effects, Numerics, strength_of
+from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (
@@ -106,7 +106,7 @@ class Joint:
         self.effects, self.choices, self.numerics = effects, choices, numerics
         self.interaction_acts = effects.interaction  # False while it is left out
         self.law: ContactLaw = contact_law(spacing, rock, effects, choices)
-        self.compressive_strength = min(map(strength_of, rock))  # [Pa]
+        self.compressive_strength = min(wall.compressive_strength for wall in rock)  # [Pa]
         self.first_touch = float((self.upper + self.lower).max())
         tie = choices.tie_tolerance * roughness(self.upper, self.lower)
         self.tie_tolerance = max(tie, _LEAST_DROP)
