@@ -20,13 +20,11 @@ from studies.frame.yaml_files import ConfigurationError, read_plain
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
 
-HARD_CASES = "studies/verification/hard_cases.yaml"
-STUDIES = sorted(
-    {*ROOT.glob("config/*.yaml"), *ROOT.glob("studies/*/*.yaml")} - {ROOT / HARD_CASES}
-)
+HARD_CASES = ROOT / "studies/verification/hard_cases.yaml"
+STUDIES = {*ROOT.glob("config/*.yaml"), *ROOT.glob("studies/*/*.yaml")} - {HARD_CASES}
 
 
-@pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted(STUDIES), ids=lambda p: p.stem)
 def test_every_configuration_in_the_project_is_valid(path):
     assert study_of(read_plain(path)).study.name
 
@@ -183,13 +181,11 @@ def test_common_draws_share_the_seeds_of_a_rock_and_other_cases_change_no_surfac
         assert all(before[key] == after[key] for key in shared)
 
 
-@pytest.mark.parametrize(
-    ("written", "read"), [(12.5, 12.5e-6), (1e-9, 1e-15), (1e22, 1e16), (0, 0.0)]
-)
-def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(written, read):
-    settings = to_si({"step_um": written, "steps_um": [written], "none_um": None})
-    assert settings == {"step": read, "steps": [read], "none": None}
-    assert in_unit(read, "um") == written
+@pytest.mark.parametrize(("um", "m"), [(12.5, 12.5e-6), (1e-9, 1e-15), (1e22, 1e16), (0, 0.0)])
+def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(um, m):
+    settings = to_si({"step_um": um, "steps_um": [um], "none_um": None})
+    assert settings == {"step": m, "steps": [m], "none": None}
+    assert in_unit(m, "um") == um
 
 
 def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_set():
@@ -250,11 +246,9 @@ def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
     content, printed = FILES[kind]
     path = tmp_path / "mine.yaml"
     path.write_bytes(content)
-    with pytest.raises(ConfigurationError) as error:
+    one_line = rf"\A{re.escape(str(path))}: .*{re.escape(printed)}.*\Z"
+    with pytest.raises(ConfigurationError, match=one_line):
         read_plain(path)
-    assert str(error.value).startswith(f"{path}: ")
-    assert printed in str(error.value)
-    assert "\n" not in str(error.value)
 
 
 def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):

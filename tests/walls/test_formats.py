@@ -104,17 +104,13 @@ def one_lost_and_one_doubled(draw, content):
     return b"\n".join(lines)
 
 
-DISTORTIONS = {
-    cut_off: sorted(FORMS),
-    one_lost_and_one_doubled: ["a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"],
-}
+TEXTS = ["a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"]
+DISTORTIONS = {cut_off: sorted(FORMS), one_lost_and_one_doubled: TEXTS}
 
 
 @settings(RANDOM, max_examples=50)
 @given(st.data(), grounds(), st.sampled_from(list(DISTORTIONS)))
-def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
-    tmp_path, data, walls, distort
-):
+def test_a_distorted_file_has_no_other_heights_or_is_an_error(tmp_path, data, walls, distort):
     ground, form = walls[1], data.draw(st.sampled_from(DISTORTIONS[distort]))
     given = FORMS[form](tmp_path / form, ground)
     files = files_in(form, tmp_path)
@@ -183,28 +179,25 @@ def test_a_pickle_is_refused_and_not_run(name, tmp_path):
         ("gwyddion.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
     ],
 )
-def test_units_and_spacing_are_stated_once_and_not_contradicted(
-    form, given, printed, wall, tmp_path
-):
+def test_units_and_spacing_are_stated_once(form, given, printed, wall, tmp_path):
     FORMS[form](tmp_path / form, Ground(wall))
     refused(rf"{form}: .*{printed}", tmp_path / form, **given)
 
 
 def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
     commas, blanks = lines_of(wall, ","), lines_of(wall)
+    text = "\n".join(blanks)
     numbered = [f"{i},{line},1" for i, line in enumerate(commas)]
+    titled = ["Scan 7", str(len(blanks)), "% by hand", *blanks[:4], "# half", *blanks[4:]]
     written = {
         "doubled header, trailing commas, DOS": "x,y,z\r\nx,y,z\r\n" + ",\r\n".join(commas) + ",",
         "header again in the middle": "\n".join(["x,y,z", *commas[:9], "x,y,z", *commas[9:]]),
-        "semicolons and decimal commas": "x;y;z\n"
-        + "\n".join(blanks).replace(" ", ";").replace(".", ","),
-        "tabs": "\n".join(blanks).replace(" ", "\t"),
-        "blanks and decimal commas": "\n".join(blanks).replace(".", ","),
+        "semicolons and decimal commas": "x;y;z\n" + text.replace(" ", ";").replace(".", ","),
+        "tabs": text.replace(" ", "\t"),
+        "blanks and decimal commas": text.replace(".", ","),
         "aligned": "\n".join("   " + line.replace(" ", "    ") for line in blanks),
         "commas and blanks": "\n".join(commas).replace(",", " , "),
-        "title, count of points, comments": "\n".join(
-            ["Scan 7", str(len(blanks)), "% by hand", *blanks[:4], "# half", *blanks[4:]]
-        ),
+        "title, count of points, comments": "\n".join(titled),
         "further columns": "\n".join(["id,x,y,z,quality", *numbered]),
         "byte order mark": "\ufeffX,Y,Z\n" + "\n".join(commas),
     }
@@ -350,10 +343,7 @@ def test_a_stray_point_is_cut_and_named(name, tmp_path):
         writers.write_mesh(tmp_path / name, far, np.column_stack([faces, np.roll(faces[:, 0], 1)]))
     scan = read_scan(tmp_path / name, units="mm")
     assert isinstance(scan, Cloud)
-    assert len(scan.points) == 2000
-    assert np.abs(scan.points).max() <= 10e-3
-    if name == "a.xyz":
-        np.testing.assert_allclose(scan.points, 1e-3 * points)
+    np.testing.assert_allclose(np.sort(scan.points, 0), 1e-3 * np.sort(points, 0), rtol=1e-6)
     printed, scattered = scan.remarks
     assert "Warning: the points lie on no regular grid" in scattered
     assert printed.startswith("2 stray points were cut")
@@ -368,9 +358,7 @@ def test_points_far_apart_are_refused_before_a_terabyte_is_allocated():
         wall_on_grid(Cloud(points), point_distance(Cloud(points)))
 
 
-def test_a_grid_is_placed_by_a_corner_and_one_of_esri_may_have_dx_and_dy_for_a_cell_size(
-    wall, tmp_path
-):
+def test_a_grid_is_placed_by_a_corner_and_one_of_esri_may_have_dx_and_dy(wall, tmp_path):
     ground = Ground(wall, STEP_MM, (5.0, 3.0))
     writers.as_geotiff(tmp_path / "a.tif", ground, placed=1)
     from_top = read_scan(tmp_path / "a.tif").origin
@@ -472,9 +460,7 @@ def test_a_file_too_large_to_be_read_as_a_whole_is_one_error(name, tmp_path):
     ("bands", "turned", "printed"),
     [(1, 0.0, None), (1, 0.1, "turned or mirrored"), (2, 0.0, "an image of 2 bands")],
 )
-def test_packed_pixels_are_heights_and_turned_or_several_ones_are_refused(
-    bands, turned, printed, wall, tmp_path
-):
+def test_packed_pixels_are_heights_if_of_one_image(bands, turned, printed, wall, tmp_path):
     rasterio, path = pytest.importorskip("rasterio"), tmp_path / "a.tif"
     micrometres = np.round(1e3 * wall)
     place = rasterio.Affine(0.25, turned, 0.0, -turned, 0.25, 0.0)
