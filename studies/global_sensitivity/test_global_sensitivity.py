@@ -16,7 +16,6 @@ from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_
 from tests.studied import ROOT, study_of, tiny
 
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
-
 OVER = ("row", "point", "surface", "cycle")
 
 
