@@ -24,8 +24,8 @@ from jointclosure.joint.curves import (
 )
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING, unbreakable_share
+from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import height_datum
-from jointclosure.parameters import both_walls
 from jointclosure.walls import Walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 

@@ -20,9 +20,9 @@ from jointclosure.joint.conditions import Changes, Conditions, conditions_from, 
 from jointclosure.joint.curves import cycle_table, with_snapshots
 from jointclosure.joint.laws import JointLaws, laws_of_joint
 from jointclosure.joint.protocol import FAILURE, Report
-from jointclosure.joint.rocks import rock_text
+from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import close_walls
-from jointclosure.parameters import Numerics, both_walls
+from jointclosure.parameters import Numerics
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair, registered

@@ -31,8 +31,9 @@ from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import stress_levels, stress_table
 from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import close_walls
-from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, both_walls, key_of
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError, check_count, check_length, check_number
 from jointclosure.inputs.keywords import check_keywords, takes
-from jointclosure.joint.rocks import ROCKS, rock_record, rocks_of_walls
+from jointclosure.joint.rocks import ROCKS, both_walls, rock_record
 from jointclosure.parameters import (
     Choices,
     Effects,
@@ -184,7 +184,7 @@ class Conditions(NamedTuple):
 
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
         """Check the conditions, and return them with both rocks, cycles and seating stress."""
-        pair: tuple[Rock, Rock] = rocks_of_walls(self.rock)
+        pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_scene(self.effects)
         check_numerics(self.numerics)
         if self.spacing is not None:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError
-from jointclosure.parameters import PROPERTIES, Rock, acting, both_walls, key_of
+from jointclosure.parameters import PROPERTIES, Rock, acting, check_rock, in_double, key_of
 
 
 class KnownRock(NamedTuple):
@@ -47,11 +47,16 @@ def matching(name: str, known: Collection[str]) -> str | None:
     return name if name in known else next(alike, None)
 
 
-def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
-    """Return the rocks of the upper and the lower wall, given by names or properties."""
+def both_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
+    """Return the rocks of the upper and the lower wall, given by names or properties; checked."""
     several = isinstance(rock, tuple | list) and not isinstance(rock, Rock)
-    pair: Any = rock if several else (rock, rock)
-    return both_walls(tuple(map(named_rock, pair)))
+    given: Any = rock if several else (rock, rock)
+    pair = [named_rock(wall) for wall in given]
+    if len(pair) != 2:
+        raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
+    for wall in pair:
+        check_rock(wall)
+    return in_double(pair[0]), in_double(pair[1])
 
 
 def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:

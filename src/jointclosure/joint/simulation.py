@@ -19,7 +19,7 @@ from jointclosure.joint.conditions import (
     takes_conditions,
 )
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.rocks import rocks_of_walls
+from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.step_control import check_foreseen
 from jointclosure.parameters import (
@@ -233,7 +233,7 @@ def equilibrium(
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
-    pair = rocks_of_walls(rock)
+    pair = both_walls(rock)
     if isinstance(effects, Effects):  # else it is refused
         effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)

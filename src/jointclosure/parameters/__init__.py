@@ -1,6 +1,6 @@
 """Parameters of a simulation in SI units: rocks, effects, choices and numerics."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import wraps
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
@@ -227,16 +227,6 @@ def acting(rock: Rock) -> list[str]:
     """Return the names of the properties of a rock that are not neutral, as defaults are."""
     neutral = Rock._field_defaults
     return [name for name, value in rock._asdict().items() if value != neutral.get(name)]
-
-
-def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
-    """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks."""
-    pair = (rock, rock) if isinstance(rock, Rock) else rock
-    if not isinstance(pair, tuple | list) or [type(wall) for wall in pair] != [Rock, Rock]:
-        raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
-    for wall in pair:
-        check_rock(wall)
-    return in_double(pair[0]), in_double(pair[1])
 
 
 def check_rock(rock: Rock) -> None:

@@ -6,20 +6,17 @@ is made, which notebooks show. Lengths are drawn in mm and stresses in MPa.
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 
 from jointclosure.inputs import InputError, check_length, check_one_of
-from jointclosure.inputs.extras import needs
 from jointclosure.joint.curves import GROSS, NET, stress_table
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
 from jointclosure.plotting.walls import draw_heights, draw_section
-
-with needs("figures", "jointclosure.plotting.plot"):
-    import matplotlib.pyplot as plt
-    from matplotlib.axes import Axes
 
 if TYPE_CHECKING:
     from jointclosure.engine.scanned_joint import ClosedJoint
