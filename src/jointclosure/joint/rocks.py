@@ -53,7 +53,7 @@ def both_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
     given: Any = rock if several else (rock, rock)
     pair = [named_rock(wall) for wall in given]
     if len(pair) != 2:
-        raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
+        raise InputError(f"rock = {rock!r}: must be one rock or a pair (upper, lower)")
     for wall in pair:
         check_rock(wall)
     return in_double(pair[0]), in_double(pair[1])
