@@ -41,10 +41,8 @@ from jointclosure.inputs import InputError, check_count, check_number, real_arra
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import resampled
 
-NEGLIGIBLE_ROOT = 1e-30
-"""Roots smaller than this share of the bound of all roots are due to rounding."""
-ITERATIONS = 200
-"""Largest number of iterations of Newton's method with bisection; it needs far fewer."""
+NEGLIGIBLE_ROOT = 1e-30  # share of the bound of all roots below which one is due to rounding
+ITERATIONS = 200  # at most, of Newton's method with bisection; it needs far fewer
 
 
 def _horner(u: Any, coefficients: Any) -> Any:

@@ -94,7 +94,7 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
 def rounded(value: float, standard_error: float) -> str:
     """Format a number rounded to its error, such as "0.083 ± 0.004"."""
     if np.isnan(value):
-        return "–"
+        return ABSENT
     if not np.isfinite(value) or not 0.0 < standard_error < np.inf:
         return f"{value:.4g}"
     exponent = int(f"{standard_error:.2e}".partition("e")[2])

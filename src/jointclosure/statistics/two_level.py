@@ -14,8 +14,7 @@ import scipy
 
 from jointclosure.statistics.standard_errors import CONFIDENCE
 
-FEWEST = 8
-"""Fewest differences that a plan takes: a standard deviation of fewer is not known."""
+FEWEST = 8  # differences of a plan: a standard deviation of fewer is not known
 
 
 class Interval(NamedTuple):
@@ -43,10 +42,7 @@ def t_interval(samples: np.ndarray) -> Interval:
 
 
 def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
-    """Return the mean at the finer level from cheap values (n,) and differences to it (k,).
-
-    The differences are those of the first k joints.
-    """
+    """Return the mean at the finer level from cheap values (n,), and differences of the first k."""
     value = float(np.mean(cheap) + np.mean(differences))
     return combined(value, [(cheap / np.size(cheap), differences / np.size(differences))])
 
