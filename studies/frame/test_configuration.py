@@ -21,10 +21,10 @@ from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
 
 HARD_CASES = ROOT / "studies/verification/hard_cases.yaml"
-STUDIES = {*ROOT.glob("config/*.yaml"), *ROOT.glob("studies/*/*.yaml")} - {HARD_CASES}
+STUDIES = sorted({*ROOT.glob("config/*.yaml"), *ROOT.glob("studies/*/*.yaml")} - {HARD_CASES})
 
 
-@pytest.mark.parametrize("path", sorted(STUDIES), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
 def test_every_configuration_in_the_project_is_valid(path):
     assert study_of(read_plain(path)).study.name
 
