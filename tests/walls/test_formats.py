@@ -4,6 +4,7 @@ import io
 import pickle
 import re
 import struct
+import tracemalloc
 import zipfile
 
 import numpy as np
@@ -16,10 +17,11 @@ from hypothesis import strategies as st
 
 import jointclosure as jc
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, wall_on_grid
-from jointclosure.walls.scans import read_scan
+from jointclosure.walls.registration import registered
+from jointclosure.walls.scans import contents, read_scan
 from tests.joints import SPACING
 from tests.walls import writers
-from tests.walls.writers import FORMS, Ground, files_in, read_in
+from tests.walls.writers import FORMS, Ground, files_in, read_in, triangles
 
 STEP_MM = 1e3 * SPACING
 RANDOM = settings(derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -224,6 +226,92 @@ def test_a_head_states_the_units_also_as_a_comment(head, wall, tmp_path):
     np.testing.assert_allclose(read_scan(tmp_path / "a.txt").heights, 1e-3 * wall, atol=1e-12)
 
 
+STATEMENTS = [
+    "# Channel: Z\n# Width: 6.5 mm\n# Height: 5 mm\n# Value units: mm",
+    "# Width: 6500 µm\n# Height: 5 mm\n# Value units: mm",
+    "Width:\t6.5 mm\nHeight:\t5 mm\nUnits:\tmm",
+    '"XY Calibration","250","um"\n"Horizontal","26"\n"Vertical","20"\n"Unit","mm"',
+    "Scan of joint 7, by hand\nRows\t20\nColumns\t26\nStep (mm): 0.25\nUnits: mm",
+    "# dx = 0.25 mm, dy = 0.25 mm\n# z-unit mm",
+]
+
+
+@pytest.mark.parametrize("name", ["a.txt", "a.asc", "a.dat"])
+@pytest.mark.parametrize("statement", STATEMENTS)
+def test_the_header_of_a_matrix_states_units_and_spacing(statement, name, wall, tmp_path):
+    rows = [" ".join(f"{value:.9f}" for value in row) for row in wall]
+    (tmp_path / name).write_text("\n".join([statement, *rows]))
+    scan = read_scan(tmp_path / name)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+
+
+CONTRADICTIONS = {
+    "Units: um": "units = 'mm': the heights of the file are in 'um'",
+    "Value units: inch": "units = 'inch': must be one of m, mm, um, nm",
+    "Units: mm\n# Value units: um": "states the units 'mm' and 'um'; must be the same",
+    "Step: 0.3 mm": "the file states 0.3 mm; must be left out",
+    "Width: 7 mm\n# dx: 0.25 mm": "states different spacings",
+    "Rows: 21": "the file states 21 rows; there are 20",
+    "Scale factor: 1000": "heights must be stored without a factor",
+    "Pixel size: 0 mm": "must be positive and finite",
+}
+
+
+@pytest.mark.parametrize("statement", CONTRADICTIONS)
+@pytest.mark.parametrize("place", ["above", "below"])
+def test_a_statement_of_a_header_that_cannot_be_true_is_refused(statement, place, wall, tmp_path):
+    rows = [" ".join(f"{value:.9f}" for value in row) for row in wall]
+    lines = [f"# {statement}", *rows] if place == "above" else [*rows, f"# {statement}"]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    given = {"units": "mm", "scan_spacing": SPACING}
+    refused(re.escape(CONTRADICTIONS[statement]), tmp_path / "a.txt", **given)
+
+
+@pytest.mark.parametrize(
+    ("head", "printed"),
+    [
+        ("# Units: um", "units = 'mm': the heights of the file are in 'um'"),
+        ("# Units: um\nx_mm y_mm z_mm", "column of x: states the units 'mm' and 'um'"),
+        ("# spacing: 0.3 mm", "states different spacings"),
+        ("x_cm y_cm z_cm", "units = 'cm': must be one of"),
+        ("x (in) y (in) z (in)", "units = 'in': must be one of"),
+    ],
+)
+def test_a_statement_above_points_that_cannot_be_true_is_refused(head, printed, wall, tmp_path):
+    (tmp_path / "a.xyz").write_text("\n".join([head, *lines_of(wall)]))
+    refused(re.escape(printed), tmp_path / "a.xyz", units="mm")
+
+
+def test_a_statement_that_is_not_understood_is_named(wall, tmp_path):
+    (tmp_path / "a.xyz").write_text("\n".join(["# heights in um, x in mm", *lines_of(wall)]))
+    unread = "'heights in um, x in mm'"
+    refused(rf"in words that are understood \({unread}\): give units", tmp_path / "a.xyz")
+    remarks = " ".join(read_scan(tmp_path / "a.xyz", units="mm").remarks)
+    assert f"{unread}, which was not used" in remarks
+
+
+@pytest.mark.parametrize("name", ["a.asc", "a.dat", "a.pts", "a.prn", "a"])
+def test_text_of_any_name_is_read_as_points_or_as_a_matrix(name, wall, tmp_path):
+    (tmp_path / name).write_text("\n".join(lines_of(wall)))
+    scan = read_scan(tmp_path / name, units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    np.savetxt(tmp_path / name, wall, "%.9f")
+    scan = read_scan(tmp_path / name, units="mm", scan_spacing=SPACING)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+
+
+def test_a_text_file_of_an_instrument_is_read_by_its_own_rules(wall, tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    head = "# File Format = ASCII\n# x-pixels = 26\n# y-pixels = 20\n# x-length = 6.5e6\n"
+    head += "# y-length = 5e6\n# x-unit = nm\n# y-unit = nm\n# z-unit = nm\n# Start of Data:\n"
+    for name in ("a.txt", "a.asc"):
+        np.savetxt(tmp_path / name, 1e6 * wall, "%.6f", header=head, comments="")
+        scan = read_scan(tmp_path / name)
+        np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+        assert scan.spacing == pytest.approx((SPACING, SPACING))
+
+
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
 @pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
 def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
@@ -277,6 +365,58 @@ def test_structs_of_a_matlab_file_and_a_mask_beside_heights_are_refused(wall, tm
     refused(own, tmp_path / "struct.mat", units="mm")
 
 
+@pytest.mark.parametrize(
+    ("name", "comment"),
+    [
+        ("a.obj", "# Units: um\n"),
+        ("text.ply", "comment units: um\n"),
+        ("a.ply", "obj_info Units = micrometre\n"),
+        ("a.stl", "units: um"),
+    ],
+)
+def test_a_comment_of_a_mesh_states_its_units(name, comment, wall, tmp_path):
+    path = tmp_path / name
+    writers.as_mesh(path, Ground(wall))
+    content, added = path.read_bytes(), comment.encode()
+    if name == "a.stl":
+        path.write_bytes(added.ljust(80) + content[80:])
+    elif name == "a.obj":
+        path.write_bytes(added + content)
+    else:
+        path.write_bytes(content.replace(b"element vertex", added + b"element vertex", 1))
+    np.testing.assert_allclose(read_scan(path).heights, 1e-6 * wall, atol=1e-11)
+    refused("units = 'mm': the heights of the file are in 'u?m", path, units="mm")
+
+
+@pytest.mark.parametrize(
+    ("about", "unit", "printed"),
+    [
+        ("ImageJ=1.53t\nunit=mm\n", 1, None),
+        ("a camera", 2, "4 x 4 pixels per inch', which was not"),
+    ],
+)
+def test_the_resolution_of_a_tiff_is_used_or_named(about, unit, printed, wall, tmp_path):
+    pytest.importorskip("rasterio")
+    path = tmp_path / "a.tif"
+    pytest.importorskip("tifffile").imwrite(
+        path, wall, resolution=(4.0, 4.0), resolutionunit=unit, description=about, metadata=None
+    )
+    given = {"scan_spacing": SPACING} if printed else {}
+    scan = read_scan(path, units="mm", **given)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+    assert (printed or "") in " ".join(scan.remarks)
+
+
+def test_files_beside_a_tiff_are_not_read(wall, tmp_path):
+    given = FORMS["a.tif"](tmp_path / "a.tif", Ground(wall))
+    (tmp_path / "a.tfw").write_text("0.5\n0\n0\n-0.5\n0\n0\n")
+    band = "<PAMRasterBand band='1'><Scale>2</Scale></PAMRasterBand>"
+    (tmp_path / "a.tif.aux.xml").write_text(f"<PAMDataset>{band}</PAMDataset>")
+    scan = read_scan(tmp_path / "a.tif", **given)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+
+
 TRIANGLE = np.array([0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0], "<f4").tobytes() + bytes(2)
 STL = b"exported".ljust(80) + struct.pack("<I", 4) + TRIANGLE * 4
 PLY = (
@@ -295,7 +435,7 @@ REFUSED = {
     "d.obj": (b"\n".join([b"# Vertices: 9", *LINES]), "declares 9 vertices, and contains 4"),
     "b.ply": (PLY.rpartition(b"0 1 2\n3")[0], "declares 6 vertices, and contains 5"),
     "e.ply": (PLY.replace(b"3 0 1 2", b"3 0 1 9"), "vertices 1 to 10, but there are 6 vertices"),
-    "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "text must be .txt, .csv or .xyz"),
+    "a.asc": (b"# scan\n" + OBJ + b"f 1 2 3\n", "has no line of numbers"),
     "c.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "(c.grd, band 1: IRead"),
     "d.grd": (b"DSBB" + struct.pack("<2h6d", 30_000, 30_000, *range(6)), "at most 800 MB"),
     "a.ply": (STL, "cannot be read as PLY"),
@@ -332,6 +472,26 @@ def test_zeros_that_are_heights_stay(wall, tmp_path):
         np.testing.assert_allclose(scan.heights, 1e-3 * heights)
 
 
+@pytest.mark.parametrize("form", ["a.npy", "x.dat.txt,y.dat.txt,z.dat.txt"])
+@pytest.mark.parametrize("touching", [0.1, 0.2])
+def test_zeros_of_an_aperture_map_are_contacts(form, touching, tmp_path):
+    summed = sum(jc.wall_pair(8.0, (40, 50), SPACING, 3, mismatch_wavelength=1e-3))
+    aperture = 1e3 * np.maximum(np.quantile(summed, 1.0 - touching) - summed, 0.0)
+    scan = read_in(form, Ground(aperture), tmp_path)
+    np.testing.assert_allclose(scan.heights, 1e-3 * aperture, atol=1e-9)
+    assert "they were used as contacts of an aperture map" in " ".join(scan.remarks)
+    pair = registered(scan, "flat", orientation="common_frame")
+    assert not pair.holes.any()
+
+
+def test_zeros_beside_heights_that_are_not_small_are_missing(tmp_path):
+    wall = 1e3 * jc.wall_pair(8.0, (40, 50), SPACING, 3)[0]
+    coded = wall - wall.min()
+    coded[5:9, 10:15] = coded[25:31, 30:33] = 0.0
+    scan = read_in("a.npy", Ground(coded), tmp_path)
+    np.testing.assert_array_equal(np.isnan(scan.heights), coded == 0.0)
+
+
 @pytest.mark.parametrize("name", ["a.xyz", "a.stl"])
 def test_a_stray_point_is_cut_and_named(name, tmp_path):
     points = np.random.default_rng(2).random((2000, 3)) * [10.0, 10.0, 0.1]
@@ -348,6 +508,94 @@ def test_a_stray_point_is_cut_and_named(name, tmp_path):
     assert "Warning: the points lie on no regular grid" in scattered
     assert printed.startswith("2 stray points were cut")
     assert "(1e+06, -2e+06, 0.05), (4, 5, 700)" in printed or name == "a.stl"
+
+
+@pytest.fixture(scope="module")
+def both_walls():
+    """Points (n, 3) [mm] of the lower and the upper wall of a joint at first touch, and a grid."""
+    upper, lower = (1e3 * wall for wall in jc.wall_pair(8.0, (40, 40), SPACING, seed=4))
+    above = (upper + lower).max() - upper
+    return Ground(lower).points(), Ground(above).points()
+
+
+def scattered(points, seed=3):
+    off = np.random.default_rng(seed).uniform(-0.1, 0.1, (len(points), 2))
+    return points + np.column_stack([off, np.zeros(len(points))])
+
+
+COLUMNS = {"x": ([2, 0, 1], "2,3,1"), "y": ([1, 2, 0], "3,1,2")}
+
+
+@pytest.mark.parametrize("form", ["a.xyz", "a.stl"])
+@pytest.mark.parametrize("axis", COLUMNS)
+@pytest.mark.parametrize("flat", [False, True])
+def test_a_vertical_wall_is_refused_with_the_columns_that_turn_it(
+    form, axis, flat, both_walls, tmp_path
+):
+    level, (order, columns) = both_walls[0] * [1.0, 1.0, not flat], COLUMNS[axis]
+    path = tmp_path / form
+    if form == "a.xyz":
+        np.savetxt(path, level[:, order], "%.6f")
+    else:
+        writers.write_mesh(path, level[:, order], triangles((40, 40)))
+    refused(rf"heights of the wall lie along {axis}, .*variable = '{columns}'", path, units="mm")
+    scan = read_scan(path, units="mm", variable=columns)
+    np.testing.assert_allclose(scan.heights.ravel(), 1e-3 * level[:, 2], atol=1e-8)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5, 30.0])
+@pytest.mark.parametrize("on_nodes", [False, True])
+def test_both_walls_in_one_cloud_are_refused(gap, on_nodes, both_walls, tmp_path):
+    lower, upper = both_walls
+    lower = lower if on_nodes else scattered(lower)
+    both = np.vstack([lower, scattered(upper + np.array([0.0, 0.0, gap]), seed=5)])
+    np.savetxt(tmp_path / "a.xyz", both, "%.6f")
+    refused("two sheets above each other.*must be cut to one wall", tmp_path / "a.xyz", units="mm")
+
+
+def test_walls_beside_each_other_in_one_cloud_are_refused(both_walls, tmp_path):
+    both = np.vstack([both_walls[0], both_walls[1] + [15.0, 0.0, 0.0]])
+    np.savetxt(tmp_path / "a.xyz", both, "%.6f")
+    refused("separate patches, of 1600 and 1600 points", tmp_path / "a.xyz", units="mm")
+
+
+@pytest.mark.parametrize("on_nodes", [False, True])
+def test_the_points_of_a_block_are_refused(on_nodes, both_walls, tmp_path):
+    top = both_walls[0] + [0.0, 0.0, 12.0]
+    random = np.random.default_rng(6)
+    sides = random.random((2000, 3)) * [9.75, 9.75, 12.0]
+    face = random.integers(0, 4, 2000)
+    sides[face < 2, 0], sides[face >= 2, 1] = 9.75 * (face[face < 2]), 9.75 * (face[face >= 2] - 2)
+    block = np.vstack([top if on_nodes else scattered(top), sides])
+    np.savetxt(tmp_path / "a.xyz", block, "%.6f")
+    refused("far above or below them.*must be cut to one wall", tmp_path / "a.xyz", units="mm")
+
+
+def test_one_wall_is_no_pair_of_sheets_whatever_its_heights(both_walls, tmp_path):
+    points = scattered(both_walls[0])
+    noise = np.random.default_rng(1).random(len(points))
+    walls = {"rough": points[:, 2], "rounded": np.round(points[:, 2], 1), "noise": 0.1 * noise}
+    for what, heights in walls.items():
+        np.savetxt(tmp_path / "a.xyz", np.column_stack([points[:, :2], heights]), "%.6f")
+        assert len(read_scan(tmp_path / "a.xyz", units="mm").points) == 1600, what
+
+
+@pytest.mark.parametrize("far", [4.5e6])
+def test_a_mesh_too_far_from_its_origin_for_single_precision_is_refused(far, tmp_path):
+    ground = Ground(1e3 * jc.wall_pair(8.0, (20, 26), SPACING, seed=4)[0], corner=(far, 0.0))
+    writers.as_mesh(tmp_path / "a.stl", ground)
+    printed = "y is stored in single precision, .* too far from its origin"
+    refused(printed, tmp_path / "a.stl", units="mm")
+
+
+@pytest.mark.parametrize("form", ["a.npy", "a.tif"])
+def test_heights_too_far_from_zero_for_single_precision_are_refused(form, wall, tmp_path):
+    """At a height of 2 km single precision in mm has steps of 0.125 mm."""
+    ground = Ground(np.float32(wall + 2e6))
+    refused(
+        "z is stored in single precision", tmp_path / form, **FORMS[form](tmp_path / form, ground)
+    )
+    read_in(form, Ground(np.float32(wall + 1e3)), tmp_path)
 
 
 def test_points_far_apart_are_refused_before_a_terabyte_is_allocated():
@@ -446,6 +694,71 @@ def test_an_archive_that_declares_more_than_a_scan_is_refused_unread(wall, tmp_p
     refused(size, tmp_path / "other.npy", **stated)
     refused(size, path, variable="other", **stated)
     refused(r"item: values of type \|V300000000: must be", path, variable="item", **stated)
+
+
+def test_a_scan_is_read_in_three_times_the_memory_of_its_heights(tmp_path):
+    heights = np.random.default_rng(1).normal(size=(1000, 1000))
+    np.savez(tmp_path / "a.npz", Z_mm=heights, spacing_mm=STEP_MM)
+    tracemalloc.start()
+    try:
+        read_scan(tmp_path / "a.npz")
+        assert tracemalloc.get_traced_memory()[1] < 3.0 * heights.nbytes
+    finally:
+        tracemalloc.stop()
+
+
+def test_the_limit_of_an_array_is_that_of_its_doubles(tmp_path, monkeypatch):
+    monkeypatch.setattr(contents, "LARGEST_ARRAY", 100_000)
+    np.save(tmp_path / "a.npy", np.arange(14_400, dtype=np.int16).reshape(120, 120))
+    printed = "120 x 120 values of 2 bytes, which are read in double precision: must be at most"
+    refused(printed, tmp_path / "a.npy", units="mm", scan_spacing=SPACING)
+
+
+ELSEWHERE = {
+    "external storage": lambda file, other, kind: file.create_dataset(
+        "z_mm", (20, 26), "f8", external=[(str(other.with_suffix(".bin")), 0, 4160)]
+    ),
+    "an external link": lambda file, other, kind: file.__setitem__(
+        "z_mm", kind.ExternalLink(str(other), "/z_mm")
+    ),
+    "a virtual dataset": lambda file, other, kind: file.create_virtual_dataset(
+        "z_mm", _virtual(kind, other)
+    ),
+}
+
+
+def _virtual(h5py, other):
+    layout = h5py.VirtualLayout((20, 26), "f8")
+    layout[:] = h5py.VirtualSource(str(other), "z_mm", (20, 26))
+    return layout
+
+
+@pytest.mark.parametrize("name", ["a.nc", "a.h5", "a"])
+@pytest.mark.parametrize("version", ["earliest", "latest"])
+@pytest.mark.parametrize("what", ELSEWHERE)
+@pytest.mark.parametrize("block", [0, 1024])
+def test_an_hdf5_file_with_data_in_another_file_is_refused(
+    what, version, name, block, wall, tmp_path
+):
+    h5py, other = pytest.importorskip("h5py"), tmp_path / "other.h5"
+    other.with_suffix(".bin").write_bytes(wall.tobytes())
+    with h5py.File(other, "w") as file:
+        file["z_mm"] = wall
+    with h5py.File(tmp_path / name, "w", libver=version, userblock_size=block) as file:
+        for number in range(20):
+            file[f"number_{number}"] = number
+        file["spacing_mm"] = 0.25
+        ELSEWHERE[what](file, other, h5py)
+    refused(f"has {what}, so that heights would be read from another file", tmp_path / name)
+
+
+def test_an_hdf5_file_that_contains_its_data_is_read(wall, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.nc", "w") as file:
+        file["z_mm"], file["spacing_mm"] = wall, 0.25
+        file["again"] = h5py.SoftLink("/spacing_mm")
+        file.attrs["names"] = ["a", "b"]  # in a global heap
+    np.testing.assert_allclose(read_scan(tmp_path / "a.nc").heights, 1e-3 * wall)
 
 
 @pytest.mark.parametrize("name", ["a.csv", "a.asc", "a.stl", "a.sur", "a"])

@@ -6,7 +6,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
-from jointclosure.walls.gridding import Cloud, wall_on_grid
+from jointclosure.walls.gridding import Cloud, points_of, wall_on_grid
 from jointclosure.walls.mating import mating, measured_mismatch, slope_correlations
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
@@ -198,6 +198,58 @@ def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
     np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
 
 
+@pytest.mark.parametrize("rounding", [0.1, 0.15, 0.2, 0.23])
+def test_places_that_are_rounded_coarsely_are_the_grid_that_was_scanned(rounding, tmp_path):
+    wall = 1e3 * jc.wall_pair(8.0, (50, 60), SPACING, 1)[0]
+    points = Ground(wall, 0.25, (357123.4567, 5512345.1234)).points()
+    points[:, :2] = np.round(points[:, :2] / rounding) * rounding
+    scan = read_points(tmp_path / "a.xyz", points)
+    assert scan.spacing == pytest.approx((0.25e-3, 0.25e-3), rel=5e-3)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
+    assert any(words in " ".join(scan.remarks) for words in ("is a multiple of", "were moved to"))
+
+
+@pytest.mark.parametrize("rounding", [1.0, 2.0])
+def test_places_that_are_too_coarse_for_their_points_need_more_digits(rounding, tmp_path):
+    wall = 1e3 * jc.wall_pair(8.0, (50, 60), SPACING, 1)[0]
+    points = Ground(wall, 0.25, (357123.4567, 5512345.1234)).points()
+    points[:, :2] = np.round(points[:, :2] / rounding) * rounding  # exact in single precision too
+    printed = f"all x are multiples of {rounding:g}\\) need more digits"
+    with pytest.raises(jc.InputError, match=printed):
+        read_points(tmp_path / "a.xyz", points)
+
+
+@pytest.mark.parametrize("kept", [1.0, 0.5])
+def test_rounding_that_leaves_lines_of_the_grid_empty_is_refused(kept, tmp_path):
+    wall = 1e3 * jc.wall_pair(8.0, (50, 60), SPACING, 1)[0]
+    points = scattered(Ground(wall, 0.15, (357123.4567, 5512345.1234)).points(), 0.003)
+    points[:, :2] = np.round(points[:, :2], 1)
+    points = points[np.random.default_rng(1).random(len(points)) <= kept]
+    with pytest.raises(jc.InputError, match=r"multiples of 0\.1 and 0\.1 .* export more digits"):
+        read_points(tmp_path / "a.xyz", points)
+
+
+@pytest.mark.parametrize("moved", [0.0125, 0.025])
+def test_scattered_points_of_rounded_places_are_no_coarse_grid(moved, tmp_path):
+    wall = 1e3 * jc.wall_pair(8.0, (50, 60), SPACING, 1)[0]
+    points = scattered(Ground(wall, 0.25, (357123.4567, 5512345.1234)).points(), moved)
+    points[:, :2] = np.round(points[:, :2] / 0.05) * 0.05
+    scan = read_points(tmp_path / "a.xyz", points)
+    assert len(points_of(scan)) > 0.97 * len(points)
+
+
+def scattered(points, deviation):
+    points[:, :2] += deviation * np.random.default_rng(1).standard_normal((len(points), 2))
+    return points
+
+
+def test_heights_without_neighbours_are_refused():
+    wall = np.full((48, 48), np.nan)
+    wall[::2, ::2] = np.random.default_rng(0).random((24, 24))
+    with pytest.raises(jc.InputError, match="no three neighbouring cells along x have heights"):
+        measure_wall(wall, SPACING)
+
+
 @pytest.mark.parametrize("gridded", [True, False])
 def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, points, tmp_path):
     if not gridded:
@@ -207,8 +259,13 @@ def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, p
     assert few.remarks[0] == "3 places with several heights were treated as missing"
     known = np.isfinite(few.heights).sum() if gridded else len(few.points)
     assert known == len(points) - 3
-    with pytest.raises(jc.InputError, match=r"many\.xyz: 520 of 520 places have several heights"):
+    with pytest.raises(
+        jc.InputError,
+        match=r"many\.xyz: the points lie on two sheets above each other, about 0.4 apart",
+    ):
         read_points(tmp_path / "many.xyz", np.vstack([points, other]))
+    with pytest.raises(jc.InputError, match=r"some\.xyz: 26 of 520 places have several heights"):
+        read_points(tmp_path / "some.xyz", np.vstack([points, other[::20]]))
 
 
 @pytest.mark.parametrize(

@@ -192,3 +192,62 @@ def test_of_a_matlab_file_only_what_is_needed_is_loaded(tmp_path, monkeypatch):
     np.testing.assert_allclose(scan.heights, 1e-3 * WALL)
     loaded = [name for call in load.call_args_list for name in call.kwargs["variable_names"]]
     assert sorted(loaded) == ["Z_mm", "h_mm"]
+
+
+SPACED = {"Z": WALL, "dy": STEPS[0], "dx": STEPS[1]}
+BESIDE = {
+    "units": ({"units": "mm"}, {}, None),
+    "other units": ({"units": "um"}, {"units": "mm"}, "units = 'mm': the heights of the file"),
+    "units of heights": ({"z_units": "um"}, {"units": "mm"}, "heights of the file are in 'um'"),
+    "another step": ({"units": "mm", "cell_size": 0.3}, {}, "states different spacings"),
+    "another size": ({"units": "mm", "width_mm": 5.0}, {}, "states different spacings"),
+    "a factor": ({"units": "mm", "scale": 1e3}, {}, "heights must be stored without a factor"),
+    "another count": ({"units": "mm", "rows": 8}, {}, "states 8 rows; there are 9"),
+}
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat", ".nc"])
+@pytest.mark.parametrize("case", BESIDE)
+def test_a_text_or_a_number_beside_heights_is_believed_or_refused(case, suffix, tmp_path):
+    beside, given, printed = BESIDE[case]
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".nc":
+        dimensions = {"y": STEPS[0] * np.arange(9), "x": STEPS[1] * np.arange(12)}
+        xr.Dataset({"Z": (("y", "x"), WALL)}, dimensions, beside).to_netcdf(path, engine="netcdf4")
+    else:
+        write(path, SPACED | beside)
+    if printed is not None:
+        with pytest.raises(jc.InputError, match=printed):
+            read_scan(path, **given)
+        return
+    np.testing.assert_allclose(read_scan(path, **given).heights, 1e-3 * WALL)
+
+
+@pytest.mark.parametrize(
+    ("name", "attributes", "printed"),
+    [
+        ("z", {"unit": "mm"}, None),
+        ("z", {"Units": "mm"}, None),
+        ("z", {"long_name": "height [mm]"}, None),
+        ("z_um", {"unit": "mm"}, "z_um: states the units 'mm' and 'um'"),
+        ("z", {"units": "mm", "unit": "um"}, "z: states the units 'mm' and 'um'"),
+        ("z", {"unit": "inch"}, "units = 'inch': must be one of"),
+        ("z", {"unit": "counts"}, "units = 'counts': must be one of"),
+    ],
+)
+def test_attributes_of_netcdf_state_units(name, attributes, printed, tmp_path):
+    places = {axis: (axis, 0.3 * np.arange(n), {"unit": "mm"}) for axis, n in (("y", 9), ("x", 12))}
+    dataset = xr.Dataset({name: (("y", "x"), WALL, attributes)}, places)
+    dataset.to_netcdf(tmp_path / "a.nc", engine="netcdf4")
+    if printed is None:
+        np.testing.assert_allclose(read_scan(tmp_path / "a.nc").heights, 1e-3 * WALL)
+    else:
+        with pytest.raises(jc.InputError, match=printed):
+            read_scan(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mat"])
+def test_a_number_that_may_be_the_spacing_is_named(suffix, tmp_path):
+    write(tmp_path / f"a{suffix}", SPACED | {"resolution": 0.3})
+    remarks = " ".join(read_scan(tmp_path / f"a{suffix}", units="mm").remarks)
+    assert "'resolution: 0.3', which was not used" in remarks

@@ -430,20 +430,43 @@ def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
     assert about_cloud == about
 
 
-def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of():
+def test_a_small_overlap_and_a_wedge_are_warned_of():
     upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
     upper = 1e-3 - upper
     assert registered(grid(upper), grid(lower), **AS_SCANNED).warnings == []
-    y, x = np.indices(upper.shape) * SPACING
-    steep, wedge = np.tan(np.radians(9.0)) * x, np.tan(np.radians(2.0)) * y
+    y = np.indices(upper.shape)[0] * SPACING
+    wedge = np.tan(np.radians(2.0)) * y
     aside, beside = grid(upper[:, 30:], (0.0, 30 * SPACING)), grid(lower[:, :39], (0.0, 0.0))
     for pair, warning in (
-        ((grid(upper + steep), grid(lower + steep)), "the common plane is inclined by 9.0 degrees"),
         ((grid(upper + wedge), grid(lower)), "the walls are inclined to each other by 2.0 degrees"),
         ((aside, beside), "the walls overlap in 44 % of the smaller scan, less than 50 %"),
     ):
         found = registered(*pair, **AS_SCANNED, unusual_values=True)
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+
+
+@pytest.mark.parametrize("shift", ["scanned", "mated"])
+@pytest.mark.parametrize("degrees", [10.0, 19.0, 35.0])
+def test_inclined_scans_of_both_walls_are_the_joint_of_level_ones(shift, degrees):
+    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.9)
+    clouds = [points_of(grid(wall)) for wall in (1e-3 - upper, lower)]
+    inclined = [Cloud(points @ rotation("y", degrees).T) for points in clouds]
+    known = {"orientation": "common_frame", "shift": shift, "spikes": "keep"}
+    level = registered(*map(Cloud, clouds), SPACING, **known)
+    pair = registered(*inclined, SPACING, **known)
+    turned = f"lower wall: the mean plane is inclined by {degrees:.1f} degrees: the scan was turned"
+    assert any(line.startswith(turned) for line in pair.report)
+    assert pair.aperture.std() == pytest.approx(level.aperture.std(), rel=0.08)
+    assert min(pair.upper.shape) >= 37
+    assert not any("inclined" in warning for warning in pair.warnings)
+
+
+def test_a_flat_wall_on_an_inclined_scan_is_as_on_a_level_one():
+    lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4)[1]
+    inclined = Cloud(points_of(grid(lower)) @ rotation("y", 19.0).T)
+    level, pair = (registered("flat", wall, SPACING) for wall in (grid(lower), inclined))
+    assert pair.lower.shape in ((40, 44), (40, 43))
+    assert pair.lower.std() == pytest.approx(level.lower.std(), rel=0.03)
 
 
 def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):

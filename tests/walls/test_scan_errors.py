@@ -1,14 +1,25 @@
 """Errors of registered walls: displaced within the errors of the fit, and without noise."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.walls.gridding import Scan
+from jointclosure.engine.uncertainty import Variant, sources_of
+from jointclosure.joint.conditions import Conditions
+from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
-from jointclosure.walls.scan_errors import ScanErrors, noise_of
+from jointclosure.walls.scan_defects import inspected
+from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
+from jointclosure.walls.scan_quality import (
+    noise_of_points,
+    resolution_remarks,
+    rounding_of,
+    shortest_wave,
+)
 
 SPACING = 0.25e-3
 SHAPE = (96, 96)
@@ -112,3 +123,224 @@ def test_errors_of_a_pair_are_those_of_its_fit():
     left = registered(*scans, shift="scanned")
     assert not left.errors.covariance.any()
     assert not left.errors.offset.any()
+
+
+def scan_of(wall):
+    return Scan(wall, (SPACING, SPACING), (0.0, 0.0))
+
+
+def as_scanned(upper, lower, **stated):
+    return registered(
+        scan_of(upper), scan_of(lower), orientation="towards", shift="scanned", **stated
+    )
+
+
+FILTERS = {
+    "mean": lambda wall: scipy.ndimage.uniform_filter(wall, 3),
+    "mean, rounded": lambda wall: np.round(scipy.ndimage.uniform_filter(wall, 3), 6),
+    "median": lambda wall: scipy.ndimage.median_filter(wall, 3),
+    "Gaussian": lambda wall: scipy.ndimage.gaussian_filter(wall, 1.0),
+    "Gaussian along y": lambda wall: scipy.ndimage.gaussian_filter1d(wall, 1.0, axis=0),
+}
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_the_shortest_wave_of_a_filtered_scan_is_that_of_half_of_the_power(name, walls):
+    cells = 7.5 if name.startswith("Gaussian") else 6.4
+    scan = scan_of(FILTERS[name](walls[1]))
+    assert shortest_wave(scan) == pytest.approx(cells * SPACING, rel=0.25)
+    assert "holds nothing below" in " ".join(resolution_remarks(scan, scan.heights, SPACING))
+    assert not resolution_remarks(scan, scan.heights, 5.0 * SPACING)
+
+
+@pytest.mark.parametrize("hurst", [0.5, 0.7, 0.9])
+@pytest.mark.parametrize("noise", [0.0, 5e-6])
+def test_undamaged_scans_receive_no_warning(hurst, noise):
+    for seed, roll_off in ((1, None), (2, 3e-3)):
+        fine = jc.wall_pair(
+            8.0, (128, 160), SPACING / 2, seed, hurst=hurst, roll_off=roll_off, unusual_values=True
+        )
+        for wall in noisy((fine[0][::2, ::2], fine[1][:64, :80]), noise):
+            scan = inspected(scan_of(wall))
+            assert not [*scan.remarks, *resolution_remarks(scan, wall, SPACING)]
+            np.testing.assert_array_equal(scan.heights, wall)
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-4])
+def test_rounding_of_heights_is_measured_and_compared_with_the_slope_that_it_raises(step, walls):
+    scan = scan_of(np.round(walls[1] / step) * step)
+    assert rounding_of(scan).heights == pytest.approx(step, rel=1e-6)
+    remarks = resolution_remarks(scan, scan.heights, SPACING)
+    assert len(remarks) == (step > 1e-5)
+    if remarks:
+        slopes = [rms_slope(wall, SPACING) for wall in (walls[1], scan.heights)]
+        low, high = map(float, re.search(r"from ([\d.]+) to ([\d.]+),", remarks[0]).groups())
+        assert (low, high) == (pytest.approx(slopes[0], rel=0.05), pytest.approx(slopes[1], 1e-2))
+
+
+def inclined_grid(wall, degrees):
+    return wall + np.tan(np.radians(degrees)) * SPACING * np.indices(wall.shape)[1]
+
+
+def inclined_points(wall, degrees):
+    points = points_of(scan_of(wall))
+    return scipy.spatial.transform.Rotation.from_euler("y", degrees, degrees=True).apply(points)
+
+
+def test_rounding_of_an_inclined_grid_is_that_of_the_heights_as_read(walls):
+    rounded = [np.round(inclined_grid(wall, 19.0), 4) for wall in (1e-3 - walls[0], walls[1])]
+    pair = registered(*map(scan_of, rounded), orientation="common_frame", shift="scanned")
+    assert "the scan was turned until it lies level" in " ".join(pair.report)
+    assert sum("heights are multiples of 100 um" in line for line in pair.warnings) == 2
+    assert pair.rounding == pytest.approx(1e-4 * np.sqrt(2.0 / 12.0), rel=1e-6)
+
+
+def test_spikes_that_are_cut_do_not_change_the_spacing_of_the_joint(walls):
+    points = [points_of(scan_of(wall)) for wall in (1e-3 - walls[0], walls[1])]
+    random = np.random.default_rng(1)
+    for cloud in points:
+        cloud[:, :2] += 0.3 * SPACING * random.standard_normal((len(cloud), 2))
+    known = {"orientation": "common_frame", "shift": "scanned"}
+    whole = registered(*map(Cloud, points), **known)
+    for cloud in points:
+        cloud[2000:6000:80, 2] += 2e-3
+    spiky = registered(*map(Cloud, points), **known)
+    assert "of 9216 points are spikes" in " ".join(spiky.report)
+    assert spiky.spacing == whole.spacing
+
+
+@pytest.mark.parametrize("filtered", [True, False])
+def test_a_filter_shows_in_points_that_lie_on_a_grid_once_they_are_level(filtered, walls):
+    given = [FILTERS["mean"](wall) if filtered else wall for wall in (1e-3 - walls[0], walls[1])]
+    clouds = [Cloud(inclined_points(wall, 19.0)) for wall in given]
+    pair = registered(*clouds, orientation="common_frame", shift="scanned")
+    assert sum("holds nothing below" in line for line in pair.warnings) == 2 * filtered
+    assert pair.waves == pytest.approx((6.4 * SPACING * filtered,) * 2, rel=0.25)
+    alone = registered("flat", clouds[1])
+    assert ("holds nothing below" in " ".join(alone.warnings)) == filtered
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.1e-3])
+def test_passes_of_a_scanner_that_lie_apart_are_measured(apart):
+    fine = jc.wall_pair(8.0, (200, 200), SPACING / 4, 1, roll_off=None, unusual_values=True)[0]
+    passes = [
+        (place, fine[place::4, place::4] + height) for place, height in ((0, 0.0), (2, apart))
+    ]
+    points = [
+        np.column_stack(
+            [*(SPACING / 4 * (first + 4 * np.indices(w.shape)).reshape(2, -1)), w.ravel()]
+        )
+        for first, w in passes
+    ]
+    cloud = Cloud(np.concatenate(points))
+    assert noise_of_points(cloud) == pytest.approx(np.sqrt(0.5) * apart, rel=0.1)
+
+
+def rows_aside(wall):
+    for row in (20, 45, 70):
+        wall[row] = np.roll(wall[row], 1)
+
+
+def every_second_row_aside(wall):
+    wall[1::2] = np.roll(wall[1::2], -1, axis=1)
+
+
+def a_raised_rim(wall):
+    inner = wall[2:-2, 2:-2].copy()
+    wall += 4.0 * SPACING * rms_slope(wall, SPACING)
+    wall[2:-2, 2:-2] = inner
+
+
+def a_filled_hole(wall):
+    hole = np.zeros(wall.shape, bool)
+    hole[30:40, 50:60] = True
+    wall[:] = filled(np.where(hole, np.nan, wall), "linear", 1.0)
+
+
+@pytest.mark.parametrize(
+    "damage", [rows_aside, every_second_row_aside, a_raised_rim, a_filled_hole]
+)
+def test_defects_of_a_grid_are_undone_with_a_warning(damage, walls):
+    true, damaged = walls[1], walls[1].copy()
+    damage(damaged)
+    scan = inspected(scan_of(damaged))
+    assert len(scan.remarks) == 1
+    y, x = (round(place / SPACING) for place in scan.origin)
+    ny, nx = scan.heights.shape
+    shares = []
+    for shift in (-1, 0, 1):  # of every second row either half may be moved
+        shifted = np.roll(true, shift, axis=1)[y : y + ny, x : x + nx]
+        same = (scan.heights - shifted)[:, 2:-2]  # rows were rolled over the edge
+        known = np.isfinite(same)
+        assert known.mean() > 0.9
+        shares.append((np.abs(same[known]) < 1e-12).mean())
+    assert max(shares) > 0.985  # up to the rim of a filled hole
+
+
+def test_blocks_of_equal_heights_are_one_height_each(walls):
+    scan = inspected(scan_of(np.kron(walls[1][1::2, 1::2], np.ones((2, 2)))[1:, :]))
+    np.testing.assert_array_equal(scan.heights, walls[1][3::2, 1::2])
+    assert scan.spacing == (2.0 * SPACING, 2.0 * SPACING)
+    assert scan.origin == pytest.approx((1.5 * SPACING, 0.5 * SPACING))
+    assert "blocks of 2 x 2" in scan.remarks[0]
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_lost_waves_are_drawn_with_the_power_of_the_wall_and_its_mate(share, walls):
+    scanned = tuple(scipy.ndimage.gaussian_filter(wall, 1.0 + share) for wall in walls)
+    lost = 7.55 * (1.0 + share)
+    known = errors()._replace(waves=(lost, lost))
+    for field in (0, 1):  # a wall, and the sum of both
+        slopes = [
+            rms_slope(sum(pair) if field else pair[0], SPACING)
+            for pair in (scanned, *(known.with_lost_waves(*scanned, n) for n in range(1, 9)), walls)
+        ]
+        assert slopes[0] < 0.8 * slopes[-1]
+        assert 0.7 * slopes[-1] < np.median(slopes[1:-1]) < 1.4 * slopes[-1]
+
+
+def test_a_joint_has_a_spacing_that_its_scans_resolve_and_its_range_the_usual_one(walls):
+    smooth = [scipy.ndimage.uniform_filter(wall, 3) for wall in walls]
+    pair, stated = as_scanned(*smooth), as_scanned(*smooth, spacing=SPACING)
+    assert pair.waves[0] == pytest.approx(6.4 * SPACING, rel=0.25)
+    assert pair.spacing >= 0.5 * max(pair.waves) > stated.spacing == SPACING
+    assert "which the scans resolve" in " ".join(pair.warnings)
+    np.testing.assert_allclose(pair.fine.upper, stated.upper)
+    conditions = Conditions(pair.spacing, "granite", 10e6, 1).checked()
+    sources = sources_of(conditions, pair.upper.shape, {}, pair.errors)
+    assert {"spacing", "resolution"} <= set(sources)
+    (usual,) = sources["spacing"].values[1:]
+    joint = Variant("", "", conditions)
+    assert joint.changed("spacing", usual).conditions.spacing == pytest.approx(SPACING)
+    fine = joint.changed("spacing", usual).walls(pair.upper, pair.lower, pair.errors)
+    np.testing.assert_array_equal(fine[0], stated.upper)
+    drawn = joint.changed("resolution", 1).walls(pair.upper, pair.lower, pair.errors)
+    assert drawn[0].shape == pair.upper.shape
+    assert rms_slope(sum(drawn), 1.0) > 1.2 * rms_slope(pair.upper + pair.lower, 1.0)
+
+
+def test_sharp_scans_have_the_usual_spacing_and_no_lost_waves(walls):
+    pair = as_scanned(*walls)
+    assert (pair.spacing, pair.fine, pair.waves) == (SPACING, None, (0.0, 0.0))
+    assert not pair.warnings
+    assert (pair.errors.step, pair.errors.waves, pair.errors.scale) == (1, (0.0, 0.0), 1.0)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.1])
+def test_heights_of_one_wall_in_another_scale_are_warned_of_and_in_the_range(scale, walls):
+    pair = as_scanned(scale * walls[0], walls[1])
+    assert ("calibrate both scans" in " ".join(pair.warnings)) == (scale != 1.0)
+    assert pair.errors.scale == pytest.approx(scale, rel=0.02)
+    one, other = pair.errors.with_one_scale(pair.upper, pair.lower, 1)
+    assert scale_of(one, other)[0] == pytest.approx(1.0, rel=0.02)
+
+
+def test_walls_that_do_not_mate_have_no_scale():
+    upper, lower = jc.wall_pair(8.0, SHAPE, SPACING, 1, correlation=0.0)
+    assert not differs(*scale_of(1.5 * upper, lower))
+
+
+def test_rounding_that_changes_the_sum_of_the_walls_is_in_the_noise_of_the_range(walls):
+    step = 1e-4
+    pair = as_scanned(*(np.round(wall / step) * step for wall in walls))
+    assert pair.errors.noise[0] >= 0.99 * step * np.sqrt(2.0 / 12.0)

@@ -11,12 +11,17 @@ from jointclosure.walls.gridding import (
     Cloud,
     Scan,
     filled,
+    grid_nodes,
     heights_between,
     holes,
+    node_counts,
+    paper_spacing,
     point_distance,
+    points_of,
     wall_on_grid,
     without_dropouts,
 )
+from jointclosure.walls.levelling import levelled, levelled_together
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
 from tests.joints import SPACING
@@ -49,6 +54,71 @@ def test_a_plane_that_was_added_is_removed_also_beside_missing_cells(wall):
     left = np.stack([np.ones(known.sum()), x[known], y[known]])
     assert np.abs(left @ found[known]).max() < 1e-12
     assert rms_slope(found[15:], SPACING) == pytest.approx(rms_slope(wall[15:], SPACING), rel=0.02)
+
+
+def inclined(wall, degrees, azimuth=0.0):
+    """Points (n, 3) of a wall that was turned about a horizontal axis."""
+    y, x = np.indices(wall.shape) * SPACING
+    points = np.stack([part.ravel() for part in (x, y, wall)], axis=1)
+    about = scipy.spatial.transform.Rotation.from_euler("zyz", [-azimuth, degrees, azimuth], True)
+    return about.apply(points)
+
+
+@pytest.mark.parametrize("degrees", [3.0, 19.0, 44.0])
+@pytest.mark.parametrize("azimuth", [0.0, 30.0])
+def test_inclined_points_of_a_regular_wall_become_its_grid(degrees, azimuth, wall):
+    level, motion = levelled(Cloud(inclined(wall, degrees, azimuth)))
+    assert isinstance(level, Scan)
+    assert level.spacing == pytest.approx((SPACING, SPACING), rel=1e-4)
+    assert motion.tilt == pytest.approx(degrees, abs=0.05)
+    np.testing.assert_allclose(detrended(level.heights), detrended(wall), atol=1e-7)
+    assert level.remarks[0].startswith(f"the mean plane is inclined by {degrees:.1f} degrees")
+
+
+@pytest.mark.parametrize("degrees", [2.5, 15.0, 25.0, 36.87, 44.0])
+def test_inclined_points_of_rounded_places_are_levelled(degrees, wall):
+    given = np.round(inclined(wall, degrees), 4)  # to 0.1 mm, of 0.25 mm
+    level, _ = levelled(Cloud(given))
+    points = points_of(level)
+    assert len(points) > 0.9 * len(given)
+    slope = np.polyfit(points[:, 0], points[:, 2], 1)[0]
+    assert abs(slope) < 0.01
+
+
+@pytest.mark.parametrize("degrees", [10.0, 19.0, 40.0])
+def test_an_inclined_grid_has_the_slopes_of_the_level_wall(degrees):
+    y, x = np.indices((60, 70)) * SPACING
+    smooth = 2e-4 * np.sin(900.0 * x + 0.3) * np.cos(700.0 * y)
+    points = inclined(smooth, degrees)
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    nodes = grid_nodes(low, node_counts(low, high, SPACING), SPACING)
+    interpolated = scipy.interpolate.CloughTocher2DInterpolator(points[:, :2], points[:, 2])(nodes)
+    given = scan(interpolated, origin=(float(low[1]), float(low[0])))
+    level, _ = levelled(given)
+    truth = np.std(np.diff(smooth, axis=1))
+    assert np.nanstd(np.diff(level.heights, axis=1)) == pytest.approx(truth, rel=0.02)
+    assert min(level.heights.shape) >= 56
+    if degrees == 19.0:  # as a check of the test
+        sheared = wall_on_grid(given, SPACING)
+        assert np.nanstd(np.diff(sheared, axis=1)) > 1.08 * truth
+
+
+def test_a_level_scan_is_left_and_a_steep_one_is_refused(wall):
+    for given in (scan(tilted(wall, 4.0)), Cloud(inclined(wall, 1.5))):
+        assert levelled(given) == (given, None)
+    with pytest.raises(jc.InputError, match=r"inclined by 50\.0 degrees: at most 45"):
+        levelled(scan(tilted(wall, 50.0)))
+
+
+def test_walls_that_lie_on_each_other_are_levelled_to_the_same_cells(wall):
+    lower = scan(tilted(wall, 15.0))
+    upper = scan(1e-4 * np.cos(900.0 * np.indices(wall.shape)[1] * SPACING) - tilted(wall, 15.0))
+    both = levelled_together({"upper": upper, "lower": lower})
+    assert both["upper"].heights.shape == both["lower"].heights.shape
+    sums = detrended(both["upper"].heights + both["lower"].heights)
+    assert np.std(sums) == pytest.approx(np.std(detrended(upper.heights + lower.heights)), rel=0.1)
+    level = {"upper": scan(wall), "lower": scan(-wall)}
+    assert levelled_together(level) == level
 
 
 def test_another_spacing_leaves_cells_out_or_keeps_a_smooth_wall(wall):
@@ -152,3 +222,29 @@ def test_a_strip_beside_the_rim_of_a_scan_is_not_filled_between_its_far_ends():
     wall[5, 4] = wall[8, 3:5] = np.nan
     whole = without_dropouts(wall, holes(np.isfinite(wall)))
     np.testing.assert_array_equal(np.isnan(whole), np.isnan(wall) & (np.arange(9) == 0))
+
+
+def test_grids_of_points_are_no_finer_than_these_and_not_far_larger():
+    places = np.random.default_rng(6).random((400, 3)) * [10e-3, 10e-3, 1e-4]
+    cloud, regular = Cloud(places), scan(1e-4 * places[:, 2].reshape(20, 20))
+    distance = point_distance(cloud)
+    for of, least in ((cloud, 0.8 * distance), (regular, 0.99 * SPACING)):
+        assert np.isfinite(wall_on_grid(of, 1.01 * least)).any()
+        with pytest.raises(jc.InputError, match="finer than the scan"):
+            wall_on_grid(of, 0.98 * least)
+    for side, refused in ((1.9, False), (2.1, True)):  # 100 cells for each of 400 points
+        box = np.array([[0.0, 0.0], [side * 100 * distance] * 2])
+        if refused:
+            with pytest.raises(jc.InputError, match="at most 100 cells for each point"):
+                wall_on_grid(cloud, distance, box)
+        else:
+            assert wall_on_grid(cloud, distance, box).size < 100 * 400
+    with pytest.raises(jc.InputError, match="3 heights: too few for a wall"):
+        wall_on_grid(scan(np.array([[0.0, 1e-5, 2e-5], [np.nan] * 3, [np.nan] * 3])), SPACING)
+
+
+@pytest.mark.parametrize(
+    ("distance", "spacing"), [(0.25e-3, 0.25e-3), (0.1e-3, 0.2e-3), (0.6e-3, 0.6e-3), (5e-3, 5e-3)]
+)
+def test_the_usual_grid_is_a_multiple_of_the_points_distance_next_to_the_papers(distance, spacing):
+    assert paper_spacing(distance) == pytest.approx(spacing)

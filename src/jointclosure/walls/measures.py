@@ -38,6 +38,12 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
         raise InputError(f"{size[0]} x {size[1]} cells (y, x): {must}")
     if not np.nanstd(heights) > 0.0:
         raise InputError("all heights are equal: the wall has no roughness")
+    for axis in "xy":
+        if not np.isfinite(difference(heights, axis, 1, 2)).any():
+            raise InputError(
+                f"no three neighbouring cells along {axis} have heights, which measures need; "
+                "choose a coarser grid spacing (--spacing), or export more digits of x and y"
+            )
     means, measures = _resampled_means(heights, spacing, resamples), []
 
     def add(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> None:

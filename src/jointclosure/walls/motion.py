@@ -53,6 +53,11 @@ class Motion(NamedTuple):
         """Move points (..., 3) back."""
         return _turned(self.rotation.T, points - self.place) + self.middle
 
+    def after(self, first: "Motion") -> "Motion":
+        """Return this motion after a first one; its errors are those of this one."""
+        flip, rotation = self.flip @ first.flip, self.rotation @ first.rotation
+        return Motion(flip, rotation, first.back(self.middle), self.place, self.covariance)
+
     @property
     def angle(self) -> float:
         """Rotation in the plane [degrees], anticlockwise, from -180 to 180."""
@@ -128,13 +133,21 @@ def on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion
     return snapped if motion.apart(snapped, reach) <= most else motion
 
 
-def heights_after(scan: Scan, motion: Motion) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function of nodes (..., 2) [m]: heights of a moved grid by cubic splines, or NaN."""
+def heights_after(
+    scan: Scan, motion: Motion, slopes: tuple[float, float] = (0.0, 0.0)
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a function of nodes (..., 2) [m]: heights of a moved grid by cubic splines, or NaN.
+
+    ``slopes`` along x and y are those of the scan's mean plane, with which heights of steep scans
+    are found.
+    """
     holes = gridding.holes(np.isfinite(scan.heights))
     whole = gridding.without_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
     spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
     first, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
+    back = motion.rotation[2]  # direction of the new z before the motion
+    rise = back[2] - slopes[0] * back[0] - slopes[1] * back[1]
 
     def at(nodes: np.ndarray) -> np.ndarray:
         points = np.concatenate([nodes, np.full((*nodes.shape[:-1], 1), motion.place[2])], axis=-1)
@@ -143,7 +156,7 @@ def heights_after(scan: Scan, motion: Motion) -> Callable[[np.ndarray], np.ndarr
             # rounded, so that nodes of both grids meet
             places = np.moveaxis(np.round((before[..., 1::-1] - first) / steps, 6), -1, 0)
             heights = _of_spline(spline, places)
-            points[..., 2] += (heights - before[..., 2]) / motion.rotation[2, 2]
+            points[..., 2] += (heights - before[..., 2]) / rise
         lost = scipy.ndimage.map_coordinates(missing, places, order=1, cval=1.0)
         return np.where(lost > 1e-6, np.nan, points[..., 2])
 
@@ -210,7 +223,7 @@ def _about(*vector: float) -> np.ndarray:
     return scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
 
 
-def _levelling(slopes: tuple[float, float]) -> np.ndarray:
+def levelling_rotation(slopes: tuple[float, float]) -> np.ndarray:
     """Return the smallest rotation that makes a plane of given slopes horizontal."""
     length = math.hypot(*slopes)
     angle = math.atan(length) / length if length > 0.0 else 0.0
@@ -271,7 +284,7 @@ def compared(
 def fitted(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion:
     """Refine a fit by least squares; the covariance is infinite if they find nothing."""
     turn = _about(0.0, 0.0, math.radians(fit.angle)) @ flip
-    rotation = _levelling(lower.slopes).T @ turn @ _levelling(upper.slopes)
+    rotation = levelling_rotation(lower.slopes).T @ turn @ levelling_rotation(upper.slopes)
     place = lower.middle + np.append(fit.shift, 0.0)
     start = best = Motion(flip, rotation, upper.middle, place, np.full((3, 3), np.inf))
     error, side = math.inf, min(*upper.heights.shape, *lower.heights.shape)

@@ -13,12 +13,16 @@ PLATEAU = 5.0
 """Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1
 - m)^2, with the share m of differences of one step; the largest of 3,200 walls had 0.65 times."""
 
+CONTACT_STEP = 1.5
+"""Rms step from zeros to their neighbours, over that between other neighbours, up to which zeros
+are contacts. Of Gaussian fields that are cut at 0 it is below 1, and 1.2 without correlation."""
 
-def strays(points: np.ndarray) -> np.ndarray:
-    """Return which points (n, 3) are in a small patch apart, or far in height."""
+
+def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
+    """Return which points (n, 3) are in a small one of their `patches` (n,), or far in height."""
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
-    stray = _apart(points[:, :2])
+    stray = _apart(patch)
     known = np.isfinite(points[:, 2]) & ~stray
     if known.sum() >= NEIGHBOURS:
         low, middle, high = np.percentile(points[known, 2], (1.0, 50.0, 99.0))
@@ -27,17 +31,21 @@ def strays(points: np.ndarray) -> np.ndarray:
     return stray
 
 
-def _apart(places: np.ndarray) -> np.ndarray:
-    """Return which places (n, 2) are in patches of less than 1 % apart from the largest one."""
+def patches(places: np.ndarray) -> np.ndarray:
+    """Return the number of the patch of places (n, 2), which are far apart."""
     distances = scipy.spatial.cKDTree(places).query(places, k=2)[0][:, 1]
     if not (distances > 0.0).any():
-        return np.zeros(len(places), bool)
+        return np.zeros(len(places), int)
     size = 5.0 * float(np.median(distances[distances > 0.0]))
     cells, of_point = unique_places(np.floor(places / size))
     pairs = scipy.spatial.cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray")
-    patch = _components(pairs, len(cells))[of_point]
+    return _components(pairs, len(cells))[of_point]
+
+
+def _apart(patch: np.ndarray) -> np.ndarray:
+    """Return which points are in patches, by number (n,), of less than 1 %, but the largest."""
     members = np.bincount(patch)
-    small = members < 0.01 * len(places)
+    small = members < 0.01 * len(patch)
     small[members.argmax()] = False
     return small[patch]
 
@@ -97,10 +105,13 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
 
 def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     """Remove plateaus and planes that no rough wall has, with a remark; not of a flat scan."""
-    points = points_of(scan)
-    size = _plateau_sizes(points[:, 2], _neighbours(scan))
+    points, pairs = points_of(scan), neighbours(scan)
+    size = _plateau_sizes(points[:, 2], pairs)
+    touching = (points[:, 2] == 0.0) & zeros_are_contacts(points[:, 2], pairs)
+    size[touching] = 0
     if isinstance(scan, Scan):
-        size = np.maximum(size, _plane_sizes(scan.heights)[np.isfinite(scan.heights)])
+        of_planes = _plane_sizes(scan.heights)[np.isfinite(scan.heights)]
+        size = np.maximum(size, np.where(touching, 0, of_planes))
     cut = size > 0
     if not cut.any():
         return scan
@@ -118,7 +129,24 @@ def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     return scan._replace(remarks=(*scan.remarks, caution(message + done)))
 
 
-def _neighbours(scan: Scan | Cloud) -> np.ndarray:
+def zeros_are_contacts(heights: np.ndarray, pairs: np.ndarray) -> bool:
+    """Return whether zeros among heights (n,) are contacts of an aperture map, by its steps.
+
+    An aperture is nowhere negative, and rises from its contacts by no larger steps than between
+    other neighbours (m, 2); the heights around missing ones are arbitrary.
+    """
+    if not (heights == 0.0).any() or heights.min() < 0.0:
+        return False
+    one, other = heights[pairs].T
+    touching = (one == 0.0) != (other == 0.0)
+    between = (one > 0.0) & (other > 0.0)
+    if not (touching.any() and between.any()):
+        return False
+    squares = (one - other) ** 2
+    return bool(squares[touching].mean() <= CONTACT_STEP**2 * squares[between].mean())
+
+
+def neighbours(scan: Scan | Cloud) -> np.ndarray:
     """Return pairs (m, 2) of neighbours: along the axes of a grid, or the four nearest points."""
     if isinstance(scan, Cloud):
         places = scan.points[:, :2]

@@ -11,6 +11,7 @@ from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
+from jointclosure.walls.levelling import levelled, slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
 from jointclosure.walls.motion import (
     BLOCKS,
@@ -26,16 +27,24 @@ from jointclosure.walls.motion import (
     surface_of,
     unmoved,
 )
-from jointclosure.walls.outliers import without_plateaus, without_spikes
+from jointclosure.walls.outliers import without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
-from jointclosure.walls.scan_errors import ScanErrors, noise_of
+from jointclosure.walls.scan_defects import inspected
+from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
+from jointclosure.walls.scan_quality import (
+    MOVED,
+    resolution_remarks,
+    rounding_of,
+    shortest_wave,
+)
 
 ON_NODES = 0.02  # [cells] within which nodes are laid on nodes; twice the error up to 0.5 if more
 LARGEST_HOLES = 0.15  # share of cells in holes of either scan, taken out of contact by default
 MOST_CELLS = 500  # along a side of walls that are registered at the spacing of the scans
 IN_PLACE = 0.02  # largest shift of corners of scans in one frame, over half of the longer side
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0  # unusual inclinations of common plane and wedge [degrees]
+LEAST_CELLS = 16  # along the shorter side of walls on a grid that the scan resolves
 _FAR = 1.5  # largest usual closure until a thousandth touches, in deviations of the aperture
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
@@ -51,6 +60,15 @@ ORIENTATIONS = {
 """Orientations of the upper wall's scan, each compared over the full circle."""
 _SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
 _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
+
+
+class FineWalls(NamedTuple):
+    """Registered walls on a finer grid than that of the joint, which the scans do not resolve."""
+
+    upper: np.ndarray  # heights (y, x) [m] towards the other wall
+    lower: np.ndarray
+    holes: np.ndarray
+    step: int  # spacing of the joint, in cells of this grid
 
 
 class RegisteredPair(NamedTuple):
@@ -72,6 +90,9 @@ class RegisteredPair(NamedTuple):
     holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
     first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
     report: list[str]  # results in sentences
+    fine: FineWalls | None = None
+    waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
+    rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
 
     @property
     def warnings(self) -> list[Caution]:
@@ -80,14 +101,26 @@ class RegisteredPair(NamedTuple):
 
     @property
     def errors(self) -> ScanErrors:
-        """Errors of the fit, 0 if the walls stayed as scanned, and noise of the scans."""
+        """Errors of the fit, 0 if the walls stayed as scanned, and those of the scans' heights."""
+        fine = self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
+        walls, spacing = (fine.upper, fine.lower), self.spacing / fine.step
         covariance, offset = np.zeros((3, 3)), np.zeros(3)
         if self.mated is not None and np.isfinite(self.motion.covariance).all():
-            scale = np.array([1.0, self.spacing, self.spacing])
+            scale = np.array([1.0, spacing, spacing])
             offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
             covariance = self.motion.covariance / np.outer(scale, scale)
-        middle = (self.motion.place[:2] - self.first) / self.spacing
-        return ScanErrors(offset, covariance, middle, noise_of(self.upper, self.lower), self.holes)
+        middle = (self.motion.place[:2] - self.first) / spacing
+        noise, waves = noise_of(*walls), [wave / spacing for wave in self.waves]
+        steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
+        if self.rounding**2 > MOVED * float(np.mean(steps**2)):
+            noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
+        relative, error = scale_of(*walls)
+        return ScanErrors(
+            offset, covariance, middle, noise, fine.holes,
+            walls=walls if self.fine else None, step=fine.step,
+            waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)),
+            scale=relative if differs(relative, error) else 1.0,
+        )  # fmt: skip
 
 
 def registered(
@@ -112,6 +145,8 @@ def registered(
     spacing : float, optional
         Grid spacing of the walls [m]: by default the larger point distance of the scans, or the
         multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
+        If a scan holds no waves of twice this spacing, the default is the multiple of it that the
+        scan resolves, up to 16 cells along the shorter side (``LEAST_CELLS``).
     orientation : str, optional
         Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
         correlation of the walls' slopes over all rotations, if it is clear.
@@ -138,20 +173,43 @@ def registered(
         check_one_of("shift", shift, SHIFTS)
     check_one_of("spikes", spikes, SPIKES)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
-    scans = list(_both_scans(upper, lower, orientation))
-    distance = max(map(point_distance, scans))
+    raw = _rough_scans(upper, lower, orientation)
+    given = dict(raw)
+    report: list[str] = []
+    spiky: list[str] = []
+    for side, scan in given.items():
+        if not unusual_values:
+            given[side] = scan = inspected(scan)
+        if spikes == "cut":
+            given[side], removed = without_spikes(scan)
+            spiky += [f"{side} wall: {removed}; they were cut"] if removed else []
+    measured, turned = dict(given), None  # levelling interpolates the heights of grids
+    frame = "lower" if flat != "lower" else "upper"
+    if flat != "lower" or orientation == "towards":  # heights of an aperture map are no places
+        given[frame], turned = levelled(given[frame])
+    level_scans = dict(given)
+    if flat is None and isinstance(given["upper"], Cloud):
+        level_scans["upper"], _ = levelled(given["upper"])
+    scans = list(_both_scans(given, orientation))
+    # points that were cut do not make the others lie farther apart
+    whole = {side: raw[side] for side, scan in given.items() if isinstance(scan, Cloud)}
+    if turned is not None:
+        whole[frame] = given[frame]
+    distance = max(map(point_distance, (given | whole).values()))
     stated = distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(scans[0], scans[1], stated)
+    default = spacing is None
     spacing = gridding.paper_spacing(distance) if spacing is None else stated
-    report: list[str] = []
-    for place, side in enumerate(_SIDES):
-        if side != flat and not unusual_values:
-            scans[place] = without_plateaus(scans[place])
-        report += _named(side, scans[place].remarks)
-        if side != flat and spikes == "cut":
-            scans[place], removed = without_spikes(scans[place])
-            report += [f"{side} wall: {removed}; they were cut"] if removed else []
+    for side, scan in given.items():
+        report += [*_named(side, scan.remarks), *(line for line in spiky if line.startswith(side))]
+    upper_wave, lower_wave = (
+        shortest_wave(measured[side], level_scans[side]) if side in measured else 0.0
+        for side in _SIDES
+    )
+    waves = upper_wave, lower_wave
+    steps = [rounding_of(scan).heights for scan in measured.values()]
+    rounding = float(np.sqrt(np.sum(np.square(steps)) / 12.0))
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
     clouds = [points_of(scan, missing=True) for scan in scans]
     name, mated = orientation or "common_frame", None
@@ -163,9 +221,13 @@ def registered(
         longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
         cell = distance if longest < MOST_CELLS * distance else spacing
         used = (fine, finest) if cell == distance else scans
-        surfaces = [surface_of(points_of(scan, missing=True), cell) for scan in used]
+        level, first = levelled(used[0], gridding.LARGEST_TILT)
+        surfaces = [surface_of(points_of(scan, missing=True), cell) for scan in (level, used[1])]
         name, fits, mated = _fitted(surfaces, orientation, shift, unusual_values, report)
+        mated = mated.after(first) if mated is not None and first is not None else mated
     motion = unmoved(clouds[0], _FLIPS[name])
+    if turned is not None and flat is None:
+        motion = turned.after(motion)
     reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
     in_place = mated is None or mated.apart(motion, reach) < IN_PLACE * reach.max()
     if not flat and (shift == "scanned" or mated is None):
@@ -180,7 +242,10 @@ def registered(
             motion = on_nodes(motion, fine, clouds[1][:, :2].min(axis=0), most)
     clouds[0] = _moved(points_of(fine, missing=True), motion)
     distances = [point_distance(scan) for scan in (fine, scans[1])]
-    upper_at = heights_after(fine, motion) if isinstance(fine, Scan) else None
+    upper_at = None
+    if isinstance(fine, Scan):
+        slopes = slopes_of(fine) if motion.tilt > gridding.LARGEST_TILT else (0.0, 0.0)
+        upper_at = heights_after(fine, motion, slopes)
     overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
     if flat:
         overlap = _flattened(overlap, flat)
@@ -189,8 +254,25 @@ def registered(
             known = np.where(hole, np.nan, getattr(overlap, side))
             lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
             report += _named(side, lost)
+            report += _named(
+                side, resolution_remarks(measured[side], known, spacing, level_scans[side])
+            )
+    step = int(np.ceil(max(waves) / (2.0 * spacing) - 1e-6)) if default else 1
+    step = max(min(step, min(overlap.upper.shape) // LEAST_CELLS), 1)
+    walls_at = (detrended(-overlap.upper), detrended(overlap.lower))
+    finer = FineWalls(*walls_at, np.logical_or(*overlap.holes), step) if step > 1 else None
+    if finer:
+        report.append(_coarser(spacing, step))
+        thin = np.s_[::step, ::step]
+        overlap = overlap._replace(
+            upper=overlap.upper[thin], lower=overlap.lower[thin], holes=overlap.holes[:, *thin]
+        )
+        spacing *= step
     in_frame = name == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _described(overlap, spacing, name, fits, motion, mated, in_frame, report)
+    pair = pair._replace(fine=finer, waves=waves, rounding=rounding)
+    if not flat and differs(*(scale := scale_of(*walls_at))):
+        report.append(_scaled(*scale))
     walls = {"upper": pair.upper, "lower": pair.lower}
     contradictions, unlike_rock = plausibility.unit_doubts(walls, spacing)
     if not unusual_values:
@@ -209,15 +291,33 @@ def registered(
     return pair
 
 
+def _coarser(spacing: float, step: int) -> Caution:
+    """State that a joint has a coarser grid than the usual one of a spacing [m]."""
+    return caution(
+        f"heights were taken every {1e3 * step * spacing:.4g} mm, which the scans resolve, and not "
+        f"every {1e3 * spacing:.4g} mm. The range has joints of both spacings, with lost "
+        f"waves drawn at random (--spacing {1e3 * spacing:.4g} closes the joint itself there)"
+    )
+
+
+def _scaled(scale: float, error: float) -> Caution:
+    """Warn of heights of the upper wall that are larger or smaller than those of its mate."""
+    return caution(
+        f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} times those of the "
+        "lower one at the waves by which they mate: calibrate both scans. The range has walls of "
+        "one scale, between both"
+    )
+
+
 def _named(side: str, remarks: Iterable[str]) -> list[str]:
     """Put the name of a wall before remarks and keep their type."""
     return [type(remark)(f"{side} wall: {remark}") for remark in remarks]
 
 
-def _both_scans(
+def _rough_scans(
     upper: Scan | Cloud | str, lower: Scan | Cloud | str, orientation: str | None
-) -> tuple[Scan | Cloud, Scan | Cloud]:
-    """Return both walls as scans; a flat one has the places and the mean plane of the other."""
+) -> dict[str, Scan | Cloud]:
+    """Return the walls that are not flat, by their sides."""
     for side, wall in (("upper", upper), ("lower", lower)):
         if isinstance(wall, str) and wall != FLAT:
             raise InputError(f"{side} = {wall!r}: must be a Scan, a Cloud or {FLAT!r}")
@@ -226,7 +326,7 @@ def _both_scans(
             raise InputError("upper and lower: both walls are flat; one must be a scan")
         if orientation is not None:
             raise InputError(f"orientation = {orientation!r}: must be left out for a flat wall")
-        return gridding.plane_of(lower), lower
+        return {"lower": lower}
     if isinstance(lower, str):
         if orientation not in ("common_frame", "towards"):
             stated = "" if orientation is None else f" = {orientation!r}"
@@ -234,8 +334,20 @@ def _both_scans(
                 f"orientation{stated}: must be stated where the lower wall is flat: common_frame "
                 "(the heights are an aperture map) or towards (they count towards the other wall)"
             )
-        return upper, gridding.plane_of(upper, round(_FLIPS[orientation][2, 2]))
-    return upper, lower
+        return {"upper": upper}
+    return {"upper": upper, "lower": lower}
+
+
+def _both_scans(
+    rough: dict[str, Scan | Cloud], orientation: str | None
+) -> tuple[Scan | Cloud, Scan | Cloud]:
+    """Return both walls as scans; a flat one has the places and the mean plane of the other."""
+    if "upper" not in rough:
+        return gridding.plane_of(rough["lower"]), rough["lower"]
+    if "lower" not in rough:
+        sign = round(_FLIPS[orientation or "common_frame"][2, 2])
+        return rough["upper"], gridding.plane_of(rough["upper"], sign)
+    return rough["upper"], rough["lower"]
 
 
 def _flattened(overlap: Overlap, side: str) -> Overlap:

@@ -6,6 +6,8 @@ takes a power L of short waves from the upper wall, and noise adds a power N. Wa
 have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much of N is in
 their power is not known: waves shorter than twice the spacing appear in it as they do in the true
 heights, unless they are those of both walls.
+
+Waves that a filter took from a scan are drawn by a self-affine law from the waves that it holds.
 """
 
 import math
@@ -20,6 +22,15 @@ from jointclosure.walls.roughness import detrended
 
 _EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents of walls without noise
 _LONGEST = 4  # first ring whose waves are compared; longer ones are few
+_ROCK_EXPONENTS = 0.5, 1.0  # Hurst exponents of rock, with which lost waves are drawn
+_HELD = 1.3, 4.0
+"""Wavelengths from which lost waves are extrapolated, over that at which half of the power is lost:
+at the shortest a Gaussian filter takes a third of the power."""
+_AMPLIFIED = 5.0  # most that what a filter left of a wave is multiplied by
+_SCALE_WAVES = 8.0  # shortest waves [cells] by which heights of two walls are compared
+_MATED = 0.8  # correlation of these waves from which the scale of two walls is known
+_LEAST_SCALE, _CLEAR_SCALE = 0.02, 5.0
+"""Differences of scale that are believed: at least so much, and so many standard errors."""
 
 
 class ScanErrors(NamedTuple):
@@ -30,6 +41,15 @@ class ScanErrors(NamedTuple):
     middle: np.ndarray  # place (x, y) about which it rotates
     noise: tuple[float, float]  # of the sum of both walls: low and high standard deviation [m]
     holes: np.ndarray  # cells (y, x) without a scanned height
+    walls: Walls | None = None  # on a finer grid than that of the joint, to which all errors refer
+    step: int = 1  # spacing of the joint, in cells of the finer grid
+    waves: tuple[float, float] = (0.0, 0.0)  # [cells] at which the scans lost half of the power
+    scale: float = 1.0  # heights of the upper wall over those of the lower one
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of the grid to which the errors refer."""
+        return int(self.holes.size)
 
     def displaced(self, upper: np.ndarray, number: int) -> np.ndarray:
         """Return the upper wall (y, x) [m] at a random place within the errors of the fit."""
@@ -62,6 +82,39 @@ class ScanErrors(NamedTuple):
             walls = (drawn[0] * upper.any(), drawn[0] * lower.any())
         one = detrended(np.where(self.holes, upper, walls[0]))
         return one, detrended(np.where(self.holes, lower, walls[1]))
+
+    def with_lost_waves(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
+        """Draw the short waves that filters took from the scans of walls (y, x) [m].
+
+        Their power is that of a self-affine wall whose longer waves are those that the scan holds.
+        A random part of it is what the filter left of each wave, amplified; the rest are other
+        waves, with the coherence that both walls have at this wavelength.
+        """
+        random = generator(seed_of(1, "resolution", number))
+        exponent, part = random.uniform(*_ROCK_EXPONENTS), random.random()
+        ring, scanned = _ring_numbers(upper.shape), [_waves(upper), _waves(lower)]
+        powers = [_ring_means(waves**2) for waves in scanned]
+        both = np.sqrt(powers[0] * powers[1])
+        cross = _ring_means(scanned[0] * scanned[1])
+        coherence = np.clip(cross / np.where(both > 0.0, both, 1.0), -1.0, 1.0)
+        first, second = random.standard_normal((2, *ring.shape))
+        second = coherence[ring] * first + np.sqrt(1.0 - coherence[ring] ** 2) * second
+        drawn = []
+        for waves, power, length, other in zip(
+            scanned, powers, self.waves, (first, second), strict=True
+        ):
+            true = _extrapolated(power, length, exponent, upper.shape)
+            ratio = np.sqrt(true / np.where(power > 0.0, power, np.inf))
+            kept = 1.0 + part * (np.minimum(np.maximum(ratio, 1.0), _AMPLIFIED) - 1.0)
+            scatter = np.sqrt(np.maximum(true - kept**2 * power, 0.0))
+            drawn.append(scipy.fft.idctn(kept[ring] * waves + scatter[ring] * other, norm="ortho"))
+        one = detrended(np.where(self.holes, upper, drawn[0]))
+        return one, detrended(np.where(self.holes, lower, drawn[1]))
+
+    def with_one_scale(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
+        """Bring walls (y, x) [m] to one scale of heights, between those of both scans."""
+        part = generator(seed_of(1, "scale", number)).random()
+        return upper * self.scale**-part, lower * self.scale ** (1.0 - part)
 
 
 def _waves(field: np.ndarray) -> np.ndarray:
@@ -123,3 +176,54 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     low = min(min(fits)[1], apart[octave])
     high = low + (apart[octave] - low) * _coherence(apart, together)[octave]
     return math.sqrt(low), math.sqrt(high)
+
+
+def _extrapolated(
+    power: np.ndarray, length: float, exponent: float, shape: tuple[int, ...]
+) -> np.ndarray:
+    """Return the power by ring of a wall that lost waves below about a length [cells], extended
+    by A k^(-2H - 2); the power itself where it is larger, or without lost waves.
+    """
+    rings = np.arange(len(power))
+    if not length > 0.0 or not power.any():
+        return power
+    lost = 2.0 * min(shape) / length  # ring of this wavelength
+    shortest = lost / _HELD[0]
+    held = (rings >= max(_LONGEST, shortest / _HELD[1])) & (rings <= shortest)
+    if not held.any():
+        held = rings == max(int(shortest), 1)
+    count = np.bincount(_ring_numbers(shape).ravel())[held]
+    law = np.maximum(rings, 1.0) ** (-2.0 * exponent - 2.0)
+    size = float(np.average(power[held] / law[held], weights=count))
+    return np.where(rings > shortest, np.maximum(size * law, power), power)
+
+
+def scale_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
+    """Return heights of the upper over those of the lower wall (y, x), and its relative error.
+
+    Waves of both walls of coherence c give log(P/P') / 2 of their powers, with a variance of
+    (1 - c^2)/n from n waves. The scale is 1, and infinitely uncertain, if the walls do not mate.
+    """
+    one, other = _waves(upper), _waves(lower)
+    powers = [_ring_means(product) for product in (one * one, other * other, one * other)]
+    count = np.bincount(_ring_numbers(upper.shape).ravel())
+    rings = np.arange(len(count))
+    kept = (rings >= 2) & (rings <= 2.0 * min(upper.shape) / _SCALE_WAVES) & (powers[0] > 0.0)
+    kept &= powers[1] > 0.0
+    if not kept.any():
+        return 1.0, math.inf
+    first, second, cross = (power[kept] for power in powers)
+    sums = [float((count[kept] * power).sum()) for power in (first, second, cross)]
+    if -sums[2] < _MATED * math.sqrt(sums[0] * sums[1]):
+        return 1.0, math.inf
+    variance = np.maximum(1.0 - cross**2 / (first * second), 1e-9) / count[kept]
+    weight = np.where(cross < 0.0, 1.0 / variance, 0.0)  # heights count towards the other wall
+    if not weight.any():
+        return 1.0, math.inf
+    scale = float((weight * np.log(first / second)).sum() / weight.sum())
+    return math.exp(0.5 * scale), math.sqrt(1.0 / float(weight.sum()))
+
+
+def differs(scale: float, error: float) -> bool:
+    """Return whether the heights of two walls clearly have different scales."""
+    return abs(math.log(scale)) > max(_LEAST_SCALE, _CLEAR_SCALE * error)

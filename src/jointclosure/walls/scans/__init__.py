@@ -11,6 +11,7 @@ import numpy as np
 from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.scans import grids, meshes, text
+from jointclosure.walls.scans.containment import check_contained
 from jointclosure.walls.scans.contents import LARGEST_FILE, Contents, in_metres, reading_as
 from jointclosure.walls.scans.points import contents_of
 
@@ -28,18 +29,23 @@ _NETCDF = Format("netCDF", grids.read_netcdf_grid, named=True, in_parts=True)
 _TIFF = Format("TIFF", functools.partial(grids.read_raster, driver="GTiff"), in_parts=True)
 _TEXT = Format("points", text.read_text, named=True)
 _SCANNER = Format("a scanner's file", grids.read_scanner, named=True)
+_OTHER_TEXT = Format("points", grids.read_text_or_scanner, named=True)
 BY_SUFFIX = {
     ".npy": Format("an array of numbers", grids.read_npy, in_parts=True),
     ".npz": Format("an array of numbers", grids.read_npz, named=True, in_parts=True),
     **dict.fromkeys((".nc", ".nc4", ".cdf"), _NETCDF),
     **dict.fromkeys((".tif", ".tiff"), _TIFF),
     **dict.fromkeys((".csv", ".xyz", ".txt"), _TEXT),
-    **{f".{form}": Format(form.upper(), meshes.read_mesh) for form in ("stl", "ply", "obj")},
+    **{
+        f".{form}": Format(form.upper(), meshes.read_mesh, named=True)
+        for form in ("stl", "ply", "obj")
+    },
     ".mat": Format(
         "a MATLAB file (up to version 7.2: save with -v7)", grids.read_matlab, True, True
     ),
 }
-"""Formats by suffix of a file's name; SurfaceTopography reads all other files."""
+"""Formats by suffix of a file's name. Others are text, or files of scanners (SurfaceTopography)."""
+LONGEST_HEAD = 65_536  # first bytes that show whether a file is text, and of which instrument
 BY_CONTENT = {b"ncols": Format("an ESRI grid", grids.read_esri)} | {
     mark: Format("a Surfer grid", functools.partial(grids.read_raster, driver=name), in_parts=True)
     for mark, name in grids.SURFER.items()
@@ -83,7 +89,8 @@ def read_scan(
         Spacing of a grid [m], if the file does not state it.
     variable : str, optional
         Name of an array of an npz, netCDF or MATLAB file, of a channel of a scanner's file, or of
-        three columns of a text file ("x,y,height", "1,2,4").
+        three columns of a text file ("x,y,height", "1,2,4"). For a mesh, the order of coordinates:
+        "3,1,2" turns a vertical wall, whose heights lie along y.
 
     Returns
     -------
@@ -105,6 +112,7 @@ def read_scan(
                 raise InputError("file not found")
             if not (size := file.stat().st_size):
                 raise InputError("the file is empty")
+            check_contained(file)
             if size > LARGEST_FILE and not _format_of(file).in_parts:
                 most = f"must be at most {LARGEST_FILE / 1e9:g} GB for its format"
                 raise InputError(f"{size / 1e9:.3g} GB: {most}, which is read as a whole")
@@ -142,7 +150,16 @@ def _by_start(path: Path, marks: dict) -> Any:
 
 def _format_of(path: Path) -> Format:
     """Return the format of a file by its content, otherwise by its name."""
-    return _by_start(path, BY_CONTENT) or BY_SUFFIX.get(path.suffix.lower(), _SCANNER)
+    if form := _by_start(path, BY_CONTENT):
+        return form
+    form = BY_SUFFIX.get(path.suffix.lower())
+    if form not in (_TEXT, None):
+        return form
+    with path.open("rb") as file:
+        start = file.read(LONGEST_HEAD)
+    if grids.INSTRUMENTS.search(start):
+        return _SCANNER
+    return form or (_OTHER_TEXT if text.is_text(start) else _SCANNER)
 
 
 def _contents(path: Path, variable: str | None = None) -> Contents:
@@ -163,7 +180,7 @@ def _joined(files: tuple[Path, ...]) -> Contents:
     parts = []
     for file in files:
         with naming(str(file)):
-            as_text = _format_of(file) is _TEXT
+            as_text = _format_of(file) in (_TEXT, _OTHER_TEXT)
             parts.append(text.read_matrix(file) if as_text else _contents(file))
     matrices = [np.asarray(part.heights, dtype=float) for part in parts]
     if len({matrix.shape for matrix in matrices}) > 1:

@@ -11,7 +11,9 @@ import numpy as np
 from jointclosure.inputs import SPELT, UNITS, InputError, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
-from jointclosure.walls.gridding import Cloud, Scan
+from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.outliers import neighbours, zeros_are_contacts
+from jointclosure.walls.scans.sheet import check_exact_heights
 
 LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000  # [bytes]; file: if read as a whole
 SAME_SPACING = 1e-3  # largest relative difference of statements of one spacing
@@ -20,10 +22,25 @@ VARIABLE = "variable (--variable on the command line)"
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
 
+_FOREIGN = frozenset({
+    "cm", "dm", "km", "pm", "inch", "inches", "ft", "feet", "foot", "mil", "mils", "thou", "px",
+    "pixel", "pixels", "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
+})  # fmt: skip
+"""Units of length that files state and that are refused: their heights are to be converted."""
+
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Values that count as missing if they are beyond all other values."""
+_ROWS = 200  # most rows whose precision is checked
 _DOUBLE = np.dtype(float)
 LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
+
+
+class Statement(NamedTuple):
+    """Spacing (dy, dx) in units that a file states; NaN along an axis of which it states none."""
+
+    names: str
+    spacing: np.ndarray
+    units: str | None = None
 
 
 class Contents(NamedTuple):
@@ -36,6 +53,8 @@ class Contents(NamedTuple):
     length_units: str | None = None
     origin: tuple[float, float] = (math.nan, math.nan)  # (y, x) of the first cell
     remarks: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()  # lines that mention units or lengths and were not used
+    stated: tuple[Statement, ...] = ()  # of the header, to be compared with the spacing
 
     def sides(self) -> tuple[float, float] | None:
         """Return the lengths of the wall along x and y in the file's units; None if unknown."""
@@ -53,15 +72,23 @@ def check_array(shape: tuple[int, ...], kind: np.dtype = _DOUBLE) -> None:
     """Raise `InputError` unless an array has real numbers, and at most `LARGEST_ARRAY` bytes."""
     if kind.kind not in "fiu":
         raise InputError(f"values of type {kind}: must be real numbers")
-    if math.prod(shape) * kind.itemsize > LARGEST_ARRAY:
+    if math.prod(shape) * max(kind.itemsize, _DOUBLE.itemsize) > LARGEST_ARRAY:
         size = f"declares {' x '.join(map(str, shape))} values of {kind.itemsize} bytes"
-        raise InputError(f"{size}: must be at most {LARGEST_ARRAY / 1e6:g} MB")
+        as_double = ", which are read in double precision" if kind.itemsize < 8 else ""
+        raise InputError(f"{size}{as_double}: must be at most {LARGEST_ARRAY / 1e6:g} MB")
 
 
 def real(values) -> np.ndarray:
-    """Convert numbers to double precision, NaN where masked or not finite."""
-    numbers = np.ma.filled(np.ma.asarray(values).astype(float), np.nan)
-    return np.where(np.isfinite(numbers), numbers, np.nan)
+    """Convert numbers to double precision, NaN where masked or not finite; doubles are no copy."""
+    if np.ma.isMaskedArray(values):
+        numbers = np.ma.filled(values.astype(float), np.nan)
+    else:
+        numbers = np.asarray(values, dtype=float)
+    finite = np.isfinite(numbers)
+    if not finite.all():
+        numbers = numbers if numbers.flags.writeable else numbers.copy()
+        numbers[~finite] = np.nan
+    return numbers
 
 
 @contextmanager
@@ -92,24 +119,70 @@ def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
 
 
 def _settled(
-    what: str, of_file: str | None, stated: str | None, sides: tuple[float, float] | None = None
+    what: str,
+    of_file: str | None,
+    stated: str | None,
+    sides: tuple[float, float] | None = None,
+    unread: tuple[str, ...] = (),
 ) -> str:
     """Return the units of the file or of the user; `InputError` for none, or for two different."""
     units = of_file or stated
     if units is None:
         must = f"give units (--units on the command line){_usual_units(sides)[1]}"
-        raise InputError(f"does not state the units of its {what}: {must}")
+        problem = f"does not state the units of its {what}"
+        if unread:
+            problem += f" in words that are understood ({'; '.join(map(repr, unread))})"
+        raise InputError(f"{problem}: {must}")
     if stated is not None and size_of(units) != size_of(stated):
         raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
     return units
+
+
+def agreed(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
+    """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
+    units = next((each.units for each in statements if each.units), None)
+    stated = [each.spacing * unit_ratio(each.units, units) for each in statements]
+    known = [column[np.isfinite(column)] for column in np.reshape(stated, (-1, 2)).T]
+    if any(len(column) and np.ptp(column) > SAME_SPACING * column[0] for column in known):
+        listed = [
+            f"{each.names} {listing(each.spacing[np.isfinite(each.spacing)], each.units)}"
+            for each in statements
+        ]
+        raise InputError(f"states different spacings (y, x): {'; '.join(listed)}; must be the same")
+    return np.array([column[0] if len(column) else math.nan for column in known]), units
+
+
+def unit_ratio(units: str | None, target: str | None) -> float:
+    """Return a unit over another one, 1 if one is not stated."""
+    return size_of(units) / size_of(target) if units and target and units != target else 1.0
+
+
+def listing(values, units: str | None = None) -> str:
+    """Return numbers as "3 x 4 mm"."""
+    return f"{' x '.join(f'{value:.6g}' for value in values)}{f' {units}' if units else ''}"
+
+
+def unit_in(word: str) -> str | None:
+    """Return the unit of length that a word spells, also one that is refused; None for others."""
+    word = word.strip()
+    return next((w for w in (word, word.lower()) if w in SPELT or w in _FOREIGN), None)
+
+
+def same_units(where: str, *stated: str | None) -> str | None:
+    """Return the unit of several statements, None without any; `InputError` if they differ."""
+    units = [unit for unit in stated if unit]
+    if len({size_of(unit) for unit in units}) > 1:
+        listed = " and ".join(map(repr, dict.fromkeys(units)))
+        raise InputError(f"{where}: states the units {listed}; must be the same")
+    return units[0] if units else None
 
 
 def split_name(name: str) -> tuple[str, str | None]:
     """Return ("Z", "mm") for "Z_mm", "Z [mm]", "Z/mm", "Z, mm", "Z in mm"; ("Z", None) for "Z"."""
     match = re.fullmatch(_NAME_AND_UNIT, name)
     if match:
-        unit = match[2] if match[2] in SPELT else match[2].lower()  # MM for mm
-        if unit in SPELT:
+        unit = "in" if match[2].lower() == "in" else unit_in(match[2])
+        if unit is not None:
             return match[1], unit
     return name.strip(), None
 
@@ -125,12 +198,14 @@ def axis_name(name: str) -> str:
 
 def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return which values are missing, bool of their shape, and the sentinels that occur."""
-    missing = np.abs(values) >= LARGEST
+    missing = (values >= LARGEST) | (values <= -LARGEST)
     sentinels = list(np.unique(values[missing]))
-    others = values[np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)]
-    for sentinel in SENTINELS if others.size else ():
+    others = np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)
+    low = np.min(values, where=others, initial=np.inf)
+    high = np.max(values, where=others, initial=-np.inf)
+    for sentinel in SENTINELS if others.any() else ():
         alike = values == sentinel
-        if alike.any() and not others.min() <= sentinel <= others.max():
+        if alike.any() and not low <= sentinel <= high:
             missing |= alike
             sentinels.append(sentinel)
     return missing, np.array(sentinels)
@@ -142,8 +217,13 @@ def missing_text(count: int, sentinels: np.ndarray, what: str) -> str:
     return f"{count} {what} of {words} were treated as missing"
 
 
-def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return which heights are missing, also zeros that are too frequent, and remarks."""
+def missing_heights(scan: Scan | Cloud) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return which heights are missing, also zeros that are too frequent, and remarks.
+
+    Heights are (y, x) of a grid, or (n,) of points. Zeros that may be heights are kept: those of a
+    wall that is mostly 0, and contacts of an aperture map.
+    """
+    heights = scan.heights if isinstance(scan, Scan) else scan.points[:, 2]
     missing, sentinels = missing_values(heights)
     remarks = (missing_text(int(missing.sum()), sentinels, "heights"),) if missing.any() else ()
     known = heights[np.isfinite(heights) & ~missing]
@@ -157,6 +237,17 @@ def missing_heights(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     about = f"{zeros} of {known.size} heights are exactly 0, far more than of any other"
     if zeros > 0.5 * known.size:  # the wall may be flat
         return missing, (*remarks, caution(f"{about}; they were used as heights"))
+    used = np.where(missing, np.nan, heights)
+    kept: Scan | Cloud
+    if isinstance(scan, Scan):
+        kept = scan._replace(heights=used)
+    else:
+        placed = np.isfinite(scan.points[:, :2]).all(axis=1) & np.isfinite(used)
+        kept = Cloud(scan.points[placed])
+    if zeros_are_contacts(points_of(kept)[:, 2], neighbours(kept)):
+        contacts = "no height is negative, and heights rise from them without a step"
+        done = f"{about}; {contacts}: they were used as contacts of an aperture map"
+        return missing, (*remarks, done)
     return missing | (heights == 0.0), (*remarks, caution(f"{about}; they were treated as missing"))
 
 
@@ -164,15 +255,19 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
     """Return contents in metres, with missing heights as NaN."""
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
-    height = size_of(_settled("heights", contents.height_units, units, hint))
+    height = size_of(_settled("heights", contents.height_units, units, hint, contents.unread))
     lengths, stated = "m", np.array(contents.spacing)
     if contents.points is not None or not np.isnan(stated).all():
-        lengths = _settled("distances", contents.length_units, units, sides)
+        lengths = _settled("distances", contents.length_units, units, sides, contents.unread)
     elif spacing is not None:
         stated = np.full(2, spacing)
         contents = contents._replace(spacing=(spacing, spacing))
     across, (usual, spans) = size_of(lengths), _usual_units(contents.sides())
     remarks = contents.remarks
+    if contents.unread:
+        listed = "; ".join(map(repr, contents.unread))
+        unused = f"the file states {listed}, which was not used"
+        remarks = (*remarks, caution(f"{unused}; check units and spacing"))
     if SPELT[lengths.strip()] not in usual:
         remarks = (*remarks, caution(f"unusual in {lengths}{spans}"))
     if contents.points is not None:
@@ -184,16 +279,21 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
             remarks = (*remarks, f"{empty} points without a height were left out")
         return Cloud(known * np.array([across, across, height]), remarks)
     steps = _spacing(stated * across, spacing)
+    agreed([Statement("the grid", np.array(steps) / across, lengths), *contents.stated])
     y, x = contents.origin
     origin = None if np.isnan(y + x) else (y * across, x * across)
     heights = real(contents.heights)
+    heights = heights if heights.flags.writeable else heights.copy()
     if heights.ndim != 2 or min(heights.shape) < 3:
         raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
-    missing, missing_remarks = missing_heights(heights)
+    missing, missing_remarks = missing_heights(Scan(heights, steps))
     heights[missing] = np.nan
     if not np.isfinite(heights).any():
         raise InputError(f"all of its {heights.size} heights are missing")
-    return Scan(heights * height, steps, origin, remarks + missing_remarks)
+    rows = heights[:: -(-len(heights) // _ROWS)]
+    check_exact_heights(np.diff(rows, axis=1), rows)
+    heights *= height
+    return Scan(heights, steps, origin, remarks + missing_remarks)
 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:

@@ -1,28 +1,37 @@
 """Heights on grids: arrays of files with what states their places, rasters, and scanners' files."""
 
 import math
+import re
 import warnings
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import IO, NamedTuple
 
-import netCDF4
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, check_one_of, naming, size_of
+from jointclosure.inputs import InputError, check_one_of, naming
 from jointclosure.inputs.extras import needs
+from jointclosure.storage.hdf5 import netCDF4
 from jointclosure.walls.scans.contents import (
-    SAME_SPACING,
     VARIABLE,
     Contents,
+    Statement,
+    agreed,
     check_array,
+    listing,
+    reading_as,
     real,
+    same_units,
     split_name,
+    unit_in,
+    unit_ratio,
 )
+from jointclosure.walls.scans.headers import read_header
 from jointclosure.walls.scans.points import contents_of
+from jointclosure.walls.scans.text import read_text
 
 _NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx": (math.nan, 1.0)}
 """Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
@@ -31,9 +40,24 @@ _AXES = {
     "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
 }
 """Names of dimensions, and standard names of coordinates, that identify an axis."""
+_LONGEST_TEXT = 400  # bytes of a text beside heights that may be a unit
+_UNITS = ("units", "unit")  # attributes of a netCDF variable
+_OF_LIBRARIES = (
+    *_UNITS, "scale_factor", "add_offset", "_fillvalue", "missing_value", "long_name",
+    "standard_name", "axis", "coordinates", "history", "title", "comment", "source", "conventions",
+    "institution", "references", "grid_mapping",
+)  # fmt: skip
+"""Attributes of netCDF files that libraries apply, or that describe the file in free words."""
 _NEEDED = ("ncols", "nrows")
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")  # words of an ESRI header
+INSTRUMENTS = re.compile(
+    "Wyko ASCII|File Format *= *ASCII|Bit2nm|NT-MDT|height conversion factor"
+    "|^[ \t]*[ab](?:ISO|BCR|NIST)-|^# *(?:Kan[aá]l|Canale?|Канал|チャネル|채널) *[:：]".encode(),
+    re.IGNORECASE | re.MULTILINE,
+)
+"""Words of text files of instruments, whose headers SurfaceTopography reads."""
+_PLAIN = ("asc", "xyz", "mat", "matrix")  # formats of SurfaceTopography that any text may have
 SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
 """Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
@@ -52,18 +76,18 @@ class Array(NamedTuple):
         return self._replace(shape=self.shape[::-1], load=lambda: self.load().T)
 
 
-class _Statement(NamedTuple):
-    """Spacing (dy, dx) in units that arrays state; NaN along an axis of which they state none."""
-
-    names: str
-    spacing: np.ndarray
-    units: str | None = None
-
-
 def grid_of(
-    arrays: Mapping[str, Array], variable: str | None, axes: Mapping[str, str] | None = None
+    arrays: Mapping[str, Array],
+    variable: str | None,
+    axes: Mapping[str, str] | None = None,
+    lines: Iterable[str] = (),
 ) -> Contents:
-    """Return the heights of a file, placed and turned by arrays x, y and numbers beside them."""
+    """Return the heights of a file, placed and turned by arrays x, y and numbers beside them.
+
+    ``lines`` are further statements, as in a header.
+    """
+    texts = {key: array for key, array in arrays.items() if array.dtype.kind == "U"}
+    arrays = {key: array for key, array in arrays.items() if key not in texts}
     name = chosen(variable, arrays)
     heights, units = _loaded(name, arrays[name]), arrays[name].units
     if heights.ndim != 2:
@@ -75,32 +99,56 @@ def grid_of(
     places = [{key: beside[key] for key in placing if kinds[key] == axis} for axis in "yx"]
     contents, statements = _placed(name, heights, places)
     numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
+    others = [key for key in beside if size[key] == 1 and key not in (*numbers, *(axes or {}))]
+    header = read_header([*lines, *_as_lines(texts), *_as_lines({k: beside[k] for k in others})])
+    units = same_units(name, units, header.height_units)
     if contents.points is not None:
         unused = tuple(f"{key} was not used: the points are on no grid" for key in numbers)
-        return contents._replace(height_units=units, remarks=contents.remarks + unused)
+        along = same_units(name, contents.length_units, header.length_units)
+        stated = tuple(part.names for part in (*header.steps, *header.sizes))
+        return contents._replace(
+            height_units=units,
+            length_units=along,
+            remarks=contents.remarks + unused,
+            unread=header.unread + stated,
+        )
     for key in numbers:
         step = np.unique(_loaded(key, beside[key]))
         if len(step) > 1 or not 0.0 < step[0] < math.inf:
-            raise InputError(f"{key} = {_words(step)}: must be one number, positive and finite")
-        statements.append(_Statement(key, step * _NUMBERS[kinds[key]], beside[key].units))
-    spacing, length_units = _agreed(statements)
+            raise InputError(f"{key} = {listing(step)}: must be one number, positive and finite")
+        statements.append(Statement(key, step * _NUMBERS[kinds[key]], beside[key].units))
+    spacing, length_units = agreed(
+        statements + header.statements(np.shape(np.asarray(contents.heights)))
+    )
+    length_units = same_units(name, length_units, header.length_units)
     if not any(places):
         spacing = np.where(np.isnan(spacing), spacing[::-1], spacing)  # only dx, or only dy
     dy, dx = spacing.tolist()
-    return contents._replace(spacing=(dy, dx), height_units=units, length_units=length_units)
+    return contents._replace(
+        spacing=(dy, dx), height_units=units, length_units=length_units, unread=header.unread
+    )
+
+
+def _as_lines(arrays: Mapping[str, Array]) -> list[str]:
+    """Return texts and single numbers of a file as the lines of a header."""
+    lines = []
+    for key, array in arrays.items():
+        if math.prod(array.shape) == 1 and array.dtype.itemsize <= _LONGEST_TEXT:
+            lines.append(f"{key}: {np.asarray(array.load()).item()}")
+    return lines
 
 
 def _placed(
     name: str, heights: np.ndarray, places: list[dict[str, Array]]
-) -> tuple[Contents, list[_Statement]]:
+) -> tuple[Contents, list[Statement]]:
     """Return heights as a grid or as points, and the statement of places along y and x, if any."""
     named = places[0] | places[1]
     if not named:
         return Contents(heights), []
     if not _fit(places, heights.shape):
         if not _fit(places, heights.T.shape):
-            shapes = ", ".join(f"{key} ({_words(array.shape)})" for key, array in named.items())
-            raise InputError(f"{shapes}: must be places of {name} ({_words(heights.shape)})")
+            shapes = ", ".join(f"{key} ({listing(array.shape)})" for key, array in named.items())
+            raise InputError(f"{shapes}: must be places of {name} ({listing(heights.shape)})")
         heights = heights.T
     names, units = " and ".join(named), next((a.units for a in named.values() if a.units), None)
     (y, dy), (x, dx) = (_axis(number, along, units) for number, along in enumerate(places))
@@ -110,11 +158,11 @@ def _placed(
         columns = np.broadcast_arrays(x, y, heights)
         points = np.stack([column.ravel() for column in columns], axis=1)
         contents = contents_of(points, (units, units, None))
-        return contents, [_Statement(names, np.array(contents.spacing), units)]
+        return contents, [Statement(names, np.array(contents.spacing), units)]
     heights = heights[:: -1 if dy < 0.0 else 1, :: -1 if dx < 0.0 else 1]
     first_y, first_x = (math.nan if along is None else float(along.min()) for along in (y, x))
     contents = Contents(heights, origin=(first_y, first_x))
-    return contents, [_Statement(names, np.abs([dy, dx]), units)]
+    return contents, [Statement(names, np.abs([dy, dx]), units)]
 
 
 def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
@@ -138,7 +186,7 @@ def _axis(
     for key, array in arrays.items():
         read = _loaded(key, array).squeeze()
         ranges.append(f"{key} {np.nanmin(read):g} to {np.nanmax(read):g}")
-        read = read * _factor(array.units, units)
+        read = read * unit_ratio(array.units, units)
         if read.ndim == 1:
             read = np.expand_dims(read, 1 - number)
         elif (read == (line := read.take([0], 1 - number))).all():
@@ -155,29 +203,6 @@ def _axis(
     steps = np.diff(values.ravel())
     mean = float(steps.mean())
     return values, mean if np.ptp(steps) <= 1e-4 * abs(mean) and mean != 0.0 else None
-
-
-def _agreed(statements: list[_Statement]) -> tuple[np.ndarray, str | None]:
-    """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
-    units = next((each.units for each in statements if each.units), None)
-    stated = [each.spacing * _factor(each.units, units) for each in statements]
-    known = [column[np.isfinite(column)] for column in np.reshape(stated, (-1, 2)).T]
-    if any(len(column) and np.ptp(column) > SAME_SPACING * column[0] for column in known):
-        words = [
-            f"{each.names} {_words(each.spacing[np.isfinite(each.spacing)], each.units)}"
-            for each in statements
-        ]
-        raise InputError(f"states different spacings (y, x): {'; '.join(words)}; must be the same")
-    return np.array([column[0] if len(column) else math.nan for column in known]), units
-
-
-def _factor(units: str | None, target: str | None) -> float:
-    """Return a unit over another one, 1 if one is not stated."""
-    return size_of(units) / size_of(target) if units and target and units != target else 1.0
-
-
-def _words(values, units: str | None = None) -> str:
-    return f"{' x '.join(f'{value:.6g}' for value in values)}{f' {units}' if units else ''}"
 
 
 def _loaded(name: str, array: Array) -> np.ndarray:
@@ -231,7 +256,8 @@ def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
     """Read an array up to the largest size; pickles are refused."""
     with opened() as file:
         shape, kind = _head(file)
-        check_array(shape, kind)
+        if kind.kind != "U":  # a text beside heights, which is read if it is short
+            check_array(shape, kind)
         file.seek(0)
         return np.lib.format.read_array(file, allow_pickle=False)
 
@@ -241,9 +267,8 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     with netCDF4.Dataset(path) as dataset:
         variables, arrays = dataset.variables, {}
         for key, read in variables.items():
-            units, kind = getattr(read, "units", None), np.dtype(read.dtype)
-            units = units or split_name(key)[1]
-            arrays[key] = Array(read.shape, kind, units, partial(read.__getitem__, ...))
+            kind, load = np.dtype(read.dtype), partial(read.__getitem__, ...)
+            arrays[key] = Array(read.shape, kind, _stated_units(key, read), load)
         name = chosen(variable, arrays)
         dimensions = variables[name].dimensions
         if len(dimensions) != 2:
@@ -257,8 +282,28 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
         turned = axes[0] == "x" or axes[1] == "y"
         kept = [key for key in arrays if set(variables[key].dimensions) <= set(dimensions)]
         used = {key: arrays[key].transposed if turned else arrays[key] for key in kept}
-        contents = grid_of(used, name, dict(zip(dimensions, "xy" if turned else "yx", strict=True)))
+        lines = _attribute_lines(dataset) + _attribute_lines(variables[name])
+        named = dict(zip(dimensions, "xy" if turned else "yx", strict=True))
+        contents = grid_of(used, name, named, lines)
     return contents._replace(remarks=remarks + contents.remarks)
+
+
+def _stated_units(key: str, variable: netCDF4.Variable) -> str | None:
+    """Return the units of a variable by its attributes, its name, and its long name."""
+    attributes = {name.lower(): variable.getncattr(name) for name in variable.ncattrs()}
+    stated = [str(attributes[name]).strip() for name in _UNITS if name in attributes]
+    named = [split_name(text)[1] for text in (key, str(attributes.get("long_name", "")))]
+    known = [unit for unit in (*map(unit_in, stated), *named) if unit]
+    other = next((unit for unit in stated if unit and unit_in(unit) is None), None)
+    return other or same_units(key, *known)
+
+
+def _attribute_lines(of: netCDF4.Dataset | netCDF4.Variable) -> list[str]:
+    """Return the attributes of a file or variable that may be statements, as header lines."""
+    left = _OF_LIBRARIES if isinstance(of, netCDF4.Variable) else _OF_LIBRARIES[len(_UNITS) :]
+    used = [name for name in of.ncattrs() if name.lower() not in left]
+    values = {name: np.asarray(of.getncattr(name)) for name in used if "valid" not in name}
+    return [f"{name}: {value.item()}" for name, value in values.items() if value.size == 1]
 
 
 def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
@@ -281,6 +326,8 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
         if "int" in kind or kind in ("double", "single", "logical"):
             number = np.dtype("bool" if kind == "logical" else kind)
             arrays[name] = Array(shape, number, split_name(name)[1], partial(load, name))
+        elif kind == "char":
+            arrays[name] = Array((1,), np.dtype("U1"), None, partial(load, name))
     try:
         return grid_of(arrays, variable)
     except InputError as error:
@@ -303,8 +350,8 @@ def read_esri(path: Path) -> Contents:
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
-    stated = [_Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
-    dy, dx = _agreed(stated)[0].tolist()
+    stated = [Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
+    dy, dx = agreed(stated)[0].tolist()
     if math.isnan(dy + dx):
         raise InputError("its header lacks cellsize, or both dx and dy")
     shape = int(head["nrows"]), int(head["ncols"])
@@ -333,7 +380,11 @@ def read_raster(path: Path, driver: str) -> Contents:
         from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)
-        with rasterio.open(path, driver=driver) as raster:
+        with (
+            # files beside this one, such as .aux.xml and .tfw, are not read
+            rasterio.Env(GDAL_PAM_ENABLED="NO", GDAL_DISABLE_READDIR_ON_OPEN="EMPTY_DIR"),
+            rasterio.open(path, driver=driver) as raster,
+        ):
             if raster.count != 1:
                 raise InputError(f"has an image of {raster.count} bands: must be one, of heights")
             check_array(raster.shape, np.dtype(raster.dtypes[0]))
@@ -342,8 +393,10 @@ def read_raster(path: Path, driver: str) -> Contents:
             except RasterioIOError as error:  # its message leaves out the cause
                 raise error.__cause__ or error from None
             transform, crs, units = raster.transform, raster.crs, raster.units[0]
+            tags = raster.tags()
     if transform.is_identity:  # not stated
-        return Contents(heights, height_units=units)
+        (dy, dx), across, unread = _resolution_of(tags)
+        return Contents(heights, (dy, dx), height_units=units, length_units=across, unread=unread)
     dx, along_x, left, along_y, dy, top = transform[:6]
     if along_x or along_y or dx <= 0.0:
         raise InputError("is turned or mirrored: columns must be along x, and rows along y")
@@ -353,7 +406,36 @@ def read_raster(path: Path, driver: str) -> Contents:
     return Contents(heights, (dy, dx), None, units, across, (top + 0.5 * dy, left + 0.5 * dx))
 
 
-def read_scanner(path: Path, variable: str | None) -> Contents:
+def _resolution_of(
+    tags: Mapping[str, str],
+) -> tuple[tuple[float, float], str | None, tuple[str, ...]]:
+    """Return spacing (dy, dx) and units of a TIFF of ImageJ, and an unused resolution of others."""
+    pixels = [float(tags.get(f"TIFFTAG_{axis}RESOLUTION", 0.0)) for axis in "YX"]
+    about = tags.get("TIFFTAG_IMAGEDESCRIPTION", "")
+    unit = re.search(r"^unit=(.+)$", about, re.MULTILINE)
+    if about.startswith("ImageJ=") and unit and min(pixels) > 0.0:
+        word = unit[1].strip().replace("\\u00B5", "µ")
+        return (1.0 / pixels[0], 1.0 / pixels[1]), word, ()
+    kind = {"2": "inch", "3": "cm"}.get(tags.get("TIFFTAG_RESOLUTIONUNIT", "")[:1])
+    unread: tuple[str, ...] = ()
+    if kind and min(pixels) > 0.0:
+        unread = (f"a resolution of {listing(pixels[::-1])} pixels per {kind}",)
+    return (math.nan, math.nan), None, unread
+
+
+def read_text_or_scanner(path: Path, variable: str | None) -> Contents:
+    """Read text as points or a matrix, otherwise as the file of a scanner."""
+    try:
+        return read_text(path, variable)
+    except InputError as error:
+        try:
+            with reading_as("a scanner's file"):
+                return read_scanner(path, variable, refused=_PLAIN)
+        except InputError:
+            raise error from None
+
+
+def read_scanner(path: Path, variable: str | None, refused: tuple[str, ...] = ()) -> Contents:
     """Read a channel of a scanner's file, by default its default one, by SurfaceTopography."""
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.Exceptions import CannotDetectFileFormat
@@ -364,6 +446,8 @@ def read_scanner(path: Path, variable: str | None) -> Contents:
         problem = "is of no form that is read here; text must be .txt, .csv or .xyz"
         raise InputError(problem) from None
     with opened as reader:
+        if reader.format() in refused:
+            raise InputError("is no file of a scanner")
         channel, index = reader.default_channel, None
         if variable is not None:
             names = [channel.name for channel in reader.channels]

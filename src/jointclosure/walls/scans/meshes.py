@@ -11,16 +11,22 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.scans.contents import Contents
-from jointclosure.walls.scans.points import contents_of
+from jointclosure.walls.scans.headers import placed, read_header
+from jointclosure.walls.scans.sheet import TWO_WALLS, check_sheet
 
 _DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
 """Comment of an OBJ file that states the number of vertices."""
 
 
-def read_mesh(path: Path) -> Contents:
-    """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
+def read_mesh(path: Path, variable: str | None = None) -> Contents:
+    """Read the vertices of all meshes and point clouds of a file, with units of its comments.
+
+    ``variable`` is the order of coordinates that are x, y and z, such as "3,1,2" or "z,x,y".
+    """
     form = path.suffix.lower().removeprefix(".")
     vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    header = read_header(_comments(path, form))
+    vertices = vertices[:, _columns(variable)]
     count = len(vertices)
     if declared > count:
         contained = f"declares {declared} vertices, and contains {count}"
@@ -30,12 +36,34 @@ def read_mesh(path: Path) -> Contents:
         raise InputError(f"{wrong}, but there are {count} vertices")
     if count < 4:
         raise InputError(f"has {count} vertices, too few for a wall: is the file incomplete?")
+    check_sheet(vertices)
     _check_single_sheet(vertices, faces)
-    contents = contents_of(vertices)
+    contents = placed(vertices, (None, None, None), header)
     if len(faces) and (loose := count - len(np.unique(faces))):
         unused = f"{loose} of {count} vertices belong to no face; they were used like the others"
         return contents._replace(remarks=(*contents.remarks, caution(unused)))
     return contents
+
+
+def _columns(variable: str | None) -> list[int]:
+    """Return the columns of x, y and z in the order that is stated."""
+    known = dict(zip("xyz", range(3), strict=True)) | {str(n + 1): n for n in range(3)}
+    words = [word.strip().lower() for word in (variable or "x,y,z").split(",")]
+    columns = [known.get(word, -1) for word in words]
+    if sorted(columns) != [0, 1, 2]:
+        raise InputError(f"variable = {variable!r}: must be an order of x, y and z, as in z,x,y")
+    return columns
+
+
+def _comments(path: Path, form: str) -> list[str]:
+    """Return the comments at the start of a mesh, where programs state units."""
+    with path.open("rb") as file:
+        start = file.read(65_536 if form != "stl" else 80).decode("latin-1")
+    if form == "stl":
+        return [start.partition("\n")[0].removeprefix("solid").replace("\0", " ")]
+    marks = {"ply": ("comment ", "obj_info "), "obj": ("#",)}[form]
+    lines = start.partition("end_header")[0].splitlines()
+    return [line[len(mark) :] for line in lines for mark in marks if line.startswith(mark)]
 
 
 def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
@@ -89,5 +117,5 @@ def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
     if area > 1.05 * hull:  # a solid has 2
         raise InputError(
             f"the surface overlaps itself: its triangles cover {area / hull:.3g} times the plan "
-            "of its points; a solid or both walls in one file must be cut to one wall"
+            f"of its points; {TWO_WALLS}"
         )

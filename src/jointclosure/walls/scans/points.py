@@ -7,20 +7,30 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.walls.gridding import gaps
-from jointclosure.walls.outliers import strays, unique_places
+from jointclosure.walls.gridding import Cloud, gaps
+from jointclosure.walls.outliers import patches, strays, unique_places
+from jointclosure.walls.scan_quality import step_of
 from jointclosure.walls.scans.contents import (
     Contents,
     missing_heights,
     missing_text,
     missing_values,
 )
+from jointclosure.walls.scans.sheet import TWO_WALLS, check_one_patch, check_sheet
 
 LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
 MOST_MOVED = 0.25  # of scattered points: slopes (H = 0.8) are then up to 2 % too large
 _OUTLYING = 3.0  # distance, over the upper quartile of all, beyond which a point is off the grid
 MOST_AMBIGUOUS = 0.01  # share of places with several heights, and of empty nodes, without warning
+_LEAST_UNEVEN = 4  # longer steps between places from which they are taken for rounded
+_COARSE = 0.4  # rounding of places, over the mean distance of points, that is too coarse
+_LEAST_ROUNDED = 8  # places of nodes by whose order they are numbered
 _DIGITS = 7  # significant digits of a step, those of single precision
+
+SCATTERED = caution(
+    "the points lie on no regular grid along x and y: heights between them are interpolated, which "
+    "makes walls smoother"
+)
 
 
 def contents_of(
@@ -31,18 +41,14 @@ def contents_of(
     if along_x != along_y:
         raise InputError(f"x is in {along_x} and y in {along_y}: must be in the same units")
     points, found = _cleaned(points)
-    if (contents := _lattice_of(points)) is None:
+    if (contents := lattice_of(points)) is None:
         numbers = unique_places(points[:, :2])[1]
         if len(points) and numbers.max() + 1 < len(points):
             first = np.unique(numbers, return_index=True)[1]
             places, heights, repeats = _merged(numbers, points)
             points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
             found += repeats
-        scattered = (
-            "the points lie on no regular grid along x and y: heights between them are "
-            "interpolated, which makes walls smoother"
-        )
-        contents = Contents(points=points, remarks=(caution(scattered),))
+        contents = Contents(points=points, remarks=(SCATTERED,))
     remarks += found + contents.remarks
     return contents._replace(height_units=height, length_units=along_x, remarks=remarks)
 
@@ -51,7 +57,7 @@ def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return points (n, 3) of a wall, NaN where a height is missing, and remarks."""
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
-    without_height, remarks = missing_heights(points[:, 2])
+    without_height, remarks = missing_heights(Cloud(points))
     missing = np.column_stack([*places, without_height])
     if count := int(missing[:, :2].any(axis=1).sum()):
         remarks += (missing_text(count, np.unique(np.concatenate(sentinels)), "places"),)
@@ -63,7 +69,10 @@ def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     if not placed.all():
         remarks += (f"{int((~placed).sum())} lines without a place were skipped",)
         points = points[placed]
-    stray = strays(points)
+    check_sheet(points[np.isfinite(points[:, 2])])
+    patch = patches(points[:, :2]) if len(points) > 1 else np.zeros(len(points), int)
+    check_one_patch(np.bincount(patch, minlength=1))
+    stray = strays(points, patch)
     if count := int(stray.sum()):
         named = ", ".join(f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:3])
         cut = f"{count} stray point{'s were' if count > 1 else ' was'} cut, far from all others"
@@ -88,18 +97,22 @@ class _Axis(NamedTuple):
         return self.node[on].astype(int) - low, high - low + 1, first
 
 
-def _lattice_of(points: np.ndarray) -> Contents | None:
+def lattice_of(points: np.ndarray) -> Contents | None:
     """Find the regular grid at whose nodes most points (n, 3) are; None without one."""
     if len(points) < 9:
         return None
     # coordinates closer than a twentieth of the mean distance of points count as equal
     apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
-    x, y = (_axis_of(values, apart) for values in points[:, :2].T)
+    axes = [_axis_of(values, apart) for values in points[:, :2].T]
+    remarks: tuple[str, ...] = ()
+    if not _has_all_lines(axes):
+        rounded = [_rounded_axis(values, apart) for values in points[:, :2].T]
+        if None not in rounded:
+            axes, remarks = _of_equal_steps(rounded, points)
+    x, y = axes
     if x is None or y is None:
         return None
-    offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
-    allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
-    on = offset <= allowed
+    on, allowed = _on_nodes(x, y)
     if on.mean() < 0.9:  # scattered
         return None
     (column, nx, x_first), (row, ny, y_first) = (axis.numbered(on) for axis in (x, y))
@@ -108,15 +121,50 @@ def _lattice_of(points: np.ndarray) -> Contents | None:
     numbers = row * nx + column
     occupied = np.zeros((ny, nx), bool)
     occupied.flat[numbers] = True
+    _check_resolution(points, occupied)
     followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
     if min(followed) < 0.5 * occupied.sum():  # few have a point at the next node: staggered
         return None
-    places, heights, remarks = _merged(numbers, points[on])
+    places, heights, repeats = _merged(numbers, points[on])
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
-    remarks += _irregular(points, x, y, on, allowed) + _empty_nodes(occupied)
+    remarks += repeats + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied)
     contents = Contents(grid.reshape(ny, nx), (y.step, x.step), origin=(y_first, x_first))
     return contents._replace(remarks=remarks)
+
+
+def _on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
+    """Return which points lie on the nodes of two axes, and the distance allowed [steps]."""
+    offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
+    allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
+    return offset <= allowed, allowed
+
+
+def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
+    """Return whether most points lie on the nodes of axes, and few lines of nodes are empty."""
+    x, y = axes
+    if x is None or y is None or (on := _on_nodes(x, y)[0]).mean() < 0.9:
+        return False
+    lines = [np.unique(axis.node[on]) for axis in (x, y)]
+    return all(np.ptp(line) + 1 - len(line) < _LEAST_UNEVEN for line in lines)
+
+
+def _of_equal_steps(
+    axes: Sequence[_Axis | None], points: np.ndarray
+) -> tuple[list[_Axis | None], tuple[str, ...]]:
+    """Give axes of rounded places one step if they differ by no more than rounding; and remarks."""
+    known = [axis for axis in axes if axis is not None]
+    roundings = [step_of(values) for values in points[:, :2].T]
+    error = max(r / np.ptp(axis.node) for r, axis in zip(roundings, known, strict=True))
+    steps = [axis.step for axis in known]
+    if np.ptp(steps) < error:
+        known = [axis._replace(step=float(np.mean(steps))) for axis in known]
+    remarks = [
+        f"{name} is a multiple of {rounding:.4g} in the file's units, and points are "
+        f"{axis.step:.4g} apart: they were numbered in order"
+        for name, axis, rounding in zip("xy", known, roundings, strict=True)
+    ]
+    return [*known], tuple(remarks)
 
 
 def _irregular(
@@ -179,6 +227,48 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
     return _Axis(float(f"{step:.{_DIGITS - 1}e}"), first, node, offset)
 
 
+def _rounded_axis(values: np.ndarray, apart: float) -> _Axis | None:
+    """Number nodes whose places were rounded coarsely, in order; None if it is not only that.
+
+    The step of the nodes is no multiple of that of the rounding, and each place lies within half
+    of the latter of its node. Nodes that are finer than the rounding have no numbers.
+    """
+    levels = np.unique(values[np.isfinite(values)])
+    rounding = step_of(values)
+    if len(levels) < _LEAST_ROUNDED or rounding <= apart:
+        return None
+    number = np.arange(len(levels))
+    step = float(np.polyfit(number, levels - levels[0], 1)[0])
+    off = levels - step * number
+    if np.ptp(off) > 1.2 * rounding or step < 1.01 * rounding:
+        return None
+    if abs(step / rounding - round(step / rounding)) < 1e-3:  # the nodes are at their places
+        return None
+    if (np.diff(levels) > 1.5 * rounding).sum() < _LEAST_UNEVEN:  # profiles are missing
+        return None
+    first = float(np.mean(off))
+    return _Axis(step, first, number[np.searchsorted(levels, values)], np.zeros(len(values)))
+
+
+def _check_resolution(points: np.ndarray, occupied: np.ndarray) -> None:
+    """Raise `InputError` if coarsely rounded x or y leave lines of a grid (y, x) empty."""
+    known = [np.flatnonzero(occupied.sum(axis=axis)) for axis in (0, 1)]
+    lines = [len(places) for places in known]
+    empty = [int(np.ptp(places)) + 1 - len(places) for places in known]
+    roundings = [step_of(values) for values in points[:, :2].T]
+    distance = float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
+    if any(
+        few >= max(0.1 * full, 3.0) and rounding > _COARSE * distance
+        for few, full, rounding in zip(empty, lines, roundings, strict=True)
+    ):
+        x, y = roundings
+        raise InputError(
+            f"x and y are multiples of {x:.4g} and {y:.4g} in the file's units, so coarse that "
+            f"{empty[0]} columns and {empty[1]} rows of their grid are empty between others: must "
+            "be less than half of the distance of the points; export more digits"
+        )
+
+
 def _merged(
     numbers: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
@@ -197,7 +287,8 @@ def _merged(
         raise InputError(
             f"{int(several.sum())} of {len(places)} places have several heights, such as (x, y) = "
             f"({x:g}, {y:g}) with {low[at]:g} and {high[at]:g}: a wall has one height at each "
-            "place; a solid or both walls in one file must be cut to one wall"
+            f"place; {TWO_WALLS}, and x and y (all x are multiples of {step_of(points[:, 0]):.3g}) "
+            "need more digits if points are closer"
         )
     remarks = []
     if repeated := int((count - 1)[~several].sum()):

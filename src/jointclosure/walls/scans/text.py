@@ -6,10 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import SPELT, InputError, size_of
+from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
-from jointclosure.walls.scans.contents import VARIABLE, Contents, axis_name, reading_as, split_name
-from jointclosure.walls.scans.points import LARGEST_OFFSET, contents_of
+from jointclosure.walls.scans.contents import (
+    VARIABLE,
+    Contents,
+    axis_name,
+    reading_as,
+    same_units,
+    split_name,
+    unit_in,
+)
+from jointclosure.walls.scans.headers import Header, placed, read_header
+from jointclosure.walls.scans.points import LARGEST_OFFSET
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf"}
@@ -21,12 +30,13 @@ LEAST_COLUMNS = 12  # of a matrix without names; points with colours have ten
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing; units of columns, and names or no names."""
+    """Numbers (rows, columns), NaN where missing; units of columns, names or none, the header."""
 
     values: np.ndarray
     names: list[str]
     units: list[str | None]
     remarks: tuple[str, ...]
+    header: Header = Header()
 
 
 class _Form(NamedTuple):
@@ -54,7 +64,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
         return matrix
     columns = _columns(table, variable)
     units = [_unit_of(table, column) for column in columns]
-    return contents_of(table.values[:, columns], units, table.remarks)
+    return placed(table.values[:, columns], units, table.header, table.remarks)
 
 
 def _matrix(table: Table) -> Contents | None:
@@ -76,29 +86,34 @@ def _matrix(table: Table) -> Contents | None:
     if row and column and (table.names or not plane):
         read = "the first row and the first column, evenly spaced, were read as x and y"
         points = np.stack([part.ravel() for part in (*np.meshgrid(*places), heights)], axis=1)
-        return contents_of(points, remarks=(*table.remarks, read))
+        return placed(points, (None, None, None), table.header, (*table.remarks, read))
     for even, line, second in ((row, "row", heights[:1]), (column, "column", heights[:, :1])):
         if even and not plane and not are_places(second.ravel()):
             must = "must have x in its first row and y in its first column, or only heights"
             raise InputError(f"its first {line} is evenly spaced, as places are: a matrix {must}")
-    return Contents(values, remarks=table.remarks)
+    spacing, units = table.header.spacing(values.shape)
+    return Contents(
+        values,
+        spacing,
+        height_units=table.header.height_units,
+        length_units=units,
+        remarks=table.remarks,
+        unread=table.header.unread,
+    )
 
 
 def read_matrix(path: Path) -> Contents:
     """Read a text file as one matrix (y, x), of heights or of places."""
     with reading_as("a matrix"):
         table = read_table(path)
-    return Contents(table.values, remarks=table.remarks)
+    height_units, unread = table.header.height_units, table.header.unread
+    return Contents(table.values, height_units=height_units, remarks=table.remarks, unread=unread)
 
 
 def _unit_of(table: Table, column: int) -> str | None:
     """Return the unit of a column from its name or from the line of units below the names."""
     name = table.names[column] if table.names else ""
-    by_name, by_line = split_name(name)[1], table.units[column]
-    if by_name and by_line and size_of(by_name) != size_of(by_line):
-        stated = f"the column {name!r} has the unit {by_line!r} in the line of units"
-        raise InputError(f"{stated}; must be the same")
-    return by_name or by_line
+    return same_units(f"the column {name!r}", split_name(name)[1], table.units[column])
 
 
 def _columns(table: Table, variable: str | None) -> list[int]:
@@ -131,13 +146,17 @@ def _columns(table: Table, variable: str | None) -> list[int]:
 def read_table(path: Path) -> Table:
     """Read a table of numbers; separators, decimal commas, names and comments are detected."""
     content = path.read_bytes()
-    if not content.startswith(_UTF_16) and _BINARY.search(content):
+    if not is_text(content):
         raise InputError("is not text: it contains binary data")
     lines = _decoded(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
-    names, units, remarks = _names(lines[:start])
-    kept = (line for line in lines[start:] if line.strip())
+    head = lines[:start]
+    kept = [line for line in lines[start:] if line.strip()]
     lines = [line for line in kept if not line.lstrip().startswith(COMMENTS)]
+    head += [line for line in kept if line.lstrip().startswith(COMMENTS)]
+    names, units, remarks, others = _names(
+        head, len(_form_of(lines[0]).words(lines[0])) if lines else 0
+    )
     if start is None:
         if not lines:
             raise InputError("has no points")
@@ -155,7 +174,7 @@ def read_table(path: Path) -> Table:
     if len(units) > width:
         raise InputError(f"has {len(units)} words in the line of units, must be {width}")
     units += [None] * (width - len(units))
-    return Table(values, names, units, tuple(remarks))
+    return Table(values, names, units, tuple(remarks), read_header(others))
 
 
 def _values(lines: list[str], form: _Form, names: list[str], remarks: list[str]) -> np.ndarray:
@@ -195,6 +214,11 @@ def are_places(values: np.ndarray) -> bool:
     return bool(step != 0.0 and np.abs(offsets).max() <= LARGEST_OFFSET * abs(step))
 
 
+def is_text(start: bytes) -> bool:
+    """Return whether the first bytes of a file are text."""
+    return start.startswith(_UTF_16) or not _BINARY.search(start)
+
+
 def _decoded(content: bytes) -> str:
     if content.startswith(_UTF_16):
         return content.decode("utf-16")
@@ -222,11 +246,11 @@ def _is_data(line: str) -> bool:
         return False
 
 
-def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
-    """Return names of columns (also of a comment), their units, and remarks on other lines."""
+def _names(head: list[str], width: int) -> tuple[list[str], list[str | None], list[str], list[str]]:
+    """Return names of columns (also of a comment), their units, remarks, and the other lines."""
     names: list[str] = []
     units: list[str | None] = []
-    remarks, fields = [], []
+    remarks, fields, others = [], [], []
     for number, line in enumerate(map(str.strip, head), start=1):
         comment = line.startswith(COMMENTS)
         words = _split_names(line.lstrip("#%/! ") if comment else line)
@@ -235,14 +259,22 @@ def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words
-        elif sum(word in SPELT for word in bare) > 1:
-            units = [word if word in SPELT else None for word in bare]
-        elif words and not comment:
-            if len(words) > 2:
+        elif _is_units(line, bare):
+            units = [unit_in(word) for word in bare]
+        elif words:
+            others.append(line)
+            of_other_width = width >= LEAST_COLUMNS or re.search(r"[\d:=]", line)
+            if not comment and len(words) > 2 and (len(words) == width or not of_other_width):
                 fields = words
-            else:
+            elif not comment and read_header([line]) == Header():
                 remarks.append(f"line {number} was skipped: {line[:60]!r}")
-    return names or fields, units, remarks
+    return names or fields, units, remarks, others
+
+
+def _is_units(line: str, words: list[str]) -> bool:
+    """Return whether a line has units of columns: two or more, and at least half of its words."""
+    count = sum(unit_in(word) is not None for word in words)
+    return count > 1 and 2 * count >= len(words) and not re.search(r"[\d:=]", line)
 
 
 def _split_names(line: str) -> list[str]:

@@ -1,0 +1,170 @@
+"""Rotation of inclined scans, so that heights are normal to the mean plane.
+
+Heights less an inclined plane are those of a sheared wall: its slopes along the dip are larger by
+1 / cos^2 of the inclination (12 % at 19 degrees), and its places closer by the cosine.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.walls import gridding
+from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.motion import Motion, heights_after, levelling_rotation
+from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.plausibility import smoothing_of
+from jointclosure.walls.roughness import Plane, plane_through
+from jointclosure.walls.scans.points import SCATTERED, lattice_of
+
+LEVEL = {Cloud: 2.0, Scan: 5.0}
+"""Largest inclination [degrees] that is left: slopes along the dip are 0.1 and 0.8 % too large.
+
+Heights of a grid are interpolated when it is turned, which takes about 1 % of slopes at 5 degrees.
+"""
+STEEPEST = 45.0  # largest inclination [degrees] of a wall that is seen along z
+
+
+def _plane(scan: Scan | Cloud) -> Plane:
+    points = points_of(scan)
+    known = points[np.isfinite(points[:, 2])]
+    if len(known) < 4:
+        raise InputError(f"{len(known)} heights: too few for a wall")
+    return plane_through(*known.T)
+
+
+def slopes_of(scan: Scan | Cloud) -> tuple[float, float]:
+    """Return the slopes of a scan's mean plane along x and y."""
+    plane = _plane(scan)
+    return plane.slope_x, plane.slope_y
+
+
+def _degrees(plane: Plane) -> float:
+    return math.degrees(math.atan(math.hypot(plane.slope_x, plane.slope_y)))
+
+
+def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cloud, Motion | None]:
+    """Turn a scan that is inclined by more than ``beyond`` degrees until its mean plane is level.
+
+    Points are moved; they become a grid if they then lie on one. Heights of a grid are interpolated
+    at nodes of the same spacing by cubic splines, in the largest rectangle that the scan covers.
+
+    Parameters
+    ----------
+    scan : Scan or Cloud
+        In metres.
+    beyond : float, optional
+        Largest inclination that is left [degrees]: by default `LEVEL`.
+
+    Returns
+    -------
+    scan : Scan or Cloud
+        The level scan with a remark, or the given one.
+    motion : Motion or None
+        Rotation about the middle of the scan; None if it was left.
+
+    Raises
+    ------
+    InputError
+        If the mean plane is inclined by more than `STEEPEST` degrees.
+    """
+    plane = _plane(scan)
+    if not _degrees(plane) > (LEVEL[type(scan)] if beyond is None else beyond):
+        return scan, None
+    return _turned(scan, plane)
+
+
+def _turned(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
+    tilt = _degrees(plane)
+    if tilt > STEEPEST:
+        raise InputError(
+            f"the mean plane is inclined by {tilt:.1f} degrees: at most {STEEPEST:g}; turn the "
+            "scan so that its heights lie along z"
+        )
+    points = points_of(scan, missing=isinstance(scan, Scan))
+    middle = 0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0))
+    about = np.append(middle, float(plane.at(middle[0], middle[1])))
+    rotation = levelling_rotation((plane.slope_x, plane.slope_y))
+    motion = Motion(np.eye(3), rotation, about, about, np.zeros((3, 3)))
+    remark = (
+        f"the mean plane is inclined by {tilt:.1f} degrees: the scan was turned until it lies level"
+    )
+    if isinstance(scan, Cloud):
+        return _as_grid(Cloud(motion.forth(scan.points), (*scan.remarks, remark))), motion
+    grid = _grid_after(scan, motion, plane)
+    moved = motion.forth(points[np.isfinite(points[:, 2])])
+    low = np.array((grid.origin or (0.0, 0.0))[::-1])
+    square = math.isclose(*grid.spacing, rel_tol=1e-6)
+    lost = smoothing_of(Cloud(moved), grid.heights, grid.spacing[0], low) if square else ()
+    return grid._replace(remarks=(*scan.remarks, remark, *lost)), motion
+
+
+def _as_grid(cloud: Cloud) -> Scan | Cloud:
+    """Return points as the regular grid on which they lie, if they do."""
+    grid = lattice_of(cloud.points)
+    if grid is None or grid.heights is None:
+        return cloud
+    remarks = tuple(remark for remark in cloud.remarks if remark != SCATTERED)
+    return Scan(grid.heights, grid.spacing, grid.origin, remarks + grid.remarks)
+
+
+def _grid_after(scan: Scan, motion: Motion, plane: Plane) -> Scan:
+    """Return the heights of a moved grid at nodes about the middle, without cells outside of it."""
+    steps = np.array(scan.spacing[::-1])
+    corners = points_of(scan._replace(heights=np.zeros_like(scan.heights)))
+    corners[:, 2] = plane.at(corners[:, 0], corners[:, 1])
+    reach = np.abs(motion.forth(corners)[:, :2] - motion.place[:2]).max(axis=0)
+    # an odd or even number of nodes as in the scan, which has a node or the middle of a cell there
+    size = np.array(scan.heights.shape[::-1])
+    count = size + 2 * np.floor((reach - 0.5 * steps * (size - 1)) / steps).astype(int)
+    low = motion.place[:2] - 0.5 * steps * (count - 1)
+    x, y = (low[axis] + steps[axis] * np.arange(count[axis]) for axis in (0, 1))
+    nodes = np.stack(np.meshgrid(x, y), axis=-1)
+    slopes = plane.slope_x, plane.slope_y
+    whole = scan._replace(heights=gridding.nearest_filled(scan.heights))
+    heights = heights_after(whole, motion, slopes)(nodes)
+    rows, columns = largest_rectangle(np.isfinite(heights))
+    kept = heights[rows, columns]
+    if np.isnan(scan.heights).any():
+        known = heights_after(scan, motion, slopes)(nodes[rows, columns])
+        kept = np.where(np.isnan(known), np.nan, kept)
+    origin = float(y[rows.start]), float(x[columns.start])
+    return Scan(kept - motion.place[2], scan.spacing, origin)
+
+
+def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
+    """Level scans whose cells lie on each other: all if one is inclined, to their common cells.
+
+    Raises
+    ------
+    InputError
+        If inclined grids have different cells, or a mean plane is steeper than `STEEPEST`.
+    """
+    planes = {side: _plane(scan) for side, scan in scans.items()}
+    if not any(_degrees(plane) > LEVEL[type(scans[side])] for side, plane in planes.items()):
+        return dict(scans)
+    grids = [scan for scan in scans.values() if isinstance(scan, Scan)]
+    if len({(grid.heights.shape, grid.spacing) for grid in grids}) > 1:
+        raise InputError(
+            "the scans are inclined, and their grids have different cells: a registration finds "
+            "the area that both cover (bring_together: true in a study)"
+        )
+    pairs = {side: _turned(scan, planes[side]) for side, scan in scans.items()}
+    turned = {side: pair[0] for side, pair in pairs.items()}
+    starts, ends = {}, {}
+    for side, (scan, motion) in pairs.items():
+        if not (isinstance(scan, Scan) and isinstance(scans[side], Scan) and scan.origin):
+            return turned
+        first = (np.array(scan.origin) - motion.place[1::-1]) / scan.spacing
+        starts[side], ends[side] = first, first + np.array(scan.heights.shape)
+    first, last = np.max(list(starts.values()), axis=0), np.min(list(ends.values()), axis=0)
+    common: dict[str, Scan | Cloud] = {}
+    for side, scan in turned.items():
+        assert isinstance(scan, Scan)
+        y, x = (
+            slice(*np.rint(part).astype(int))
+            for part in zip(first - starts[side], last - starts[side], strict=True)
+        )
+        common[side] = scan._replace(heights=scan.heights[y, x])
+    return common

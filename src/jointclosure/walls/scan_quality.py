@@ -1,0 +1,273 @@
+"""Resolution of a scan: short waves that its heights lack, rounding, and noise of its points.
+
+A self-affine wall has a Hurst exponent H of at most 1, so that its mean squared third differences
+grow with the distance d of the heights by at most d^2. Smooth heights reach d^6. Heights that were
+filtered, or interpolated between points farther apart, grow like smooth ones at short distances.
+"""
+
+import itertools
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
+from jointclosure.walls.measures import difference
+from jointclosure.walls.outliers import neighbours
+from jointclosure.walls.roughness import DEFAULT_RELATION, RELATIONS, plane_through
+
+STEEPEST = 3.0
+"""Growth of squared third differences, as a power of the distance, from which short waves are
+missing: half-way between the steepest rough wall (2) and heights whose slopes are such walls (4).
+It is that of both directions together."""
+ALONG = 3.5
+"""The same along one direction, of which fewer differences are known."""
+TIES = 0.02
+"""Share of neighbours of equal height beyond that by rounding from which heights come from a rank
+filter. A median of 3 x 3 to 7 x 7 heights makes 0.065 to 0.12, and heights with digits make 0."""
+MEDIAN_WIDTH = math.sqrt((3**2 - 1) / 12.0)  # standard deviation of 3 points, in their distance
+MOVED = 0.02  # relative change of the rms slope from which an error of heights is a warning
+FALLING = 1.3
+"""Ratio of squared height differences to those at a longer distance, from which passes of a scanner
+lie apart. Of walls and of noise it is at most 1, of the published fracture 1.02."""
+_SAMPLE, _NEIGHBOURS = 20_000, 11  # points whose nearest ones are compared
+_DISTANCES = np.geomspace(0.1, 1.6, 13)  # in mean distances of points
+_ORDER = 3  # of the differences
+_LAGS = (1, 2, 3, 4, 6, 8)
+_HALF = 2.0 * math.pi / math.sqrt(math.log(2.0))
+"""Wavelength at which a Gaussian filter leaves half of the power, over its standard deviation."""
+_WIDTHS = np.concatenate([[0.0], np.geomspace(0.3, 8.0, 40)])
+_EXPONENTS = np.linspace(0.5, 1.0, 6)  # Hurst exponents of rock
+
+
+class Rounding(NamedTuple):
+    """Steps of which all heights and all places of a scan are multiples [m], 0 if there is none."""
+
+    heights: float
+    places: float
+
+
+def step_of(values: np.ndarray) -> float:
+    """Return the step of which all differences of values (n,) are multiples; 0 if continuous."""
+    levels = np.unique(values[np.isfinite(values)])
+    if len(levels) < 3:
+        return 0.0
+    rounding = 16.0 * np.finfo(float).eps * float(np.abs(levels).max())
+    between = np.diff(levels)
+    between = between[between > rounding]
+    if len(between) < 2:
+        return 0.0
+    least, step = 1e-4 * float(np.median(between)), float(between.min())
+    while step > max(least, 4.0 * rounding):
+        left = np.abs(between - step * np.rint(between / step))
+        left = left[left > np.maximum(0.01 * step, rounding)]
+        if not left.size:
+            whole = between / np.rint(between / step)
+            return float(np.median(whole))
+        step = float(left.min())
+    return 0.0
+
+
+def rounding_of(scan: Scan | Cloud) -> Rounding:
+    """Measure the rounding of a scan by the differences of its heights, and of its places."""
+    points = points_of(scan)
+    if isinstance(scan, Scan):
+        return Rounding(step_of(points[:, 2]), 0.0)
+    return Rounding(step_of(points[:, 2]), min(step_of(points[:, 0]), step_of(points[:, 1])))
+
+
+def shortest_wave(scan: Scan | Cloud, level: Scan | Cloud | None = None) -> float:
+    """Return the wavelength [m] at which a scanned grid lost half of its power; 0 if it did not.
+
+    It is that of the Gaussian filter whose third differences are most like those of the scan. A
+    grid is judged as it was read, as its heights are interpolated when it is turned. Points are
+    judged by the grid on which they lie as scanned, or once they are level (``level``, the scan of
+    `jointclosure.walls.levelling.levelled`); without a grid they give 0.
+    """
+    if isinstance(scan, Cloud) and level is not None:
+        scan = level
+    if isinstance(scan, Cloud):
+        return 0.0
+    rounding = rounding_of(scan).heights
+    squares = [_squares(scan.heights, axis, rounding) for axis in "yx"]
+    filtered = _exceeds(np.mean(squares, axis=0), STEEPEST)
+    widths = [
+        _width(of_axis) * step if filtered or _exceeds(of_axis, ALONG) else 0.0
+        for of_axis, step in zip(squares, scan.spacing, strict=True)
+    ]
+    if not max(widths) and rank_filtered(scan):
+        widths = [MEDIAN_WIDTH * max(scan.spacing)]
+    return _HALF * max(widths)
+
+
+def growth(squares: np.ndarray) -> np.ndarray:
+    """Return the powers with which squared differences at `_LAGS` grow from lag to double lag."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.log2([squares[1] / squares[0], squares[3] / squares[1], squares[5] / squares[3]])
+
+
+def _exceeds(squares: np.ndarray, most: float) -> bool:
+    return bool((np.nan_to_num(growth(squares)) > most).any())
+
+
+def _squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
+    """Return mean squared third differences at `_LAGS` less those of rounding, NaN if unknown."""
+    side, noise = heights.shape["yx".index(axis)], math.comb(2 * _ORDER, _ORDER) / 12.0
+    squares = np.full(len(_LAGS), np.nan)
+    for place, lag in enumerate(_LAGS):
+        if 4 * _ORDER * lag > side and lag > 2:
+            break
+        if _ORDER * lag >= side:
+            break
+        values = difference(heights, axis, lag, _ORDER) ** 2
+        if np.isfinite(values).sum() < 100:
+            break
+        square = float(np.nanmean(values))
+        less = square - noise * rounding**2
+        squares[place] = less if less > 0.5 * square else np.nan
+    return squares
+
+
+def _width(squares: np.ndarray) -> float:
+    """Return the width, in cells, of the filter that explains squared differences at `_LAGS`."""
+    known = np.isfinite(squares)
+    apart = _expected()[:, :, known] - np.log(squares[known])
+    misfit = apart.var(axis=-1)
+    return float(_WIDTHS[np.unravel_index(misfit.argmin(), misfit.shape)[1]])
+
+
+@lru_cache(maxsize=1)
+def _expected() -> np.ndarray:
+    """Return log squared third differences (exponents, widths, lags) of filtered walls."""
+    wave = np.pi * (np.arange(256) + 0.5) / 256.0
+    square = wave[:, None] ** 2 + wave[None, :] ** 2
+    along = np.array([(2.0 * np.sin(0.5 * wave * lag)) ** (2 * _ORDER) for lag in _LAGS])
+    rows = []
+    for exponent, width in itertools.product(_EXPONENTS, _WIDTHS):
+        power = (square ** (-exponent - 1.0) * np.exp(-square * width**2)).sum(axis=0)
+        rows.append(np.log(along @ power))
+    return np.reshape(rows, (len(_EXPONENTS), len(_WIDTHS), len(_LAGS)))
+
+
+def rank_filtered(scan: Scan) -> bool:
+    """Return whether more neighbours are equal than rounding explains, as after a median."""
+    points = points_of(scan)
+    apart = np.abs(np.diff(points[:, 2][neighbours(scan)], axis=1).ravel())
+    if not apart.size:
+        return False
+    step, equal = step_of(points[:, 2]), float(np.mean(apart == 0.0))
+    if step > 0.3 * math.sqrt(float(np.mean(apart**2))):  # too many ties are those of rounding
+        return False
+    one = float(np.mean(np.abs(apart - step) < 0.5 * step)) if step > 0.0 else 0.0
+    # about as many neighbours are one step up, and as many one step down, as are equal
+    return equal > 1.5 * (0.5 * one) + TIES
+
+
+def resolution_remarks(
+    scan: Scan | Cloud, wall: np.ndarray, spacing: float, level: Scan | Cloud | None = None
+) -> list[Caution]:
+    """Warn of short waves that a wall (y, x) [m] on a grid lacks, and of rounding and noise.
+
+    Each error is compared with the rms slope and the JRC of the wall, which it moves. ``scan`` is
+    the scan before it was levelled, ``level`` that after it, as for `shortest_wave`.
+    """
+    remarks = []
+    if (wave := shortest_wave(scan, level)) > 2.0 * spacing:
+        remarks.append(lost_waves(wave, spacing))
+    steps = [np.diff(wall, axis=axis) for axis in (0, 1)]
+    square = float(np.nanmean(np.concatenate([part.ravel() ** 2 for part in steps])))
+    rounding = rounding_of(scan)
+    errors = {
+        f"heights are multiples of {1e6 * rounding.heights:.4g} um": rounding.heights**2 / 6.0
+    }
+    if isinstance(scan, Cloud):
+        noise = noise_of_points(scan)
+        errors[
+            f"heights of points close to each other differ by noise of {1e6 * noise:.2g} um, or by "
+            "passes of the scanner that lie apart"
+        ] = 2.0 * noise**2
+        distance = point_distance(scan)
+        if rounding.places > 0.1 * distance:
+            remarks.append(
+                caution(
+                    f"x and y are multiples of {1e3 * rounding.places:.4g} mm, at points "
+                    f"{1e3 * distance:.4g} mm apart: heights lie at wrong places, which changes "
+                    "slopes; export more digits of x and y"
+                )
+            )
+    for about, excess in errors.items():
+        if excess > 2.0 * MOVED * square:
+            remarks.append(_moved(about, square, excess, spacing))
+    return remarks
+
+
+def lost_waves(wave: float, spacing: float) -> Caution:
+    """Warn of a scan whose waves below a length [m] are lost, on a grid of a spacing [m]."""
+    return caution(
+        f"the scan holds nothing below a wavelength of about {1e3 * wave:.3g} mm, as it was "
+        "filtered or interpolated: its third differences grow faster with distance than those of "
+        f"any rough wall. A grid of {1e3 * spacing:.4g} mm shows waves from "
+        f"{2e3 * spacing:.4g} mm on: slopes, JRC and closures are too small; export the heights "
+        "without a filter"
+    )
+
+
+def _moved(about: str, square: float, excess: float, spacing: float) -> Caution:
+    """Describe the rms slope and JRC with and without an excess of squared differences [m^2]."""
+    relation = RELATIONS[DEFAULT_RELATION]
+    slopes = [math.sqrt(max(part, 0.0)) / spacing for part in (square, square - excess)]
+    jrcs = [relation.jrc(slope) for slope in slopes]
+    return caution(
+        f"{about}: this raises the rms slope at {1e3 * spacing:.4g} mm from {slopes[1]:.3g} to "
+        f"{slopes[0]:.3g}, and the JRC by {jrcs[0] - jrcs[1]:.2g}"
+    )
+
+
+def noise_of_points(cloud: Cloud) -> float:
+    """Estimate noise [m] of scattered points, by the heights of those that are close to each other.
+
+    Mean squared height differences over the distance d are fitted by 2 s^2 + A d^(2H), with H from
+    0.5 to 1. The noise is at most that with 0.5, as few distances do not tell H from noise. Passes
+    of a scanner that lie apart make differences that fall with the distance. Only distances that
+    half of the points have are used: on steep rock some points are close to each other in the plan.
+    The noise is 0 where these distances do not reach below 0.6 of the mean one.
+    """
+    points, distance = cloud.points, point_distance(cloud)
+    x, y, heights = points.T
+    level = heights - plane_through(x, y, heights).at(x, y)
+    some = np.arange(0, len(points), -(-len(points) // _SAMPLE))
+    tree = scipy.spatial.cKDTree(points[:, :2])
+    near, number = tree.query(points[some, :2], k=min(_NEIGHBOURS + 1, len(points)))
+    apart = near[:, 1:].ravel() / distance
+    squares = ((level[some, None] - level[number[:, 1:]]) ** 2).ravel()
+    most = 0.5 * len(some)
+    _, mean = _means_by_distance(apart, squares, _DISTANCES, most)
+    least = np.minimum.accumulate(mean[::-1])[::-1]  # at this distance and beyond
+    if (mean > FALLING * least).any():
+        return math.sqrt(0.5 * float((mean - least).max()))
+    middle, mean = _means_by_distance(apart, squares, _DISTANCES[::2], most)
+    if not len(mean) or middle[0] > 0.6 or not (mean > 0.0).all():
+        return 0.0
+    fits = []
+    for exponent in _EXPONENTS:
+        columns = np.stack([np.ones_like(middle), middle ** (2.0 * exponent)])
+        parts, misfit = scipy.optimize.nnls((columns / mean).T, np.ones(len(mean)))
+        fits.append((misfit, parts[0]))
+    return math.sqrt(0.5 * min(min(fits)[1], fits[0][1]))
+
+
+def _means_by_distance(
+    apart: np.ndarray, squares: np.ndarray, edges: np.ndarray, most: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean distances and squares between edges, where there are at least so many."""
+    place = np.digitize(apart, edges)
+    count = np.bincount(place, minlength=len(edges) + 1)
+    kept = count >= most
+    kept[[0, -1]] = False
+    middle, mean = (
+        np.bincount(place, values, len(count))[kept] / count[kept] for values in (apart, squares)
+    )
+    return middle, mean

@@ -1,0 +1,184 @@
+"""Statements in the header of a text file, a mesh or a picture: units, spacing, size, counts."""
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import SPELT, InputError
+from jointclosure.walls.scans.contents import (
+    Contents,
+    Statement,
+    agreed,
+    same_units,
+    split_name,
+    unit_in,
+)
+from jointclosure.walls.scans.points import contents_of
+
+_NUMBER = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?"
+_MARKED = re.compile(r"(.+?)\s*[:=;,]+[\s:=;,]*(.*)")
+_SPACED = re.compile(rf"(\D+?)\s+({_NUMBER}\b.*)|(.*\bunits?)\s+(\S+)", re.IGNORECASE)
+_VALUE = re.compile(rf"({_NUMBER}(?!\w))?[\s,;(\[]*([^\s,;)\]]*)[\s,;)\].]*")
+_OF_HEIGHTS = ("value", "values", "z", "height", "heights", "data", "elevation", "zvalue")
+_OF_PLACES = ("x", "y", "xy", "lateral", "horizontal", "coordinate", "plan", "axis")
+_STEPS = (
+    "spacing", "step", "stepsize", "pixelsize", "pixelspacing", "pixelpitch", "pitch", "interval",
+    "samplingstep", "samplinginterval", "samplingdistance", "sampling", "increment", "calibration",
+    "cellsize", "scanspacing", "gridspacing", "gridstep", "pointspacing", "pointdistance",
+)  # fmt: skip
+_AXIS_STEPS = (*_STEPS, "inc", "pixel")
+_SIZES = {"width": 1, "scanwidth": 1, "imagewidth": 1, "height": 0, "scanheight": 0}
+_COUNTS = {
+    **dict.fromkeys(("columns", "ncols", "ncolumns", "nx", "xpixels", "xpoints", "horizontal"), 1),
+    **dict.fromkeys(("numberofcolumns", "samplesperline", "pointsperline", "pixelsx"), 1),
+    **dict.fromkeys(("rows", "nrows", "ny", "ypixels", "ypoints", "vertical", "lines"), 0),
+    **dict.fromkeys(("numberofrows", "numberoflines", "pixelsy"), 0),
+}
+_FACTORS = re.compile(r"scalefactor|zscale|heightscale|conversionfactor|multiplier|bit2nm|^scale$")
+_MENTIONS = re.compile(r"units?|resolution|step|spacing|pixelsize|pitch|calibration|increment")
+_LENGTH = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:mm|um|µm|μm|nm|cm|m|inch|microns?)(?!\w)")
+
+
+class Header(NamedTuple):
+    """Statements of a header; counts and sizes are (y, x), None or NaN where not stated."""
+
+    height_units: str | None = None
+    length_units: str | None = None
+    steps: tuple[Statement, ...] = ()
+    sizes: tuple[Statement, ...] = ()
+    counts: tuple[int | None, int | None] = (None, None)
+    unread: tuple[str, ...] = ()
+
+    def statements(self, shape: tuple[int, ...]) -> list[Statement]:
+        """Return what is stated of the spacing of a matrix (y, x); sizes count whole cells."""
+        for axis, stated, count in zip(("rows", "columns"), self.counts, shape, strict=True):
+            if stated is not None and stated != count:
+                raise InputError(f"the file states {stated} {axis}; there are {count}")
+        cells = [size._replace(spacing=size.spacing / np.array(shape)) for size in self.sizes]
+        return [*self.steps, *cells]
+
+    def spacing(self, shape: tuple[int, ...]) -> tuple[tuple[float, float], str | None]:
+        """Return the spacing (dy, dx) of a matrix (y, x) and its units."""
+        (dy, dx), units = agreed(self.statements(shape))
+        dy, dx = (other if np.isnan(step) else step for step, other in ((dy, dx), (dx, dy)))
+        return (float(dy), float(dx)), units or self.length_units
+
+
+def placed(
+    points: np.ndarray,
+    units: Sequence[str | None],
+    header: Header,
+    remarks: tuple[str, ...] = (),
+) -> Contents:
+    """Return points (n, 3) as `contents_of`, with the units and the spacing of a header."""
+    along = (header.length_units, header.length_units, header.height_units)
+    stated = [
+        same_units(f"the column of {name}", *both)
+        for name, *both in zip("xyz", units, along, strict=True)
+    ]
+    contents = contents_of(points, stated, remarks)
+    unused = header.sizes
+    if contents.points is not None:
+        unused = (*header.steps, *header.sizes)
+    else:
+        contents = contents._replace(stated=header.steps)
+    return contents._replace(unread=header.unread + tuple(part.names for part in unused))
+
+
+def read_header(lines: Iterable[str]) -> Header:
+    """Read the statements of header lines; `InputError` if they contradict each other."""
+    header = Header()
+    for line in lines:
+        parts = re.split(r"[,;]\s+", line)
+        several = len(parts) > 1 and all(re.search(r"[:=]", part) for part in parts)
+        for part in parts if several else [line]:
+            header = _with(header, part)
+    return header
+
+
+def _with(header: Header, line: str) -> Header:
+    """Add the statement of one line to a header, if it has one."""
+    tidy = line.strip().lstrip("#%/!; ").replace('"', " ").replace("\t", " : ")
+    bare = re.sub(r"\s+", " ", re.sub(r"[\s:]*:[\s:]*", ": ", tidy)).strip(" :;,")
+    entry = _MARKED.fullmatch(bare) or _SPACED.fullmatch(bare)
+    key_text, rest = [part for part in entry.groups() if part is not None] if entry else (bare, "")
+    match = _VALUE.fullmatch(rest)
+    if not entry or not match:
+        return _unread(header, bare)
+    name, of_name = split_name(key_text)
+    key = re.sub(r"[\W_]", "", name).lower()
+    value = float(match[1].replace(",", ".")) if match[1] else None
+    unit = unit_in(match[2])
+    if match[2] and unit is None:
+        return _unread(header, bare)
+    unit = same_units(bare, of_name, unit)
+    if value is None:
+        return _with_units(header, key, unit, bare)
+    if key in _COUNTS and unit is None and value == int(value):
+        counts = [*header.counts]
+        if counts[_COUNTS[key]] not in (None, int(value)):
+            raise InputError(f"the file states {counts[_COUNTS[key]]} and then {bare!r}")
+        counts[_COUNTS[key]] = int(value)
+        return header._replace(counts=(counts[0], counts[1]))
+    if _FACTORS.search(key):
+        if value == 1.0:
+            return header
+        raise InputError(f"the file states {bare!r}: heights must be stored without a factor")
+    along = _along(key)
+    if along is None:
+        return _unread(header, bare)
+    if not 0.0 < value < np.inf:
+        raise InputError(f"the file states {bare!r}: must be positive and finite")
+    kind, factors = along
+    statement = Statement(bare, value * np.array(factors), unit)
+    if kind == "sizes":
+        return header._replace(sizes=(*header.sizes, statement))
+    return header._replace(steps=(*header.steps, statement))
+
+
+def _along(key: str) -> tuple[str, tuple[float, float]] | None:
+    """Return whether a key is of "steps" or "sizes", and 1 for each axis (y, x) that it states."""
+    axes = {0: (1.0, np.nan), 1: (np.nan, 1.0)}
+    if key in _SIZES:
+        return "sizes", axes[_SIZES[key]]
+    if key in (*_STEPS, "h", "dxy", "dxdy") or key.replace("xy", "", 1) in _STEPS:
+        return "steps", (1.0, 1.0)
+    for number, axis in enumerate("yx"):
+        bare = key.removeprefix(axis) if key.startswith(axis) else key.removesuffix(axis)
+        if bare != key and bare in ("length", "size"):
+            return "sizes", axes[number]
+        if key in (f"d{axis}", f"delta{axis}") or (bare != key and bare in _AXIS_STEPS):
+            return "steps", axes[number]
+    return {"pixelheight": ("steps", axes[0]), "pixelwidth": ("steps", axes[1])}.get(key)
+
+
+def _with_units(header: Header, key: str, unit: str | None, line: str) -> Header:
+    """Add the units that a line without a number states."""
+    what = re.fullmatch(r"(\w*?)(?:axis)?units?(?:of)?(\w*)", key)
+    if unit is None or what is None:
+        return _unread(header, line)
+    about = what[1] or what[2]
+    if about in ("", "length", "lengths", "all", "measurement"):
+        kinds: tuple[str, ...] = ("height_units", "length_units")
+    elif about in _OF_HEIGHTS:
+        kinds = ("height_units",)
+    elif about in _OF_PLACES:
+        kinds = ("length_units",)
+    else:
+        return _unread(header, line)
+    stated: dict[str, Any] = {k: same_units(line, getattr(header, k), unit) for k in kinds}
+    return header._replace(**stated)
+
+
+def _unread(header: Header, line: str) -> Header:
+    """Keep a line that mentions units or lengths and was not understood."""
+    key = re.sub(r"[\W_]", "", re.split(r"[:=\t]", line)[0]).lower()
+    words = re.split(r"[\s\[\](){}:=;,\"']+", line)
+    valued = re.search(r"[:=]\s*\S", line) or _LENGTH.search(line)
+    if (valued and (_MENTIONS.search(key) or _LENGTH.search(line))) or (
+        len(words) <= 12 and any(word in SPELT and len(word) > 1 for word in words)
+    ):
+        return header._replace(unread=(*header.unread, line[:60]))
+    return header
