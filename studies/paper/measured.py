@@ -3,9 +3,12 @@
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from jointclosure.inputs import InputError
-from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
+from jointclosure.measured.curves import MeasuredCurve, check_curve, parsed_curve
 from jointclosure.storage.files import read_text
+from studies.frame.configuration import Configuration
 from studies.frame.rocks import MeasuredFile
 
 
@@ -18,6 +21,16 @@ class CurveSettings(NamedTuple):
     seating_stress: float
 
 
+def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
+    """Return the settings of the measured curves by rock, for rocks of a study that have one."""
+    cycles, seating = study.study.cycles, study.seating_stress
+    return {
+        name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
+        for name, rock in study.rocks.items()
+        if rock.measured
+    }
+
+
 def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
     """Read and check measured curves by rock."""
     curves = {}
@@ -26,18 +39,25 @@ def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCur
         file = about.file
         if not Path(file).is_file():
             raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")
-        curve = parsed_curve(read_text(file), file, about.stress_unit, about.closure_unit)
-        for line, cycle, stress in zip(curve.line, curve.cycle, curve.stress, strict=True):
-            where = f"{file}, line {line}"
+        area = None if about.area_mm2 is None else 1e-6 * about.area_mm2
+        units = about.stress_unit, about.closure_unit
+        curve = parsed_curve(read_text(file), file, *units, area=area)
+        for cycle in curve.cycles:
+            here = curve.cycle == cycle
             if cycle > of_rock.cycles:
                 raise InputError(
-                    f"{where}: cycle = {cycle}: the study has study.cycles = {of_rock.cycles}"
+                    f"{file}, line {curve.line[here][0]}: cycle = {cycle}: the study has "
+                    f"study.cycles = {of_rock.cycles}"
                 )
-            if stress > largest * (1.0 + 1e-12):
+            # apart from the scatter of a dense log, whose points are averaged
+            highest = max(float(stress.max()) for stress, _ in curve.branches(cycle).values()
+                          if stress.size)  # fmt: skip
+            if highest > largest * (1.0 + 1e-12):
+                line = curve.line[here][int(np.argmax(curve.stress[here]))]
                 raise InputError(
-                    f"{where}: stress = {1e-6 * stress:g} MPa: must be at most "
+                    f"{file}, line {line}: stress = {1e-6 * highest:g} MPa: must be at most "
                     f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
                 )
-        check_loadings(curve, file, of_rock.seating_stress)
+        check_curve(curve, file, of_rock.seating_stress)
         curves[rock] = curve
     return curves

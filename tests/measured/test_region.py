@@ -5,17 +5,21 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.stats
 
 import jointclosure as jc
 from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
+from jointclosure.measured.agreement import intervals, quantities
+from jointclosure.measured.calibration import Readings, readings_of_curve
 from jointclosure.measured.closing import CHECKED, FINER, Later
-from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
+from jointclosure.statistics.randomness import generator
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING
@@ -204,3 +208,57 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, tmp_p
 def test_what_is_wrong_is_named_before_anything_is_closed(asked, curves, wrong, message):
     with pytest.raises(jc.InputError, match=re.escape(message)):
         validate(curves[0], **asked | wrong)
+
+
+def readings(values=()):
+    """Readings of two cycles, of which the first was unloaded."""
+    levels = np.array([1e6, 2e6, 4e6])
+    read = ((0, 1, 2), (1, 2))
+    return Readings(2, (1,), levels, 0.5e6, np.asarray(values), read)
+
+
+def test_errors_of_quantities_are_their_scatter_where_each_closure_is_measured_to_its_error():
+    """First order; the closure that stays is that of the recovered one, whose error it has."""
+    random, error = generator(1), 0.01
+    exact = np.array([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
+    drawn = exact * (1.0 + error * random.standard_normal((20_000, exact.size)))
+    measured = quantities(exact, readings(), error)
+    scattered = quantities(drawn, readings())
+    assert [one.first_loading for one in measured].count(True) == 2
+    for one, other in zip(measured, scattered, strict=True):
+        assert float(one.error) == pytest.approx(other.values.std(), rel=0.05), one.name
+        assert float(one.values) == pytest.approx(np.median(other.values), rel=0.02)
+
+
+def test_the_interval_of_one_more_joint_is_students_with_the_error_of_the_measurement():
+    """About the mean of n joints: t s sqrt(1 + 1/n), in logarithms, of those that did not fail."""
+    joints = np.exp(generator(3).normal(-9.0, 0.2, (1, 6, 6)))
+    joints[0, 0] = np.nan
+    curve = readings([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
+    logs = np.log(1e3 * joints[0, 1:, 2])  # closure of cycle 1 [mm]
+    for error in (0.0, 0.1, 1.0):
+        _, low, high = next(intervals(curve, joints, error))
+        spread = np.sqrt(logs.var(ddof=1) * (1.0 + 1.0 / 5.0) + error**2)
+        half = scipy.stats.t.ppf(0.975, 4) * spread
+        np.testing.assert_allclose(
+            np.log([low[0], high[0]]), logs.mean() + half * np.array([-1, 1])
+        )
+    # joints of neighbouring constants tell of the scatter, but not of the mean, and failed ones not
+    several = np.concatenate([joints, 2.0 * joints, np.nan * joints])
+    _, low, high = next(intervals(curve, several, 0.0))
+    alone = next(intervals(curve, joints, 0.0))
+    assert alone[1][0] < low[0] < high[0] < alone[2][0]
+    assert low[1] == pytest.approx(2.0 * low[0])
+    assert np.isnan([low[2], high[2]]).all()
+
+
+def test_readings_of_a_cycle_loaded_as_far_as_the_first_are_taken_to_two_percent():
+    rows = "0.5,0,1\n2.75,0.08,1\n5,0.1,1\n0.5,0.05,1\n0.5,0.05,2\n2.75,0.08,2\n{},0.1,2\n"
+    for largest, taken in ((4.91, True), (5.09, True), (4.89, False), (5.11, False)):
+        curve = parsed_curve("stress_MPa,closure_mm,cycle\n" + rows.format(largest), "lab.csv")
+        if taken:
+            found = readings_of_curve(curve, 0.5e6)
+            assert found.levels[-1] == pytest.approx(min(5.0, largest) * 1e6)  # that both reach
+        else:
+            with pytest.raises(jc.InputError, match="must be the same"):
+                readings_of_curve(curve, 0.5e6)

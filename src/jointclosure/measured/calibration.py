@@ -6,6 +6,7 @@ are compared with the mean and the scatter of theirs.
 """
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,10 +15,12 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.statistics.standard_errors import CONFIDENCE
+from jointclosure.measured.logs import LEAST_POINTS, exceeding
+from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
 from jointclosure.statistics.two_level import Interval
 
 PARTS = (0.25, 0.5, 1.0)
@@ -41,6 +44,7 @@ class Readings(NamedTuple):
     seating: float
     values: np.ndarray  # (n,) [m]
     read: tuple[tuple[int, ...], ...] = ()  # numbers of the levels of each cycle; (): all
+    errors: np.ndarray | None = None  # (n,) [m], standard errors by the scatter of points
 
     def places(self) -> list[tuple[int, float | None]]:
         """Return the cycle and the stress [Pa] of each value, None for a recovered closure."""
@@ -133,7 +137,67 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
         cycle, level = asked.places()[int(np.argmin(values > 0.0))]
         branch = "decrease on unloading" if level is None else "increase with stress on loading"
         raise InputError(f"closure of cycle {cycle} must {branch}")
-    return asked._replace(values=values)
+    return asked._replace(values=values, errors=_errors(curve, asked))
+
+
+def _errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
+    """Compute standard errors (n,) [m] of readings of averaged points, None where none are."""
+    cycles = {cycle: curve.ascending(cycle) for cycle in curve.cycles}
+    if not any(branch.errors.any() for both in cycles.values() for branch in both.values()):
+        return None
+
+    def error(cycle: int, branch: str, stress: float) -> float:
+        of_branch = cycles[cycle][branch]
+        if not of_branch.stress.size:
+            return 0.0
+        return float(np.interp(stress, of_branch.stress, of_branch.errors))
+
+    errors = []
+    for cycle, level in asked.places():
+        largest, branch = float(asked.levels[-1]), UNLOADING if level is None else LOADING
+        closed = error(cycle, LOADING, largest if level is None else level)
+        errors.append(math.hypot(closed, error(cycle, branch, asked.seating)))
+    return np.array(errors)
+
+
+def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: float) -> list[str]:
+    """Describe how a curve was read, and warn where its readings scatter more than stated."""
+    sentences: list[str] = []
+    if (starts := np.flatnonzero(curve.line[1:] == curve.line[:-1]) + 1).size:
+        lines = ", ".join(str(line) for line in curve.line[starts])
+        sentences.append(
+            f"without a column of cycles, the {len(curve.cycles)} loadings of the curve are its "
+            f"cycles; they meet at line {lines}"
+        )
+    plain = [b for c in curve.cycles for b in curve.ascending(c).values() if not b.averaged]
+    if passed_over := sum(int((~exceeding(branch.stress)).sum()) for branch in plain):
+        sentences.append(caution(
+            f"{passed_over} of {curve.stress.size} measured points do not exceed all stresses "
+            "before them on their branch and are not read, which biases readings if stresses "
+            f"scatter: measure more densely (branches of {LEAST_POINTS} points are averaged)"
+        ))  # fmt: skip
+    if measured.errors is None:
+        return sentences
+    branches = [curve.ascending(cycle)[LOADING] for cycle in curve.cycles]
+    scatter = np.max([branch.scatter for branch in branches], axis=0)
+    relative = measured.errors / measured.values
+    worst = int(np.argmax(relative))
+    uncertain = (
+        f"{measured.names()[worst]} is uncertain to {percent(relative[worst])} by their scatter"
+    )
+    sentences.append(
+        f"closures are read by regression, from means of the {curve.stress.size} measured points, "
+        f"which scatter by up to {significant(1e6 * scatter[1], 2)} um and "
+        f"{significant(1e-6 * scatter[0], 2)} MPa; {uncertain} (one standard deviation), and to "
+        f"{percent(closure_error)} as stated (closure_error)"
+    )
+    if relative[worst] > closure_error:
+        sentences.append(caution(
+            f"{uncertain}, which is more than the stated closure_error of "
+            f"{percent(closure_error)}: state at least the former (--closure-error), or intervals "
+            "are too narrow"
+        ))  # fmt: skip
+    return sentences
 
 
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:

@@ -7,6 +7,7 @@ closures does not matter.
 """
 
 import csv
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -14,20 +15,43 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import SPELT, InputError
+from jointclosure.inputs import InputError
 from jointclosure.joint.curves import crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
-from jointclosure.parameters.units import SI_FACTORS
+from jointclosure.measured import logs
+from jointclosure.measured.headings import (
+    CLOSURE_UNITS,
+    FORCE_UNITS,
+    KNOWN,
+    STRESS_UNITS,
+    Heading,
+    heading_of,
+    unit_of,
+)
 
-STRESS_UNITS, CLOSURE_UNITS = ("Pa", "kPa", "MPa", "GPa"), ("m", "mm", "um")
-_ALLOWED: dict[str, tuple[str, ...]] = {
-    "stress": STRESS_UNITS,
-    "closure": CLOSURE_UNITS,
-    "cycle": ("",),
-}
-_FACTORS = SI_FACTORS | {"kPa": 1e3}
+_ALLOWED = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": {}}
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
+_SPECIMENS = ("specimen", "specimen_id", "sample", "sample_id", "joint", "joint_id", "test_id")
+"""Columns of which each value stands for another curve."""
+
+
+_MOST_OF_FIRST = 1.1
+"""Largest closure of a later loading over that of the first, if no column numbers the cycles."""
+
+
+class TableLine(NamedTuple):
+    """Number of a line in its file, and its text."""
+
+    number: int
+    text: str
+
+
+class Column(NamedTuple):
+    """Position of a column in the rows, and its unit in SI."""
+
+    position: int
+    factor: float
 
 
 class MeasuredCurve(NamedTuple):
@@ -43,20 +67,29 @@ class MeasuredCurve(NamedTuple):
         """Return the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
-    def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Return stress and closure of a cycle, up to its largest stress and beyond it."""
+    def ascending(self, cycle: int) -> dict[str, logs.Branch]:
+        """Return loading and unloading of a cycle, both in ascending order of stress.
+
+        Dense logs whose values scatter are averaged (`jointclosure.measured.logs.averaged`).
+        """
         here = self.cycle == cycle
         stress, closure = self.stress[here], self.closure[here]
-        top = int(np.argmax(stress))
+        top = logs.top_of(stress) + 1
+        back = slice(None, top - 1 if top else None, -1)
         return {
-            LOADING: (stress[: top + 1], closure[: top + 1]),
-            UNLOADING: (stress[top + 1 :], closure[top + 1 :]),
+            LOADING: logs.averaged(stress[:top], closure[:top]),
+            UNLOADING: logs.averaged(stress[back], closure[back]),
         }
+
+    def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Return stress and closure of a cycle, up to its largest stress and beyond it."""
+        up, down = self.ascending(cycle).values()
+        return {LOADING: up[:2], UNLOADING: (down.stress[::-1], down.closure[::-1])}
 
     def first_loading(self) -> "MeasuredCurve":
         """Return the curve up to the largest stress of its first cycle."""
         here = np.flatnonzero(self.cycle == self.cycle.min())
-        here = here[: int(np.argmax(self.stress[here])) + 1]
+        here = here[: logs.top_of(self.stress[here]) + 1]
         return MeasuredCurve(*(column[here] for column in self))
 
     def since_seating(self, cycle: int, seating_stress: float):
@@ -76,46 +109,65 @@ def parsed_curve(
     *,
     cycle: int | None = None,
     names: Sequence[str] | None = None,
+    area: float | None = None,
 ) -> MeasuredCurve:
-    """Read a curve from the text of a CSV file."""
+    """Read a curve from the text of a CSV file.
+
+    Parameters
+    ----------
+    text, name : str
+        Text of the file, and its name in messages.
+    stress_unit, closure_unit : str, optional
+        Units of columns whose headings state none.
+    cycle : int, optional
+        Number of the first loading of a file without a column of cycles, whose further loadings
+        are further cycles. Without it there must be such a column.
+    names : sequence of str, optional
+        Headings, or numbers from 1, of the columns of stress, closure and cycle.
+    area : float, optional
+        Loaded area [m2], by which a column of forces becomes one of stresses.
+
+    Raises
+    ------
+    InputError
+        If a line, a unit or a number cannot be read, or may be read in two ways.
+    """
     numbered = enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
-    lines = [(n, line) for n, line in numbered if line.strip() and line.lstrip()[0] != "#"]
+    every = [TableLine(number, line) for number, line in numbered if line.strip()]
+    lines = [line for line in every if line.text.lstrip()[0] != "#"]
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
-    mark = next((mark for mark in ";\t," if mark in lines[0][1]), None)
-    if mark is None and len(lines[0][1].split()) < 2:
+    place = _header_of(lines, names)
+    mark = _mark(lines[place].text)
+    if mark is None and len(lines[place].text.split()) < 2:
         raise InputError(
-            f"{name}, line {lines[0][0]}: {lines[0][1].strip()!r}: columns must be separated by "
-            "commas, semicolons, tabs or blanks"
+            f"{name}, line {lines[place].number}: {lines[place].text.strip()!r}: columns must be "
+            "separated by commas, semicolons, tabs or blanks"
         )
-    table = [(number, _cells(line, mark)) for number, line in lines]
+    table = [(number, _cells(line, mark)) for number, line in lines[place:]]
     if names and all(map(str.isdecimal, names)) and all(map(_is_number, table[0][1])):
         table.insert(0, (table[0][0], [str(1 + i) for i in range(len(table[0][1]))]))
     (first, header), *body = table
     where = f"{name}, line {first}"
     below = [""] * len(header)
-    if body and any(_unit(cell) in STRESS_UNITS for cell in body[0][1]):
-        below = [_unit(cell) for cell in body.pop(0)[1]] + below
-    units = {"stress": stress_unit, "closure": closure_unit, "cycle": None}
-    found: dict[str, tuple[int, str]] = {}
+    if body and _is_row_of_units(body[0][1]):
+        below = body.pop(0)[1] + below
+    stated = {"stress": stress_unit, "closure": closure_unit}
+    found: dict[str, Column] = {}
     for position, quantity in enumerate(_named(header, where, names)):
         if quantity not in _ALLOWED:
             continue
-        what, allowed = f"{where}: column {header[position]!r}", _ALLOWED[quantity]
+        what = f"{where}: column {header[position]!r}"
         if quantity in found:
             raise InputError(f"{what}: must be the only one of {quantity}")
-        stated = _heading(header[position])[1]
-        if names is not None and stated not in allowed:
-            stated = ""  # part of another heading, such as sigma_n
-        unit = (stated or below[position] or units[quantity] or "") * (quantity != "cycle")
-        if unit not in allowed:
-            usual = {"stress": "MPa", "closure": "mm"}[quantity]
-            key = f"--{quantity}-unit ({quantity}_unit= in Python)"
-            key = f"the key {quantity}_unit" if cycle is None else key  # of a study
-            lacks = f"has no unit; write it in the heading ({quantity}_{usual}), or state {key}:"
-            wrong = f"unit {unit!r} must be" if unit else lacks
-            raise InputError(f"{what}: {wrong} one of {', '.join(allowed)}")
-        found[quantity] = position, unit
+        factor = 1.0
+        if quantity != "cycle":
+            heading = _with_units_below(heading_of(header[position]), below[position], what)
+            by_columns, of_study = names is not None, cycle is None
+            unit = _unit(quantity, heading, stated[quantity], what, by_columns, of_study)
+            factor = KNOWN[unit] / _area(unit, area, what, of_study)
+            _check_preamble(every, body, name, what, unit, bool(heading.unit))
+        found[quantity] = Column(position, factor)
     missing = [n for n in _ALLOWED if n not in found and (n != "cycle" or cycle is None)]
     if missing:
         others = "; --columns, or columns= in Python, names or numbers others" if cycle else ""
@@ -123,52 +175,228 @@ def parsed_curve(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle"
             f"{others}); there are {', '.join(header)}"
         )
+    _check_one_table(header, body, name, mark, "cycle" in found)
     columns = {quantity: found[quantity] for quantity in _ALLOWED if quantity in found}
     rows = []
     for number, cells in body:
         at = f"{name}, line {number}"
+        values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
+        rows.append((*values, number))
+    if not rows:
+        raise InputError(f"{name}: has a header and no rows")
+    stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
+    stress, closure = stress * found["stress"].factor, closure * found["closure"].factor
+    if cycles:
+        return MeasuredCurve(stress, closure, cycles[0].astype(int), numbers)
+    curve = MeasuredCurve(stress, closure, np.full(len(rows), cycle), numbers)
+    return _by_loadings(curve, name)
+
+
+def _by_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
+    """Number the loadings of a curve of one cycle; the point between two belongs to both.
+
+    A later loading that closes the joint further than the first is probably of another specimen.
+    """
+    ends = [0, *logs.troughs(curve.stress), curve.stress.size - 1]
+    parts = [np.arange(start, end + 1) for start, end in itertools.pairwise(ends)]
+    first, *others = (
+        np.ptp(curve.closure[part[: 1 + logs.top_of(curve.stress[part])]]) for part in parts
+    )
+    for part, later in zip(parts[1:], others, strict=True):
+        if later > _MOST_OF_FIRST * first:
+            raise InputError(
+                f"{name}, line {curve.line[part[0]]}: the loading from here on closes by "
+                f"{1e3 * later:.3g} mm and the first one by {1e3 * first:.3g} mm: curves of "
+                "several specimens must be in files of their own; if it is a cycle of the same "
+                "joint, add a column cycle"
+            )
+    number = np.repeat(np.arange(len(parts)), [part.size for part in parts])
+    stress, closure, cycle, line = (column[np.concatenate(parts)] for column in curve)
+    return MeasuredCurve(stress, closure, cycle + number, line)
+
+
+def _header_of(lines: Sequence[TableLine], names: Sequence[str] | None) -> int:
+    """Return the place of the header, below what may stand above the table; 0 if none is seen."""
+    if names and all(map(str.isdecimal, names)):
+        return _above_numbers(lines, [int(number) - 1 for number in names])
+    for place, line in enumerate(lines):
+        cells = _cells(line.text, _mark(line.text))
+        known = {_quantity(cell) for cell in cells}
+        if (
+            all(n in cells or n.isdecimal() for n in names)
+            if names
+            else {"stress", "closure"} <= known
+        ):
+            return place
+    return _above_numbers(lines, range(2))
+
+
+def _above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -> int:
+    """Return the place of the header above the first line with numbers at some positions."""
+    for place, line in enumerate(lines):
+        cells = _cells(line.text, _mark(line.text))
+        if max(positions) >= len(cells) or not all(_is_number(cells[i]) for i in positions):
+            continue
+        for above in (place - 1, place - 2):  # headings, or units below headings
+            others = _cells(lines[above].text, _mark(lines[above].text)) if above >= 0 else []
+            if len(others) != len(cells) or any(map(_is_number, others)):
+                return above + 1
+            if not _is_row_of_units(others):
+                return above
+        return place - 2
+    return 0
+
+
+def _mark(line: str) -> str | None:
+    """Return the mark between the columns of a line, None for blanks."""
+    return next((mark for mark in ";\t," if mark in line), None)
+
+
+def _is_row_of_units(cells: Sequence[str]) -> bool:
+    """Return whether cells below the headings are units: none is a number, and one is a unit."""
+    return any(map(unit_of, cells)) and not any(map(_is_number, cells))
+
+
+def _with_units_below(heading: Heading, below: str, what: str) -> Heading:
+    """Return a heading with the unit of the row below it."""
+    if not below.strip("()[] -"):
+        return heading
+    unit = unit_of(below)
+    if heading.unit and unit != heading.unit:
+        raise InputError(f"{what}: its unit is {heading.unit} and in the line below it {below}")
+    return heading._replace(unit=unit, unknown="" if unit else below)
+
+
+def _unit(
+    quantity: str, heading: Heading, stated: str | None, what: str, by_columns: bool, of_study: bool
+) -> str:
+    """Return the unit of a column: of its heading, or else as stated."""
+    allowed, usual = _ALLOWED[quantity], {"stress": "MPa", "closure": "mm"}[quantity]
+    fitting = allowed | (FORCE_UNITS if quantity == "stress" else {})
+    key = f"--{quantity}-unit ({quantity}_unit= in Python)"
+    key = f"the key {quantity}_unit" if of_study else key
+    unknown = heading.unknown
+    if not (by_columns or unknown or heading.unit or _quantity(heading.name) == quantity):
+        unknown = heading.name.rpartition("_")[2]
+    unit = unknown or heading.unit or stated or ""
+    if unit in fitting and not unknown:
+        return unit
+    must = f"must be one of {', '.join(allowed)}"
+    if quantity == "stress":
+        must += f", or of a force {', '.join(FORCE_UNITS)}"
+    if not unit:
+        raise InputError(
+            f"{what}: has no unit; write it in the heading ({quantity}_{usual}), or state {key}: "
+            f"{must.removeprefix('must be ')}"
+        )
+    raise InputError(f"{what}: unit {unit!r} {must}")
+
+
+def _area(unit: str, area: float | None, what: str, of_study: bool) -> float:
+    """Return the area [m2] by which values of a unit are divided, 1 for stresses and closures."""
+    if unit in CLOSURE_UNITS:
+        return 1.0
+    key = "the key area_mm2" if of_study else "--area (area= in Python)"
+    if unit in FORCE_UNITS and area is None:
+        raise InputError(
+            f"{what}: {unit} is a unit of force; state the loaded area, {key}, by which it "
+            "becomes a stress"
+        )
+    if unit in STRESS_UNITS and area is not None:
+        raise InputError(
+            f"{what}: {unit} is a unit of stress; leave out the loaded area, {key}, which forces "
+            "are divided by"
+        )
+    return 1.0 if area is None else area
+
+
+def _check_preamble(
+    every: Sequence[TableLine], body: Sequence, name: str, what: str, unit: str, in_heading: bool
+) -> None:
+    """Refuse lines above the rows that state other units than that of a column.
+
+    Numbers with a unit, such as the capacity of a load cell, are none. A column with a unit in its
+    heading is not contradicted by the unit of another quantity.
+    """
+    kind = CLOSURE_UNITS if unit in CLOSURE_UNITS else STRESS_UNITS | FORCE_UNITS
+    about = "closure|displacement" if unit in CLOSURE_UNITS else "stress|load|force"
+    about = "stress" if in_heading and unit in STRESS_UNITS else about
+    first_row = body[0][0] if body else 0
+    above = what.partition(": column")[0]
+    for number, text in every:
+        at = f"{name}, line {number}"
+        if number < first_row and at != above and re.search(rf"(?i)\bunits?\b|{about}", text):
+            plain = re.sub(r"\d\s*[A-Za-zµμ]+(?:/\w+)?", " ", text)
+            units = {unit_of(word) for word in re.split(r"[\s,;:=()\[\]#_]+", plain)} & kind.keys()
+            if units and unit not in units:
+                raise InputError(
+                    f"{at}: {text.strip()!r} states other units than {what}, which is read in "
+                    f"{unit}: remove what is wrong"
+                )
+
+
+def _check_one_table(
+    header: list[str], body: Sequence, name: str, mark: str | None, has_cycles: bool
+) -> None:
+    """Refuse rows that are no rows of the table, and curves of several specimens."""
+    apart = "curves of several specimens must be in files of their own"
+    for number, cells in body:
+        at = f"{name}, line {number}"
+        if not any(map(_is_number, cells)) or cells == header:
+            raise InputError(
+                f"{at}: {(mark or ' ').join(cells)!r} stands among the rows of the table and has "
+                f"no number; {apart}, and remove other text"
+            )
         if len(cells) != len(header):
             decimals = " (decimals are written with points)" if mark == "," else ""
             raise InputError(
                 f"{at}: {(mark or ' ').join(cells)!r} has {len(cells)} values, the header has "
                 f"{len(header)}{decimals}"
             )
-        values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
-        rows.append((*values, number))
-    if not rows:
-        raise InputError(f"{name}: has a header and no rows")
-    stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
-    of_cycle = cycles[0].astype(int) if cycles else np.full(len(rows), cycle)
-    factors = [_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
-    return MeasuredCurve(stress * factors[0], closure * factors[1], of_cycle, numbers)
+    for position, cell in enumerate(header):
+        values = dict.fromkeys(cells[position] for _, cells in body)
+        if heading_of(cell).name in _SPECIMENS and 1 < len(values) < len(body):
+            raise InputError(
+                f"{name}: column {cell!r} has {len(values)} values, {', '.join(list(values)[:3])}"
+                f"{' and others' * (len(values) > 3)}; {apart}"
+            )
+    numbers = [number for number, _ in body]
+    gaps = [later for earlier, later in itertools.pairwise(numbers) if later > earlier + 1]
+    if not has_cycles and 0 < len(gaps) < len(numbers) - 1:
+        raise InputError(
+            f"{name}, line {gaps[0]}: rows are divided by a line that is no row. If these are "
+            f"cycles of one joint, add a column cycle; {apart}"
+        )
 
 
 def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
     """Return the quantity of every column, by its heading or by names or numbers of columns."""
     if names is None:
-        named = [_heading(cell)[0] for cell in header]
-        return [_ALIASES.get(name, name) for name in named]
+        return [_quantity(cell) for cell in header]
     numbers = [str(1 + position) for position in range(len(header))]
+    if twice := [n for n in names if header.count(n) > 1]:
+        raise InputError(
+            f"{where}: column {twice[0]!r} stands there {header.count(twice[0])} times: give the "
+            f"numbers of the columns, from 1 to {len(header)}; curves of several specimens must "
+            "be in files of their own"
+        )
     places = [next((each.index(n) for each in (header, numbers) if n in each), -1) for n in names]
     if -1 in places or not 2 <= len(names) <= 3:
         raise InputError(
             f"{where}: columns {', '.join(names)}: must be two or three of "
             f"{', '.join(header)}, or their numbers from 1 to {len(header)}"
         )
-    by_place = dict(zip(places, _ALLOWED, strict=False))
+    cycles = [i for i, cell in enumerate(header) if _quantity(cell) == "cycle" and i not in places]
+    by_place = dict(zip([*places, *cycles], _ALLOWED, strict=False))
     return [by_place.get(position, "") for position in range(len(header))]
 
 
-def _heading(cell: str) -> tuple[str, str]:
-    """Return the name, and the unit at its end or in brackets, of a heading; or empty texts."""
-    parts = re.fullmatch(r"(.*?)(?:_([A-Za-zµμ]+)|\s*[(\[]([^)\]]+)[)\]])?", cell)
-    return (parts[1].lower(), _unit(parts[2] or parts[3] or "")) if parts else ("", "")
-
-
-def _unit(cell: str) -> str:
-    """Return a unit without brackets, and micrometres as um."""
-    bare = cell.strip("()[]")
-    return SPELT.get(bare, bare)
+def _quantity(cell: str) -> str:
+    """Return the quantity of a column by its heading, with what stands in the place of its unit."""
+    name = heading_of(cell).name
+    before = name.rpartition("_")[0]
+    name = before if name not in _ALIASES and before in (*_ALLOWED, *_ALIASES) else name
+    return _ALIASES.get(name, name)
 
 
 def _is_number(cell: str) -> bool:
@@ -192,36 +420,96 @@ def _number(cell: str, where: str, quantity: str) -> float:
     value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")
-    if quantity == "stress" and value < 0.0:
-        raise InputError(f"{where}: stress = {cell.strip()}: must be 0 or above (compression)")
     if quantity == "cycle" and not (value >= 1.0 and value.is_integer()):
         raise InputError(f"{where}: cycle = {cell.strip()}: must be a whole number of at least 1")
     return value
 
 
-LARGEST_CLOSURE = 20e-3
-"""Largest range of measured closures [m]; more is mostly one in another unit."""
+CLOSURES = 0.2e-6, 20e-3
+"""Least and largest range of measured closures [m]; others are mostly in another unit."""
+STRESSES = 1e3, 1e9
+"""Least and largest maximum of measured stresses [Pa]."""
+_OF_SCATTER = 5.0
+"""Stresses below zero that scatter explains, over its standard deviation."""
 
 
-def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Check order of cycles, loadings from at or below seating [Pa], and size of closures."""
-    if (range_ := float(np.ptp(curve.closure))) > LARGEST_CLOSURE:
-        raise InputError(
-            f"{name}: closures range over {1e3 * range_:.3g} mm: must be at most "
-            f"{1e3 * LARGEST_CLOSURE:g} mm; is their unit right?"
-        )
+def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
+    """Check a curve, for all that read one: order and number of loadings, signs and sizes.
+
+    Each cycle must have one loading, from at or below seating [Pa], on which closure increases.
+    """
     counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
         raise InputError(
             f"{name}, line {curve.line[i]}: cycle = {curve.cycle[i]} after cycle "
             f"{curve.cycle[i - 1]}: points must be in the order in which they were measured"
         )
+    _check_sizes(curve, name)
     for cycle in curve.cycles:
-        loading, _ = curve.branches(cycle)[LOADING]
-        where = f"{name}, line {curve.line[curve.cycle == cycle][0]}"
-        where += f": stress = {1e-6 * loading[0]:g} MPa"
-        if loading[0] > seating:
+        here = curve.cycle == cycle
+        if again := logs.troughs(curve.stress[here]):
+            raise InputError(
+                f"{name}, line {curve.line[here][again[0]]}: cycle {cycle} is loaded again from "
+                f"{1e-6 * curve.stress[here][again[0]]:.3g} MPa: every loading must have a cycle "
+                "of its own, and curves of several specimens files of their own"
+            )
+        branches = curve.branches(cycle)
+        stress, closure = branches[LOADING]
+        where = f"{name}, line {curve.line[here][0]}: stress = {1e-6 * stress[0]:g} MPa"
+        if stress[0] > seating:
             must = "must start at or below"
             raise InputError(f"{where}: the loading of cycle {cycle} {must} {counts}")
-        if not (loading > seating).any():
+        if not (stress > seating).any():
             raise InputError(f"{where}: no stress of cycle {cycle} is above {counts}")
+        ends = crossing(stress, closure, seating), float(closure[-1])
+        if not ends[1] > ends[0]:
+            raise InputError(
+                f"{name}: closure of cycle {cycle} must increase with stress on loading, but is "
+                f"{1e3 * ends[0]:.4g} mm at {1e-6 * seating:g} MPa and {1e3 * ends[1]:.4g} mm at "
+                f"{1e-6 * stress[-1]:g} MPa; change its sign if it is an opening"
+            )
+        stress, back = branches[UNLOADING]
+        if stress.size and stress[-1] <= seating and not back[-1] < ends[1]:
+            raise InputError(
+                f"{name}: closure of cycle {cycle} must decrease on unloading, but is "
+                f"{1e3 * ends[1]:.4g} mm at the largest stress and {1e3 * back[-1]:.4g} mm at "
+                f"{1e-6 * stress[-1]:g} MPa"
+            )
+
+
+def _check_sizes(curve: MeasuredCurve, name: str) -> None:
+    """Check that numbers are finite, compression is positive, and sizes are those of joints."""
+    sizes = [np.shape(column) for column in curve]
+    if len(set(sizes)) > 1 or len(sizes[0]) != 1 or sizes[0] == (0,):
+        raise InputError(
+            f"{name}: stress, closure, cycle and line have shapes {sizes}: must be (n,)"
+        )
+    for quantity, values in (("stress", curve.stress), ("closure", curve.closure)):
+        if not np.isfinite(values).all():
+            raise InputError(f"{name}: {quantity} has values that are not finite")
+        if (numbers := logs.spikes(values)).size:
+            at = int(numbers[0])
+            size, unit = {"stress": (1e-6, "MPa"), "closure": (1e3, "mm")}[quantity]
+            raise InputError(
+                f"{name}, line {curve.line[at]}: {quantity} = {size * values[at]:.4g} {unit} lies "
+                f"far from the points before and after it, as do {numbers.size - 1} others: "
+                "remove failed measurements"
+            )
+    largest, least = float(curve.stress.max()), float(curve.stress.min())
+    if least < -_OF_SCATTER * logs.scatter_of(curve.stress):
+        line = curve.line[int(np.argmin(curve.stress))]
+        sign = "; compression is positive, change the sign" if -least > largest else ""
+        raise InputError(
+            f"{name}, line {line}: stress = {1e-6 * least:g} MPa: must be 0 or above "
+            f"(compression), or differ from 0 by the scatter of the stresses alone{sign}"
+        )
+    for what, value, (low, high), unit, size in (
+        ("closures range over", float(np.ptp(curve.closure)), CLOSURES, "mm", 1e3),
+        ("the largest stress is", largest, STRESSES, "MPa", 1e-6),
+    ):
+        if not low <= value <= high:
+            limit = f"at most {size * high:g}" if value > high else f"at least {size * low:g}"
+            raise InputError(
+                f"{name}: {what} {size * value:.3g} {unit}: must be {limit} {unit}; "
+                "is their unit right?"
+            )

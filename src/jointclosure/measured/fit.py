@@ -20,6 +20,7 @@ from jointclosure.measured.calibration import (
     Simulated,
     likelihood_of,
     logs_of,
+    reading_sentences,
 )
 from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
@@ -82,6 +83,7 @@ class Fit(NamedTuple):
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         wavelength, strength = self.mismatch_wavelength, self.compressive_strength
         compared = [*self._compared(), *numerical_sentence(self.numerical)]
+        compared += reading_sentences(self.curve, self.measured, self.closure_error)
         missed = self._missed_first_loading()
         if not self.interval_holds:
             ends = {0.0: "mates", math.inf: "independent walls"}

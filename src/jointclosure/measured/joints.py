@@ -13,7 +13,7 @@ from jointclosure.inputs.keywords import check_keywords
 from jointclosure.joint.conditions import Conditions, usual_seating
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.calibration import Readings, readings_of_curve
-from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
+from jointclosure.measured.curves import MeasuredCurve, check_curve, parsed_curve
 from jointclosure.parameters import (
     PROPERTIES,
     Choices,
@@ -86,7 +86,9 @@ class MeasuredJoint(NamedTuple):
         Stress from which closures count [Pa]; the curve must start at or below it. By default as
         for `jointclosure.Conditions`.
     stress_unit, closure_unit : str, optional
-        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
+        Units, if the headings of the columns have none, such as MPa, psi or kN, and mm or um.
+    area : float, optional
+        Loaded area [m2] of the measured joint, by which a column of forces becomes one of stresses.
     columns : sequence of str, optional
         Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
     closure_error : float
@@ -114,6 +116,7 @@ class MeasuredJoint(NamedTuple):
     seating_stress: float | None = None
     stress_unit: str | None = None
     closure_unit: str | None = None
+    area: float | None = None
     columns: Sequence[str] | None = None
     closure_error: float = 0.02
     surfaces: int = 12
@@ -139,6 +142,7 @@ class JointKeywords(TypedDict, total=False):
     seating_stress: float | None
     stress_unit: str | None
     closure_unit: str | None
+    area: float | None
     columns: Sequence[str] | None
     closure_error: float
     surfaces: int
@@ -217,7 +221,7 @@ def asked_joints(
     jrcs = (0.0, 0.0) if pair is not None else _jrc_range(given.jrc)
     spacing = SPACING if spacing is None else spacing
     ny, nx = _shape(given, shape, spacing)
-    check_count("surfaces", given.surfaces, 4)
+    check_count("surfaces", given.surfaces, 4, 100_000)
     check_count("seed", given.seed, 0)
     error = given.closure_error
     check_number("closure_error", error)
@@ -258,7 +262,13 @@ def _read(
         if not Path(curve).is_file():
             raise InputError(f"{name}: file not found")
         units = given.stress_unit, given.closure_unit
-        curve = parsed_curve(read_text(curve), name, *units, cycle=1, names=given.columns)
+        if given.area is not None:
+            check_positive("area", given.area, "m2")
+        curve = parsed_curve(
+            read_text(curve), name, *units, cycle=1, names=given.columns, area=given.area
+        )
+    else:
+        curve = MeasuredCurve(*map(np.asarray, curve))
     curve = curve.first_loading() if first_loading else curve
     seating = given.seating_stress
     if seating is None:
@@ -266,7 +276,7 @@ def _read(
             min(float(curve.stress[curve.cycle == c].max()) for c in curve.cycles)
         )
     check_positive("seating_stress", seating, "Pa")
-    check_loadings(curve, name, seating)
+    check_curve(curve, name, seating)
     with naming(name):
         return curve, readings_of_curve(curve, seating)
 

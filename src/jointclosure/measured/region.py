@@ -26,6 +26,7 @@ from jointclosure.measured.calibration import (
     Readings,
     likelihood_of,
     logs_of,
+    reading_sentences,
 )
 from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
@@ -79,6 +80,7 @@ class Region(NamedTuple):
     scanned: bool
     left_out: list[str]  # sentences
     numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
+    reading: Sequence[str] = ()  # sentences on how the curve was read
 
     def of(self, mechanism: str) -> dict[Later, Likelihood]:
         """Return the joints of a mechanism, by its constant: first those without any."""
@@ -179,7 +181,7 @@ class Region(NamedTuple):
             lines.append(
                 f"{title}: not compatible, {often} of the nearest joints are as far: {where}"
             )
-        lines += numerical_sentence(self.numerical)
+        lines += [*numerical_sentence(self.numerical), *self.reading]
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
 
     def __repr__(self) -> str:
@@ -267,6 +269,7 @@ def validate(
     region = Region(
         measured, given.curve, compared, (closures - closures[..., :1, :1])[kept],
         joints.stresses, error, assumed, pair is not None, left_out,
+        reading=reading_sentences(given.curve, measured, given.joint.closure_error),
     )  # fmt: skip
     kind, i, j = region.place(max(region.mechanisms, key=region.p_value))
     changes = joints.numerical_changes((kept[kind], i, j), closures)
