@@ -133,7 +133,8 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
         assert (middle <= curves[f"{name}_high"] * (1.0 + 1e-6)).all()
     (kni,) = (row for row in record["range"] if row["quantity"] == "kni_net_MPa_per_mm")
     assert 0.0 < kni["low"] < kni["high"]
-    assert {"porepy_low.json", "porepy_high.json"} <= set(contents(tmp_path))
+    # an end whose largest closure Vm is undetermined is not written
+    assert {"porepy_high.json"} <= set(contents(tmp_path))
     assert command("report", tmp_path)[0] == 0
 
 
@@ -214,10 +215,10 @@ def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, comman
     pd.testing.assert_frame_equal(written, joint.differences, rtol=1e-12)
 
 
-def test_a_joint_without_void_on_average_is_warned_of(joint):
+def test_contacts_that_overlap_by_more_than_the_void_are_warned_of(joint):
     closed = joint.history.copy()
     assert "Warning" not in summary(closed, joint.laws)[0]
-    closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
+    closed["mean_overlap"] = 1.01 * closed.mean_aperture
     text, record = summary(closed, joint.laws)
-    assert text.count("- Warning: the mean aperture is -") == closed.load_cycle.max()
+    assert text.count("contacts are pressed into each other by 0.") == closed.load_cycle.max()
     assert len(cautions(record["remarks"])) == closed.load_cycle.max()

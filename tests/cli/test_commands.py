@@ -10,7 +10,7 @@ import jointclosure as jc
 from jointclosure.cli import doctor
 from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.netcdf import read_netcdf
-from tests.joints import COARSE
+from tests.joints import COARSE, SPACING
 
 SMALL = ["--cells", "12x14", "--max-normal-stress", 2, "--seating-stress", 0.2]
 BY_NUMBERS = ["--youngs-modulus", 78, "--poisson-ratio", 0.2, "--strength", 165, "--jrc", 8]
@@ -103,6 +103,18 @@ def test_roughness_prints_every_measure_and_writes_table_and_picture(inputs, tmp
     assert all(name in out for name in frame.index)
     assert frame.value["JRC, yu_vayssade_linear_0.25mm"] == pytest.approx(9.0, abs=0.2)
     assert picture.stat().st_size > 20000
+
+
+@pytest.mark.parametrize("step_mm", [0.0, 0.1])
+def test_roughness_of_an_inclined_wall_names_the_rounding_of_its_file(step_mm, tmp_path, command):
+    wall = 1e3 * jc.wall_pair(9.0, (40, 48), SPACING, seed=1)[0]
+    wall += 0.3 * 0.25 * np.indices(wall.shape)[1]
+    np.save(tmp_path / "a.npy", np.round(wall / step_mm) * step_mm if step_mm else wall)
+    words = ["--units", "mm", "--scan-spacing", "0.25"]
+    code, out, _ = command("roughness", tmp_path / "a.npy", *words)
+    assert code == 0
+    assert "the scan was turned until it lies level" in out
+    assert ("heights are multiples of 100 um" in out) == (step_mm > 0.0)
 
 
 @pytest.fixture

@@ -56,6 +56,22 @@ def test_what_is_wrong_is_one_line_that_names_it(words, message, command):
     assert message in err
 
 
+@pytest.mark.parametrize("name", ["fit", "validate"])
+def test_a_load_in_kilonewtons_is_no_stress_without_its_area(tmp_path, command, name):
+    """25 kN on 2500 mm2 are 10 MPa."""
+    file = tmp_path / "load.csv"
+    file.write_text("Time (s),Normal load (kN),Closure (mm)\n0,0,0\n1,12,.1\n2,25,.12\n")
+    words = [name, file, *FIT[1:], "--cells", 12, "--columns", "2,3", "--stress-unit", "MPa"]
+    code, _, err = command(*words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "'Normal load (kN)': kN is a unit of force; state the loaded area, --area" in err
+    code, _, err = command(*words, "--area", 2500, "--seating", 10.5)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "no stress of cycle 1 is above seating_stress_MPa = 10.5" in err
+    code, _, err = command(*words, "--area", 2500, "--seating", 9.5, "--cells", 4)
+    assert "shape = (4, 4): must be" in err
+
+
 def test_what_close_is_not_given_is_refused_by_the_library_too(small_joint):
     with pytest.raises(jc.InputError, match=r"of type ndarray: must be a file.*simulate"):
         jc.close(*small_joint, rock="granite", max_normal_stress=1e6)

@@ -158,3 +158,26 @@ def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
     walls = changes.pop("walls", [(np.zeros((8, 8)),) * 2])
     with pytest.raises(jc.InputError, match=message):
         jc.assess(walls, **SCENE | changes)
+
+
+@pytest.mark.parametrize(
+    ("apart", "share", "verdict"),
+    [(0.017, 0.1, "easy"), (0.018, 0.1, "hard"), (0.017, 0.101, "hard")],
+)
+def test_joints_are_easy_up_to_half_of_the_request_and_a_tenth_of_force_that_cannot_break(
+    apart, share, verdict
+):
+    """Two copies that are 2 x apart have a standard deviation of x sqrt(2): 0.025 is the limit."""
+    closed = closures(scatter=0.0, joints=1, unbreakable_share=share)
+    copies = closed.copy_of_walls == "mirrored"
+    closed.loc[copies, list(ASSESSED)] *= (1.0 + apart) / (1.0 - apart)
+    assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == verdict
+
+
+def test_a_scene_that_fails_without_an_effect_needs_it():
+    closed = closures()
+    assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == "can be left out"
+    closed.loc[closed.index[closed.variant == "without gouge"][0], "status"] = 16
+    assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == "needed: fails"
+    wide = Assessment(closures(effect=0.05, scatter=0.05), LADDER, "middle", 0.05)
+    assert wide.verdict("without gouge") == "not decided"

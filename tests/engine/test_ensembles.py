@@ -180,3 +180,20 @@ def test_many_cells_need_a_stated_spacing():
     check_cells((1001, 1000), SPACING, stated=True)
     with pytest.raises(jc.InputError, match=r"1000 x 1001 cells .* 1.5 mm"):
         check_cells((1001, 1000), SPACING, stated=False)
+
+
+def test_a_forecast_has_the_powers_of_the_cells_their_scatter_and_the_memory_of_all_at_once(
+    monkeypatch,
+):
+    monkeypatch.setattr(estimation, "_time_of_window", lambda *walls: (10.0, 128 * 128))
+    flat = np.zeros((200, 200))
+    conditions = Conditions(**LOAD).checked()
+    one = expected_cost(flat, flat, conditions, single=True)
+    share = flat.size / 128**2
+    assert one.seconds == pytest.approx((10.0 / 1.4 * share**1.15, 10.0 * 1.4 * share**1.75))
+    assert one.memory == pytest.approx(300e6 + 1000 * flat.size)
+    ranged = expected_cost(flat, flat, conditions, single=False, workers=2)
+    assert ranged.memory == pytest.approx(300e6 + 2 * 1000 * flat.size)
+    assert ranged.seconds[0] > 10.0 * one.seconds[0]
+    for cells, step in (((150, 200), 2), ((150, 401), 3)):
+        assert f"{1e3 * step * SPACING:.4g} mm" in estimation.coarser(cells, SPACING)

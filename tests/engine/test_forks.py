@@ -9,7 +9,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.processes import ROOT, python
+from tests.processes import python
 
 FORK = """
 import ctypes, os, time
@@ -28,12 +28,6 @@ POOL = """
 import time
 from jointclosure.engine.workers import shared
 list(shared(time.sleep, [(600,), (600,)], workers=2))
-"""
-GROUP = """
-import subprocess, sys
-sys.path.insert(0, {scripts!r})
-from process_group import EndRequest, run_group
-run_group(["sh", "-c", "trap '' INT TERM HUP; exec sleep 600"], EndRequest())
 """
 
 
@@ -63,9 +57,8 @@ def wait_for_processes(folder: Path, least: int, most: float = 60.0) -> None:
         (FORK.format(before="", parent=600, child=0), 2),
         (FORK.format(before=NO_PRCTL, parent=600, child=0), 2),
         (POOL, 3),
-        (GROUP.format(scripts=str(ROOT / "workflow/scripts")), 2),
     ],
-    ids=["fork", "fork without prctl", "pool of processes", "program"],
+    ids=["fork", "fork without prctl", "pool of processes"],
 )
 def test_children_end_with_a_parent_that_is_killed(tmp_path, program, processes):
     run = subprocess.Popen([sys.executable, "-c", program], cwd=tmp_path)

@@ -5,12 +5,14 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.engine import oracle
+from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
 from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES, ClosedWalls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
-from studies.frame.points import mean_shown
+from studies.frame.tables import mean_shown
 
 LARGEST, HALF = 20e6, 10e6
 SLATE = jc.Rock(youngs_modulus=66e9, poisson_ratio=0.25, compressive_strength=159e6)
@@ -85,6 +87,21 @@ def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress
     assert loops[1:].tolist() == [0.0, 0.0]
 
 
+def test_hysteresis_is_the_work_that_unloading_keeps_over_that_of_loading():
+    """Straight branches: back to 1 of 2 in the first cycle, to 1.75 of 2 from 1 in the second."""
+    made = xr.Dataset(
+        {
+            "closure": ("step", [0.0, 2.0, 1.0, 2.0, 1.75]),
+            "normal_stress": ("step", [0.0, 4.0, 0.0, 4.0, 0.0]),
+            "load_cycle": ("step", [1, 1, 1, 2, 2]),
+            "branch": ("step", ["loading", "loading", "unloading", "loading", "unloading"]),
+            "max_closure": ("cycle", [2.0, 1.0]),
+        }
+    )
+    read = ClosedWalls((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
+    np.testing.assert_allclose(value("hysteresis", read), [0.5, 0.75])
+
+
 def test_tables_of_engineers_name_and_scale_quantities_as_all_others(joint):
     closed, read = joint
     shown = cycle_table(closed)
@@ -108,3 +125,29 @@ def test_walls_are_summed_so_that_mates_have_no_relief(joint):
     mates = ClosedWalls((upper, -upper), read.closed, CONDITIONS, 0.0, np.empty(0))
     for name in ("rms_height", "rms_slope", "initial_aperture"):
         assert value(name, mates) == 0.0 < value(name, read)
+
+
+def test_states_are_judged_by_the_limits_of_the_model_and_of_what_was_solved_for():
+    rounding = 1e-13
+    verdict = oracle.Verdict(*[0.0] * len(oracle.Verdict._fields))._replace(rounding=rounding)
+    resolved = Numerics(breakage="resolved", tolerance=0.02, force_tolerance=1e-5)
+    elastic = Effects(breakage=False, gouge=False)
+    for effects, numerics, by_stress, residual, strength, volume in (
+        (Effects(), resolved, True, 1e-5, 0.02, 1e-12),
+        (Effects(), Numerics(), True, 1e-5, 0.0, 1e-12),
+        (Effects(gouge=False), resolved, True, 1e-5, 0.02, np.inf),
+        (elastic, Numerics(), True, 1e-10, 0.0, 0.0),  # one curve is solved to this
+        (elastic, Numerics(), False, 1e-5, 0.0, 0.0),
+        (elastic, Numerics(solver="reference"), True, 1e-5, 0.0, 0.0),
+    ):
+        limits = limits_of(verdict, effects, tolerances_of(effects, numerics, by_stress))
+        solved = 1.01 * residual + 16.0 * rounding  # of sixteen units in the last place
+        for name in ("residual", "without_overlap", "without_force"):
+            assert limits[name] == pytest.approx(solved)
+        assert limits["strength"] == pytest.approx(1e-6 + strength + 16.0 * rounding)
+        assert (limits["volume"], limits["load"]) == (volume, 1e-12)
+        # no other number may be above 0
+        others = {name: 0.0 for name in oracle.Verdict._fields if name not in limits}
+        for name in others:
+            assert largest_ratio({name: 1e-300}, limits) == np.inf
+    assert largest_ratio({"load": 3e-12, "rounding": 1.0}, limits) == pytest.approx(3.0)

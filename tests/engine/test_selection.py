@@ -188,3 +188,9 @@ def test_gouge_substrate_and_soft_peaks_are_kept_and_effects_that_are_off_are_no
     assert all(scene.gouge == scene.breakage for scene in scenes)
     assert possible_scenes(ELASTIC) == [ELASTIC, ELASTIC._replace(interaction=False)]
     assert possible_scenes(ALL, chosen=False) == [ALL]
+
+
+@pytest.mark.parametrize(("seconds", "left_out"), [(0.85, True), (0.95, False), (2.0, False)])
+def test_effects_stay_unless_a_tenth_of_the_time_is_saved(seconds, left_out):
+    pilot = MadeUp([0.0] * 20, 10_000, (0.0, 0.01), seconds)
+    assert pilot.test(("interaction",), ALL, 0.1)[0] is left_out

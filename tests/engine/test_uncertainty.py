@@ -14,7 +14,10 @@ from jointclosure.engine.budget import (
     ORDER,
     QUANTITIES,
     SHARED,
+    VM,
+    Budget,
     Source,
+    bands_of,
     ranges_of,
     total_indices,
 )
@@ -23,6 +26,7 @@ from jointclosure.engine.uncertainty import (
     PLAUSIBLE,
     random_shares,
     sources_of,
+    threads_for,
     uncertainty_budget,
     variants_of,
 )
@@ -121,6 +125,47 @@ def test_the_range_holds_nine_in_ten_of_the_random_results():
     assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
 
 
+def test_both_ends_leave_out_a_twentieth():
+    for widths in ({"a": 1.0}, {"a": 0.5, "b": 2.0}):
+        found = range_of(widths)
+        shares = random_shares(widths, 10_000, 0)
+        exact = 2.0 * np.exp((2.0 * shares - 1.0) @ np.array(list(widths.values())))
+        for end, part in (("low", 0.05), ("median", 0.5), ("high", 0.95)):
+            assert found[end] == pytest.approx(np.quantile(exact, part), rel=1e-6)
+
+
+def of_equal_departures():
+    """Results of 16 random joints that lie 1 off on either side of the best, in logarithms."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (16, 1000))
+    logs = np.array([0.0, 0.0, 0.0, *np.tile([-1.0, 1.0], 8)])
+    return sources, shares, further, ["", "a", "a", *[ALL] * 16], 2.0 * np.exp(logs)
+
+
+def test_departures_have_the_variance_of_a_further_joint():
+    """Of a sample of n about its own mean: s^2 (1 + 1/n), with s^2 = 16/15 and n = 16."""
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    ends = ranges_of(results, sources, shares, further).iloc[0]
+    half = np.log(ends[["low", "high"]].astype(float) / 2.0)
+    np.testing.assert_allclose(np.abs(half), np.sqrt(16.0 / 15.0 * (1.0 + 1.0 / 16.0)))
+
+
+def test_a_band_is_as_wide_as_the_range_of_the_same_results():
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    ends = ranges_of(results, sources, shares, further).loc[(1, CLOSURE)]
+    name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
+        for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
+    ]
+    bands = bands_of(pd.concat(curves), sources, shares, further)
+    for number in ("median", "low", "high"):
+        expected = np.array([0.0, 0.5, 1.0]) * ends[number]
+        np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
+
+
 def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
     """As in each joint, though departures from the sum of the sources are of few joints."""
     sources = {"a": Source((0.0, 1.0), "range")}
@@ -135,6 +180,44 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         assert ends.loc["contact_at_max"].max() <= 1.0
         assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
         assert (ends.low >= 0.0).all()
+
+
+@pytest.mark.parametrize("missing", [5, 1])
+def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
+    """Of all joints, or of one of those with random values."""
+    sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
+    vm = np.where(np.arange(5) < 5 - missing, 1.0, np.nan)
+    names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
+    values = dict.fromkeys(QUANTITIES, np.ones(5)) | {VM: vm}
+    results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
+    shares = np.array([[0.2], [0.8]])
+    budget = Budget(results, ranges_of(results, sources, shares, shares), ())
+    assert budget.text(1, VM) == ("undetermined" if missing == 5 else "1.0 (1.0 to 1.0)")
+    assert any(f"undetermined for {missing} of 5 variants" in line for line in budget.sentences())
+
+
+@pytest.mark.parametrize("status", ["not_solved", "at_least", "blocked"])
+def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
+    """A blocked flow is known to be 0; the bounds are always known."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    names = ["", "a", "a", *[ALL] * DRAWS]
+    curves = [
+        pd.DataFrame({"cycle": 1, "branch": "loading", "normal_stress_MPa": [1.0, 2.0],
+                      "hydraulic_aperture_mm": [0.2, 0.1], "largest_hydraulic_mm": [0.4, 0.3],
+                      "flow_status": "flows", "source": name})
+        for name in names
+    ]  # fmt: skip
+    curves[5].loc[1, "flow_status"] = status
+    curves[5].loc[1, "hydraulic_aperture_mm"] = 0.0 if status == "blocked" else np.nan
+    band = bands_of(pd.concat(curves), sources, shares, further)
+    ends = band[[f"hydraulic_aperture_mm_{end}" for end in ("median", "low", "high")]]
+    assert np.isfinite(ends.iloc[0]).all()
+    assert np.isfinite(ends.iloc[1]).all() == (status == "blocked")
+    assert band.largest_hydraulic_mm_high.notna().all()
+    assert band.flow_status.tolist() == ["flows", status]
+    known = band.filter(like="transmissivity").notna()
+    np.testing.assert_array_equal(known.all(axis=1), [True, status == "blocked"])
 
 
 def test_a_budget_has_results_of_all_joints_and_the_best(budget, small_joint):
@@ -258,3 +341,69 @@ def test_what_is_plausible_is_what_the_global_sensitivity_study_varies():
     }
     del studied["largest_radius_mm"]  # it has no share of the variance of a closure
     assert {name: list(values) for name, values in PLAUSIBLE.items()} == studied
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.0, 1.0, 2.0, -1.0])
+def test_sources_that_do_not_add_up_count_by_what_they_do_together_and_at_most_in_full(factor):
+    """The changes of joints with random values are a multiple of the expected sums."""
+    sources = {name: Source((0.0, 1.0), "range") for name in "ab"}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    drawn, later = ((2.0 * part - 1.0).sum(axis=1) for part in (shares, further))
+    logs = [0.0, -1.0, 1.0, -1.0, 1.0, *(factor * drawn)]
+    results = pd.DataFrame(
+        {"cycle": 1, "source": ["", *"aabb", *[ALL] * DRAWS]}
+        | dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    )
+    low = float(np.log(ranges_of(results, sources, shares, further).iloc[0].low / 2.0))
+    slope = min(max(factor, 0.0), 1.0)
+    left = (factor - slope) * drawn  # what no source explains, of a further joint
+    left = left.mean() + np.sqrt((DRAWS + 1) / (DRAWS - 1)) * (left - left.mean())
+    exact = np.quantile(slope * later[:, None] + left, 0.05)
+    assert low == pytest.approx(exact, abs=1e-3)
+
+
+def test_only_what_is_uncertain_of_a_joint_is_a_source():
+    none = np.zeros((20, 24), bool)
+
+    def names(shape=(20, 24), errors=None, **changes):
+        return set(sources_of(CONDITIONS._replace(**changes), shape, {}, errors))
+
+    usual = names()
+    assert "spacing" not in names((15, 24))
+    assert "spacing" in names((16, 24))
+    exact = ScanErrors(np.zeros(3), np.zeros((3, 3)), np.zeros(2), (0.0, 0.0), none)
+    assert names(errors=exact) == usual
+    noisy = exact._replace(noise=(0.0, 1e-6))
+    moved = exact._replace(covariance=np.eye(3))
+    assert names(errors=noisy) - usual == {"noise"}
+    assert names(errors=moved) - usual == {"registration"}
+    hard = jc.Effects(soft_peaks=False)
+    assert usual - names(effects=hard) == {"peak_modulus_ratio", "peaks"}
+    assert "breakage" not in names(numerics=jc.Numerics(solver="reference"))
+    assert "breakage" not in names(numerics=jc.Numerics(target="interpolate"))
+    for tolerance, kind in ((0.05, SHARED), (0.06, "choice")):
+        numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
+        assert sources_of(CONDITIONS._replace(numerics=numerics), (20, 24))["breakage"].kind == kind
+
+
+def test_joints_of_a_range_are_closed_at_once_as_far_as_memory_allows():
+    assert [threads_for(cells, 5) for cells in (1, 400_000, 1_000_000, 2_000_000, 10**8)] == [
+        5, 5, 2, 1, 1
+    ]  # fmt: skip
+
+
+def test_a_joint_at_the_edge_of_the_random_ones_is_told_and_a_range_of_nothing_is_not_modelled():
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    for below, outlying in ((2, True), (3, False), (17, False), (18, True)):
+        drawn = np.where(np.arange(20) < below, 0.5, 2.0)
+        values = dict.fromkeys(QUANTITIES, np.array([1.0, 1.0, 1.0, *drawn]))
+        values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
+        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
+        results = results.assign(value="", status=0)
+        budget = Budget(results, ranges_of(results, sources, shares, further), ())
+        told = [line for line in budget.sentences() if "as registered" in line]
+        assert bool(told) == outlying
+        if told:
+            assert ("smaller" in told[0]) == (below < 10)
+        assert budget.text(1, "residual_closure_seated_net_mm") == "not modelled"

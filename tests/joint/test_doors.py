@@ -1,6 +1,7 @@
 """Every function that closes joints takes the same conditions, and refuses the same ones."""
 
 import functools
+import inspect
 import re
 import warnings
 
@@ -8,7 +9,9 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.joint.rocks import ROCKS
+from jointclosure.parameters import USUAL, check_choices, check_usual
 from jointclosure.walls.gridding import Scan
 from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls
@@ -43,6 +46,13 @@ ONCE = {"spacing": SPACING, "effects": ELASTIC, "cycles": 1}
 
 def first_closure(door, **given):
     return float(np.ravel(CLOSE[door](*pair(24), **ONCE | given).max_closure)[0])
+
+
+@pytest.mark.parametrize("door", ["close", "assess"])
+def test_the_signature_of_a_function_of_scans_shows_the_numerics_that_it_takes(door):
+    shown = inspect.signature(getattr(jc, door)).parameters
+    assert shown["numerics"].default == RESOLVED
+    assert shown["spacing"].default is None
 
 
 @pytest.mark.parametrize("door", CLOSE)
@@ -182,3 +192,90 @@ def test_settings_are_refused_when_they_are_made(settings, change, named):
 def test_what_is_no_effects_is_refused_at_a_closure_too():
     with pytest.raises(jc.InputError, match="effects = 3: must be an Effects"):
         jc.equilibrium(*pair(6), spacing=SPACING, rock=DOLERITE, closure=1e-6, effects=3)
+
+
+LIMITS = {
+    # last value that is refused, first and last one that are taken, first one that is refused
+    "base_radius_in_cells": (0.0, 1e-9, 1.0, 1.0 + 1e-9),
+    "peak_modulus_ratio": (0.0, 1e-9, 1.0, 1.0 + 1e-9),
+    "crushed_strength_ratio": (0.0, 1e-9, 1.0, 1.0 + 1e-9),
+    "tie_tolerance": (0.0, 1e-30, 0.000999, 0.001),
+    "stress_tolerance": (0.99e-14, 1e-14, 0.999, 1.0),
+    "force_tolerance": (0.99e-14, 1e-14, 0.999, 1.0),
+    "sweep_tolerance": (0.99e-14, 1e-14, 0.999, 1.0),
+    "curve_points": (0, 1, 100_000, 100_001),
+    "tolerance": (0.0, 1e-9, 0.1, 0.1001),
+    "most_steps": (0.99, 1.0, np.inf, np.nan),
+    "most_breakage_steps": (0.99, 1.0, np.inf, np.nan),
+    "idle_interaction": (-1e-9, 0.0, 0.999, 1.0),
+    "breakage_step": (0.0, 1e-15, 12.4e-6, 12.5e-6),
+    "later_breakage_step": (0.0, 1e-15, 6.2e-6, 6.25e-6),
+    "displacement_step": (5e-6, 5.1e-6, 1e3, np.inf),
+    "later_displacement_step": (2.5e-6, 2.6e-6, 1e3, np.inf),
+    "largest_radius": (0.0, 1e-15, 1e15, 1.01e15),
+    "poisson_ratio": (-1e-9, 0.0, 0.5, 0.5 + 1e-9),
+    "youngs_modulus": (0.0, 1e-9, 1e30, np.inf),
+    "compressive_strength": (0.0, 1e-9, np.inf, np.nan),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_settings_are_taken_up_to_their_limits_and_no_further(name):
+    (settings,) = (one for one in (NUMERICS, CHOICES, DOLERITE) if name in one._fields)
+    below, first, last, above = LIMITS[name]
+    for value in (first, last):
+        assert getattr(type(settings)(**settings._asdict() | {name: value}), name) == value
+    for value in (below, above):
+        with pytest.raises(jc.InputError, match=name):
+            type(settings)(**settings._asdict() | {name: value})
+
+
+USUAL_ENDS = {
+    "youngs_modulus": (1e8, 3e11),
+    "compressive_strength": (2.5e5, 1e9),
+    "max_normal_stress": (1e3, 1e9),
+    "seating_stress": (10.0, 1e9),
+    "snapshots": (1e3, 1e9),
+    "spacing": (1e-6, 0.1),
+    "side_of_scan": (5e-3, 10.0),
+    "displacement_step": (1e-9, 1e-3),
+    "later_displacement_step": (1e-9, 1e-3),
+    "breakage_step": (1e-10, 1e-3),
+    "later_breakage_step": (1e-10, 1e-3),
+    "largest_radius": (1e-6, 1.0),
+    "roll_off": (1e-5, 0.5),
+    "mismatch_wavelength": (1e-5, 0.5),
+}
+
+
+def test_values_a_unit_away_from_usual_ones_are_refused_and_0_and_infinity_are_no_slips():
+    assert USUAL_ENDS.keys() == USUAL.keys()
+    for name, (low, high) in USUAL_ENDS.items():
+        for value in (low, high, 0.0, np.inf, None):
+            check_usual((), **{name: value})
+        for value in (0.99 * low, 1.01 * high):
+            with pytest.raises(jc.InputError, match=f"{name} = .*not usual"):
+                check_usual((), **{name: value})
+
+
+def test_seating_is_at_most_nine_tenths_of_the_smallest_maximum():
+    load = {"max_normal_stress": (10e6, 0.0, 2e6), "rock": DOLERITE, "spacing": SPACING}
+    for seating in (0.0, 1.8e6):
+        checked = jc.Conditions(**load, seating_stress=seating).checked()
+        assert checked.seating_stress == seating
+    for seating in (-1.0, 1.81e6, np.nan):
+        with pytest.raises(jc.InputError, match="seating_stress"):
+            jc.Conditions(**load, seating_stress=seating).checked()
+
+
+def test_an_asperity_is_no_flatter_than_a_cell_is_wide_and_a_switch_is_no_number():
+    check_choices(CHOICES._replace(largest_radius=SPACING), SPACING)
+    with pytest.raises(jc.InputError, match="must be at least the grid spacing"):
+        check_choices(CHOICES._replace(largest_radius=0.99 * SPACING), SPACING)
+    for name, switch in (("replay", NUMERICS), ("gouge", jc.Effects())):
+        for value in (1, None, "yes"):
+            with pytest.raises(jc.InputError, match=f"{name} = .*must be True or False"):
+                jc.Conditions(
+                    SPACING, DOLERITE, 1e6,
+                    **{type(switch).__name__.lower(): switch._replace(**{name: value})},
+                ).checked()  # fmt: skip

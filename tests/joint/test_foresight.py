@@ -1,19 +1,24 @@
 """What would run practically for ever is refused, or ends by a bound that can be lifted."""
 
 import math
+import re
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint import simulation
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint import protocol, simulation
+from jointclosure.joint.protocol import FAILURE, FLAGS, closure_limit
+from jointclosure.joint.step_control import LARGEST_STEP
 from jointclosure.mechanics.strength import strength_factor
+from jointclosure.solvers import fast
+from jointclosure.solvers.joint import Joint
 from tests import joints
 from tests.joints import SPACING, pair
 
 CELLS, SCALE = 12, 1e5
+WITHOUT_GOUGE = jc.Effects(gouge=False)
 LARGE = [SCALE * wall for wall in pair(CELLS, 1)]
 
 
@@ -94,3 +99,117 @@ def test_what_is_refused_can_be_asked_for_by_name():
     bounds = {"most_breakage_steps": 3e6, "most_steps": 20}
     ended = closed(largest_radius=SPACING, breakage="resolved", **bounds)
     assert FLAGS[int(ended.status)] == "too_many_steps"
+
+
+def test_steps_are_foreseen_for_all_cycles_and_the_longest_steps_of_the_breakage():
+    def foreseen(cycles, breakage):
+        bounds = {"most_steps": 20, "breakage": breakage, "cycles": cycles}
+        with pytest.raises(jc.InputError, match="steps") as stated:
+            closed(LARGE, scale=SCALE, **bounds)
+        closure, steps = re.search(r"(\S+) m, .*takes? (\S+) steps", str(stated.value)).groups()
+        return float(closure), float(steps)
+
+    for breakage, longest in (("fixed_step", 1.0), ("resolved", LARGEST_STEP)):
+        for cycles in (1, 3):
+            closure, steps = foreseen(cycles, breakage)
+            numerics = jc.Numerics()
+            expected = closure / (longest * numerics.displacement_step)
+            expected += (2 * cycles - 1) * closure / numerics.later_displacement_step
+            assert steps == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 0.1])
+def test_the_strength_of_all_bases_has_the_band_in_which_contacts_rest(tolerance):
+    """A pair may exceed its strength by the tolerance, its force by that to the power of 3/2."""
+    weak = {"rock": joints.DOLERITE._replace(compressive_strength=3e6), "breakage": "resolved"}
+    with pytest.raises(jc.InputError, match="strength_bound = 'base'") as said:
+        closed(**weak, tolerance=tolerance)
+    most = float(str(said.value).split("less than ")[1].split(" Pa")[0])
+    base = 0.5**2 * np.pi * 2.0 / 3.0 * 3e6 / strength_factor(joints.DOLERITE.poisson_ratio)
+    assert most == pytest.approx(base * (1.0 + tolerance) ** 1.5, rel=0.003)
+
+
+def test_no_joint_closes_beyond_the_closure_from_which_a_stress_counts_as_not_reached():
+    """Neither flat walls, which close by their indentation alone, nor those that break away."""
+    flat, rough, vanishing = 2 * [np.zeros((CELLS, CELLS))], pair(CELLS, 1), jc.Effects(gouge=False)
+    for walls, stress, effects in (
+        (flat, 1e6, jc.Effects()),
+        (flat, 50e6, jc.Effects()),
+        (rough, 50e6, jc.Effects()),
+        (rough, 1e6, vanishing),
+    ):
+        found = closed(walls, stress, effects=effects)
+        assert int(found.status) < FAILURE
+        rocks = joints.DOLERITE, joints.DOLERITE
+        joint = Joint(*walls, SPACING, rocks, effects, jc.Choices(), jc.Numerics())
+        limit = closure_limit(joint, stress * SPACING**2 * CELLS**2)
+        assert float(found.closure.max()) < limit
+
+
+def test_breakage_that_does_not_come_to_rest_in_many_rounds_is_a_failure(monkeypatch):
+    assert int(closed(stress=10e6).status) < FAILURE
+    monkeypatch.setattr(fast, "MOST_ROUNDS", 2)
+    assert FLAGS[int(closed(stress=10e6).status)] == "breakage_not_at_rest"
+
+
+@pytest.mark.parametrize("bounds", [{}, {"breakage": "resolved"}, {"effects": WITHOUT_GOUGE}])
+def test_walls_whose_highest_parts_must_all_be_crushed_are_refused_before_the_first_step(bounds):
+    """Elastically the highest cell alone carries the stress; at its strength it takes many."""
+    scale = 2.0 / float(np.ptp(np.add(*pair(CELLS, 1))))
+    relief = [scale * wall for wall in pair(CELLS, 1)]
+    began = patch.object(protocol, "run_cycles", side_effect=AssertionError("a step was taken"))
+    with began, pytest.raises(jc.InputError, match=r"a closure of .* m, without") as refused:
+        closed(relief, most_steps=500, **bounds)
+    foreseen = float(str(refused.value).split("a closure of ")[1].split(" m")[0])
+    assert 0.01 < foreseen < 2.0
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+def test_the_closure_that_is_foreseen_is_reached(breakage):
+    scale = 0.02 / float(np.ptp(np.add(*pair(CELLS, 1))))
+    relief = [scale * wall for wall in pair(CELLS, 1)]
+    with pytest.raises(jc.InputError) as refused:
+        closed(relief, breakage=breakage, most_steps=1)
+    foreseen = float(str(refused.value).split("a closure of ")[1].split(" m")[0])
+    assert foreseen < float(closed(relief, breakage=breakage).closure.max()) < 10.0 * foreseen
+
+
+@pytest.mark.parametrize(
+    ("stated", "refused"),
+    [
+        ({"cycles": 10**9}, "cycles = 1000000000: must be at most 10000"),
+        ({"stress": [1e6, 0.0] * 10_001, "cycles": None}, "has 20002 stresses"),
+        (
+            {"cycles": 10_000, "effects": joints.ELASTIC, "curve_points": 100_000},
+            "curve_points = 100000: with 10000 cycles",
+        ),
+    ],
+)
+def test_histories_that_never_end_are_refused(stated, refused):
+    with pytest.raises(jc.InputError, match=refused):
+        closed(**stated)
+
+
+@pytest.mark.parametrize("history", [[5e6, 4.996e6, 5e6], [5e6, 0.0, 6e6, 4.995e6, 5e6]])
+def test_a_minimum_that_a_maximum_beside_it_hardly_exceeds_is_refused(history):
+    """Both are met within the tolerance: no loading would lie between them."""
+    with pytest.raises(jc.InputError, match=r"too close to a maximum beside it, 5e.06 Pa"):
+        closed(stress=history, cycles=None)
+    elastic = closed(stress=history, cycles=None, effects=joints.ELASTIC)
+    assert (elastic.max_closure > 0.0).all()
+
+
+def test_a_cycle_whose_loading_breakage_jumps_over_at_once_has_a_closure_of_zero():
+    """The last state below the maximum is then the one at its start."""
+    load, loads = protocol._load, []
+
+    def load_first_only(*arguments):
+        loads.append(arguments)
+        return load(*arguments) if len(loads) == 1 else None
+
+    with patch.object(protocol, "_load", load_first_only):
+        joint = closed(stress=2e6, cycles=2, replay=False)
+    assert len(loads) == 2
+    assert joint.max_closure.values[0] > 0.0
+    assert joint.max_closure.values[1] == 0.0
+    assert np.isfinite(joint.residual_closure).all()

@@ -1,7 +1,11 @@
 """Closures and stresses read from steps of a history; stiffnesses do not depend on the steps."""
 
+import functools
 import itertools
+import json
 
+import hypothesis
+import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,9 +13,17 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.curves import (
+    GROSS,
     branch_of,
+    closures_at,
     crossing,
+    cycle_closures,
+    landing_stress,
+    loop_between,
     net_responses,
+    rising_slopes,
+    seat_of,
+    stress_levels,
     unloading_excess,
     values_at_stresses,
 )
@@ -49,6 +61,9 @@ def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
     np.testing.assert_allclose(found[1], [[0.5, 1.5, 2.5], [0.7, 1.6, 2.5]])
     partly = history([0.0, 2.0, 1.5, 3.0], [0.0, 4.0, 2.001, 6.0], [2, 1, 1])
     levels = np.array([1.0, 2.0, 3.0])
+    fixed = partly.assign_attrs(numerics='{"breakage": "fixed_step"}')
+    found = values_at_stresses(fixed, partly.closure.values, 2, levels, 1e-3)
+    assert np.isnan([found[0, 1, 0], found[1, 0, 0]]).all()
     found = values_at_stresses(partly, partly.closure.values, 2, levels, 1e-3)
     assert np.isnan([found[0, 1, 0], found[1, 0, 0]]).all()
     assert found[0, 1, 1] == found[1, 0, 1] == 1.5  # landed on within the tolerance
@@ -98,3 +113,102 @@ def test_every_branch_has_steps_enough_for_a_chord(stiff_joints):
             for branch in ("loading", "unloading"):
                 stress = usual.normal_stress.values[branch_of(usual, cycle, branch)]
                 assert (stress > 0.5 * LARGEST).sum() >= 5
+
+
+def lab_history(closure, stress, steps, numerics=None, effects=None, maximum=4.0):
+    """A history with the attributes that readings depend on."""
+    numerics = {"breakage": "fixed_step", "target": "equilibrate"} | (numerics or {})
+    numerics = {"displacement_step": 1.0, "later_displacement_step": 0.5} | numerics
+    numerics |= {"stress_tolerance": 1e-3}
+    made = history(closure, stress, steps)
+    made = made.assign(bulk_indentation=0.0 * made.closure)
+    about = {"seating_stress_Pa": 0.5, "max_normal_stress_Pa": maximum}
+    settings = {"numerics": numerics, "effects": {"breakage": True} | (effects or {})}
+    return made.assign_attrs(about | {name: json.dumps(of) for name, of in settings.items()})
+
+
+LANDED = [0.0, 1.0, 2.0, 2.5, 2.6], [0.0, 1.0, 3.0, 3.9, 4.0]
+"""Closures and stresses of a loading whose last whole step, of 1, ends at a stress of 3."""
+
+
+def test_only_loadings_beyond_a_former_maximum_by_fixed_steps_land_from_their_last_whole_step():
+    once = [5]
+    assert landing_stress(lab_history(*LANDED, once), 1) == 3.0
+    for changed in ({"breakage": "resolved"}, {"target": "interpolate"}):
+        assert landing_stress(lab_history(*LANDED, once, changed), 1) == np.inf
+    elastic = lab_history(*LANDED, once, effects={"breakage": False})
+    assert landing_stress(elastic, 1) == np.inf
+    for beyond, lands in ((1.0, False), (1.002, False), (1.05, True)):
+        up = [2.0, 2.5, 3.0, 3.1], [0.0, 2.0, 3.5, 4.0 * beyond]
+        twice = lab_history([*LANDED[0], *up[0]], [*LANDED[1], *up[1]], [5, 1, 3])
+        found = landing_stress(twice, 2)
+        assert found == (3.5 if lands else np.inf)
+    # without any whole step it lands from its start
+    short = lab_history([0.0, 0.4, 0.7], [0.0, 2.0, 4.0], [3])
+    assert landing_stress(short, 1) == 0.0
+
+
+def test_closures_of_a_cycle_are_unknown_unless_it_was_unloaded_to_its_minimum():
+    closure = [0.0, 2.0, 4.0, 3.0, 2.0, 4.0, 3.5]
+    stress = [0.0, 2.0, 4.0, 2.0, 0.0, 4.0, 2.0]
+    closed = lab_history(closure, stress, [3, 2, 1, 1], {"breakage": "resolved"})
+    for minima, known in (([0.0, 0.0], [True, False]), ([0.0, 2.0], [True, True])):
+        found = cycle_closures(closed, GROSS, np.array(minima))
+        assert np.isfinite(found["max_closure"]).tolist() == known
+        assert np.isfinite(found["residual_closure"]).tolist() == known
+    # the second one begins below the seating stress, and ends above it
+    assert np.isfinite(found["max_closure_seated"]).all()
+    assert np.isnan(found["residual_closure_seated"][1])
+    assert seat_of(closed.isel(step=slice(5, None)), 2, "loading") != 0.0
+    for breakage in ("resolved", "fixed_step"):
+        above = lab_history(
+            [0.0, 4.0, 3.0, 4.0], [0.0, 4.0, 2.0, 4.0], [2, 1, 1], {"breakage": breakage}
+        )
+        assert np.isfinite(seat_of(above, 1, "loading"))
+        assert np.isnan(seat_of(above, 2, "loading"))  # begins at 2
+
+
+def test_a_cycle_that_was_not_completed_has_no_net_responses():
+    whole = closed_joint()
+    part = whole.copy(deep=True)
+    part["max_closure"][1] = np.nan
+    known, found = net_responses(whole), net_responses(part)
+    for name, values in known.items():
+        assert np.isfinite(values[0]) or name == "landing_stress"
+        np.testing.assert_array_equal(found[name][0], values[0])
+        assert np.isnan(found[name][1])
+
+
+@functools.cache
+def closed_joint():
+    return closed(jc.wall_pair(8.0, (20, 24), SPACING, seed=3), 4e6, seating_stress=0.5e6)
+
+
+def test_a_maximum_within_a_percent_of_a_level_counts_as_reaching_it_and_no_lower_one():
+    closed = lab_history([0.0, 2.0, 4.0, 3.0, 2.0], [0.0, 2.0, 4.0, 2.0, 0.0], [3, 2])
+    read = closures_at(closed, np.array([3.9, 4.0, 4.03, 4.05]), GROSS)
+    assert np.isfinite(read[0, :, :3]).all()
+    np.testing.assert_array_equal(read[0, :, 2], read[0, :, 1])
+    assert np.isnan(read[0, :, 3]).all()
+    other = lab_history([*range(6)], [0.0, 4.0, 0.0, 2.0, 0.0, 2.0], [2, 1, 1, 1, 1], maximum=4.0)
+    assert stress_levels(other, 4, 2)[-1] == 2.0  # of its cycle
+    assert stress_levels(other, 4)[-1] == stress_levels(other, 4, 1)[-1] == 4.0
+
+
+def test_a_loop_of_rounding_is_none():
+    loading = np.array([1.0, 1.0, 1.0, 0.0])
+    unloading = loading + np.array([1e-13, -1e-13, 1e-11, 1e-20])
+    np.testing.assert_array_equal(loop_between(loading, unloading) != 0.0, [0, 0, 1, 1])
+
+
+@hypothesis.given(st.lists(st.floats(0.01, 3.0), min_size=6, max_size=20))
+def test_slopes_of_any_curve_rise_and_leave_its_steepest_chords_by_no_more_than_twice(rises):
+    stress = np.arange(len(rises) + 1.0)
+    closure = np.concatenate([[0.0], np.cumsum(rises)])
+    slopes = rising_slopes(stress, closure, stress)
+    assert (np.diff(slopes) >= -1e-12).all()
+    chords = 1.0 / np.array(rises)
+    assert slopes[0] >= 0.5 * chords.min() * (1.0 - 1e-12)
+    assert slopes[-1] <= 2.0 * chords.max() * (1.0 + 1e-12)
+    straight = rising_slopes(stress, 0.5 * stress, stress)
+    np.testing.assert_allclose(straight, 2.0)

@@ -200,3 +200,21 @@ def test_simulate_warns_once_unless_told_that_values_are_unusual():
         warnings.simplefilter("error")
         jc.simulate(-upper, lower, unusual_values=True, **stated)
         jc.simulate(upper, lower, **stated)
+
+
+def test_walls_have_three_cells_one_way_one_shape_and_the_spacing_of_their_coordinates():
+    for shape in ((1, 3), (3, 1), (3, 3)):
+        assert checked_walls(np.zeros(shape), np.zeros(shape), SPACING)[0].shape == shape
+    for one, other, printed in (
+        ((2, 2), (2, 2), "at least 3 cells"),
+        ((3, 4), (4, 3), "shapes .* must be equal"),
+    ):
+        with pytest.raises(jc.InputError, match=printed):
+            checked_walls(np.zeros(one), np.zeros(other), SPACING)
+    for factor, taken in ((1.0009, True), (1.0011, False)):
+        wall = named(np.zeros(SHAPE), x=factor * X)
+        if taken:
+            checked_walls(wall, np.zeros(SHAPE), SPACING)
+        else:
+            with pytest.raises(jc.InputError, match="its coordinate x has steps"):
+                checked_walls(wall, np.zeros(SHAPE), SPACING)

@@ -9,10 +9,16 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.conditions import SEATING_STRESS
+from jointclosure.joint.curves import branch_of, curve_table, cycle_table, stress_table
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
+from jointclosure.joint.protocol import (
+    LARGEST_UNBREAKABLE_SHARE,
+    OUTSIDE_MODEL_RANGE,
+    TARGET_JUMPED,
+)
 from jointclosure.joint.rocks import ROCKS
 from tests import joints
-from tests.joints import ELASTIC, SPACING, pair
+from tests.joints import COARSE, ELASTIC, SPACING, pair
 from tests.studied import study_of
 
 SCENES = {"all": jc.Effects(), "elastic": ELASTIC}
@@ -44,6 +50,44 @@ def test_a_cycle_counts_from_where_its_own_loading_starts(scene):
     seated = history.max_closure_seated.values
     assert np.isfinite(seated[0])
     assert np.isnan(seated[1:]).all()  # they start above the seating stress
+
+
+WAYS = {
+    "fixed steps": {},
+    "resolved": {"numerics": COARSE},
+    "interpolated": {"target": "interpolate"},
+    "elastic": {"effects": ELASTIC},
+}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("way", WAYS)
+def test_every_branch_ends_where_the_load_turns_and_goes_no_further(way, seed):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed)
+    history = joints.closed(walls, TURNS, seating_stress=0.5e6, **WAYS[way])
+    within = 1e-12 if way in ("interpolated", "elastic") else jc.Numerics().stress_tolerance
+    short = []
+    for cycle, (maximum, minimum) in enumerate(np.reshape([*TURNS, 0.0], (-1, 2)), start=1):
+        up, down = (
+            history.normal_stress.values[branch_of(history, cycle, name)]
+            for name in ("loading", "unloading")
+        )
+        assert (up <= maximum * (1.0 + within)).all()
+        assert (down[:-1] > minimum).all()
+        assert down[-1] == pytest.approx(minimum, rel=within)
+        short.append(up[-1] < maximum * (1.0 - within))
+    assert any(short) == bool(int(history.status) & TARGET_JUMPED)
+
+
+def test_a_joint_is_out_of_range_where_more_than_a_tenth_is_on_contacts_that_cannot_break():
+    flagged = []
+    for seed, stress in ((1, 2e6), (1, 8e6), (3, 4e6), (2, 8e6)):
+        history = joints.closed(pair(24, seed), stress, strength_bound="none")
+        share = float((history.locked_share + history.flat_share).max())
+        assert 0.08 < share < 0.12  # near the limit, on both sides of it
+        flagged.append(bool(int(history.status) & OUTSIDE_MODEL_RANGE))
+        assert flagged[-1] == (share > LARGEST_UNBREAKABLE_SHARE == 0.1)
+    assert len(set(flagged)) == 2
 
 
 def test_breakage_remembers_the_largest_stress_only_through_the_walls():
@@ -99,7 +143,8 @@ def observed(request):
 def test_observers_change_no_bit_of_anything_else(observed):
     without, closed = observed
     added = set(closed.variables) - set(without.variables)
-    flow = {"hydraulic_aperture", "flow_status", "flow_imbalance", "largest_hydraulic", "direction"}
+    flow = {"hydraulic_aperture", "smallest_hydraulic", "largest_hydraulic"}
+    flow |= {"flow_status", "flow_imbalance", "direction"}
     others = {name for name in added if name.startswith("snapshot_") or name.endswith("_first")}
     assert added - others == flow
     xr.testing.assert_identical(without, closed.drop_vars(added))
@@ -147,8 +192,10 @@ def test_forces_gap_contacts_and_flow_are_those_of_the_step_also_of_a_replayed_c
     steps = closed.isel(step=closed.snapshot_step.values)
     force = closed.snapshot_force.sum(("y", "x")).values
     np.testing.assert_allclose(force / AREA, steps.normal_stress, rtol=1e-9, atol=1e-6)
-    gap = closed.snapshot_gap.mean(("y", "x")).values
-    np.testing.assert_allclose(gap, steps.mean_aperture, rtol=1e-9, atol=0.0)
+    gap = closed.snapshot_gap
+    for name, part in (("mean_aperture", gap), ("mean_overlap", -gap)):
+        mean = part.where(part > 0.0, 0.0).mean(("y", "x")).values
+        np.testing.assert_allclose(mean, steps[name], rtol=2e-3 if "over" in name else 1e-8)
     contact = (closed.snapshot_gap < 0.0).mean(("y", "x")).values
     np.testing.assert_allclose(contact, steps.contact_fraction, rtol=1e-12, atol=0.0)
     assert ((closed.snapshot_force > 0.0) == (closed.snapshot_gap < 0.0)).all()
@@ -158,6 +205,32 @@ def test_forces_gap_contacts_and_flow_are_those_of_the_step_also_of_a_replayed_c
     ]
     np.testing.assert_allclose(steps.hydraulic_aperture, passed, rtol=1e-9)
     assert int(closed.replayed_cycles) > 0 or not json.loads(closed.attrs["effects"])["breakage"]
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_the_mean_aperture_is_the_void_that_is_left_however_far_contacts_overlap(breakage):
+    """Mated walls in contact nearly everywhere, where the mean of signed distances is negative."""
+    upper, _ = pair(12)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(upper.shape)
+    stress, effects = 60e6, jc.Effects(breakage=breakage, gouge=breakage)
+    walls = upper, noise - upper
+    closed = joints.closed(walls, stress, effects=effects, snapshots=[stress], flow=True)
+    at = closed.isel(step=int(closed.snapshot_step[0]))
+    gap = closed.snapshot_gap.isel(snapshot=0)
+    assert float(at.contact_fraction) > 0.5
+    assert float(gap.mean()) < 0.0
+    void = float(gap.where(gap > 0.0, 0.0).mean())
+    assert float(at.mean_aperture) == pytest.approx(void, rel=1e-6, abs=1e-12)
+    assert (closed.mean_aperture >= 0.0).all()
+    steps = curve_table(closed)
+    area = SPACING**2 * upper.size
+    np.testing.assert_allclose(steps.void_volume_mm3, 1e6 * area * steps.mean_aperture_mm)
+    assert (steps.void_volume_mm3 >= 0.0).all()
+    for table in (steps, stress_table(closed), cycle_table(closed)):
+        apertures = table.filter(like="aperture").select_dtypes("number").fillna(0.0)
+        assert (apertures >= 0.0).all(axis=None)
+        ratios = table.filter(like="ratio").to_numpy()
+        assert not np.isinf(ratios).any()
 
 
 def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(observed):
@@ -181,3 +254,12 @@ def test_walls_begin_as_given_and_what_has_broken_is_what_they_are_lower_by(obse
 def test_a_stress_that_cannot_be_reached_is_refused(wrong, small_joint):
     with pytest.raises(jc.InputError, match=r"snapshots: .* must be from 0 to the maximum"):
         joints.closed(small_joint, STRESS, snapshots=[1e6, wrong])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_maximum_that_is_reached_within_the_tolerance_is_shown(seed):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed)
+    closed = joints.closed(walls, 3e6, cycles=1, snapshots=[3e6], strength_bound="none")
+    reached = float(closed.normal_stress.max()) >= 3e6 * (1.0 - jc.Numerics().stress_tolerance)
+    shown = closed.snapshot_branch.values.tolist() == ["loading"]
+    assert shown == reached

@@ -18,7 +18,7 @@ import publish
 import templates
 
 ROOT = templates.ROOT
-ORIGINS = sorted([*ROOT.glob("studies/*/results/*/origin.json"),
+ORIGINS = sorted([*ROOT.glob("studies/*/published/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
 SOLVER, STEPS = "0d329c61", "5eb19373"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
@@ -52,8 +52,8 @@ def test_a_stored_result_names_its_commit_and_is_listed_if_its_solver_is_older(p
 
 
 def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(tmp_path, monkeypatch):
-    stored, run = tmp_path / "studies/mismatch/results/mismatch", tmp_path / "mismatch"
-    shutil.copytree(ROOT / "studies/mismatch/results/mismatch", stored)
+    stored, run = tmp_path / "studies/mismatch/published/mismatch", tmp_path / "mismatch"
+    shutil.copytree(ROOT / "studies/mismatch/published/mismatch", stored)
     shutil.copytree(stored, run / "tables")
     monkeypatch.setattr(templates, "ROOT", tmp_path)
     publish.publish(run, "mismatch")

@@ -7,6 +7,7 @@ import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.protocol import LOADING, run_cycles
+from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
@@ -86,6 +87,62 @@ def test_steps_beyond_a_former_maximum_are_as_short_as_those_of_a_first_loading(
         rises.append(np.diff(stress)[stress[:-1] >= 4e6])
     assert rises[0].max() < 1.5 * rises[1].max()
     assert 0.5 < rises[0].size / rises[1].size < 2.0
+
+
+def test_the_error_of_a_step_with_resolved_breakage_is_estimated_and_grows_with_the_step():
+    """By how much the force at rest misses that of the start, which knows of no breakage."""
+    numerics, steps = jc.Numerics(breakage="resolved"), (2e-6, 8e-6, 32e-6)
+    fast, start, shares = solver_named("fast"), 60e-6, []
+    for seed in range(8):
+        joint = joint_of(24, seed, numerics)
+        for closure in np.linspace(0.0, start, 21)[1:]:
+            fast.settle(joint, closure, np.nan)
+        before = joint.snapshot()
+        settled = []
+        for step in steps:
+            joint.restore(before)
+            settled.append(fast.settle(joint, start + step, np.nan))
+            held = fast.settle(joint, start + step, np.nan)  # where nothing breaks any more
+            assert (held.effort.breakage_steps, held.correction) == (0, 0.0)
+        assert all(each.effort.breakage_steps for each in settled)
+        shares.append([each.correction / each.total_force for each in settled])
+    errors = np.mean(shares, axis=0)
+    assert np.min(shares) > 0.0
+    assert (np.diff(errors) > 0.5 * errors[:-1]).all()
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.01, 1e-3])
+def test_steps_follow_their_error_and_their_change_of_force_in_proportion_to_the_tolerance(
+    tolerance,
+):
+    numerics, given, target = jc.Numerics(breakage="resolved", tolerance=tolerance), 1e-5, 100.0
+    rest = solver_named("fast").settle(joint_of(9, 1, numerics), 0.0, np.nan)
+
+    def following(missed, rise=1e-6, step=given):
+        control = StepControl(numerics, step, target, 0.0)
+        after = rest._replace(total_force=50.0 + rise, correction=missed)
+        return control.following(step, 50.0, after) / step
+
+    errors = tolerance * np.array([1.0, 1e2, 3e3, 1e5])
+    steps = [following(missed) for missed in errors]
+    assert steps[0] == steps[1] == 2.0  # longer, but not by more than twice
+    assert 0.25 < steps[2] < 2.0
+    assert steps[3] == 0.25
+    assert must_repeat(given, steps[3] * given)
+    assert following(errors[2]) == pytest.approx(0.5 * following(0.5 * errors[2]))
+    changes = [
+        following(0.0, rise) for rise in min(tolerance, 0.1) * target * np.array([0.1, 2, 20])
+    ]
+    assert changes[0] == 2.0 > changes[1] > changes[2] == 0.25
+    # neither longer than the largest step, nor shorter than the smallest one
+    control = StepControl(numerics, given, target, 0.0)
+    step = given
+    for _ in range(20):
+        step = control.after(step, 50.0, 0.0)
+    assert step == LARGEST_STEP * given
+    for _ in range(20):
+        step = control.after(step, 50.0, target)
+    assert 0.0 < step < 0.1 * given
 
 
 # Interaction is left out while it is idle, and only then

@@ -1,17 +1,19 @@
 import numpy as np
 import pytest
 
+from jointclosure.inputs import InputError
 from jointclosure.statistics.control_variates import (
     Known,
     adjusted_deviations,
     adjusted_length,
     adjusted_means,
     adjusted_values,
+    fewest_surfaces,
 )
 from jointclosure.statistics.correlations import elasticity_of
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.standard_errors import Estimate, confidence_limits
+from jointclosure.statistics.standard_errors import Estimate, confidence_limits, deviation_of
 
 MEANS = np.array([2.0, 5.0])
 COVARIANCE = np.array([[1.0, 0.6], [0.6, 1.0]])
@@ -60,6 +62,46 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.12)
     assert 0.92 <= np.mean(inside) <= 0.97
     assert np.var(plain) / np.var(found[:, 0]) > 1.5
+
+
+def test_covariates_that_tell_nothing_of_a_surface_are_refused_by_what_is_wrong():
+    values = generator(12).normal(size=10)
+    column = generator(13).normal(size=(10, 1))
+    single = np.zeros((10, 1))
+    single[3] = 1.0
+    for covariates, named in (
+        (np.ones((10, 1)), "a column is constant"),
+        (np.hstack([column, 2.0 * column]), "a combination of others"),
+        (single, "constant except on one surface"),
+    ):
+        with pytest.raises(InputError, match=named):
+            adjusted_values(values, covariates, np.zeros(covariates.shape[1]))
+
+
+def test_deviations_are_not_negative_and_the_plain_ones_where_adjustment_is_not_asked_for():
+    """Of surfaces far from the known means an adjusted variance may be negative."""
+    random = generator(14)
+    values, covariates = surfaces(random, 20)
+    for scale in (1.0, 100.0):
+        known = Known(MEANS, scale * COVARIANCE, np.inf)
+        deviation, error = adjusted_deviation(values, covariates, known)
+        assert deviation > 0.0
+        assert error > 0.0
+        plain = adjusted_deviations(values, covariates, known, tell_scatter=False)
+        assert plain == pytest.approx(tuple(deviation_of(values)))
+    assert [fewest_surfaces(count) for count in (1, 2)] == [10, 15]
+
+
+def test_adjusted_variances_of_few_surfaces_are_unbiased():
+    """Without the variance of their own mean, S_a^2/n, those of 16 surfaces are 6 % too small."""
+    random = generator(11)
+    covariates = random.normal(size=(6000, 16, 1))
+    values = random.normal(size=(6000, 16))  # which the covariates do not explain
+    known = Known(np.zeros(1), np.eye(1), np.inf)
+    squares = adjusted_deviations(values, covariates, known)[0] ** 2
+    error = squares.std(ddof=1) / np.sqrt(squares.size)
+    assert error < 0.01
+    assert squares.mean() == pytest.approx(1.0, abs=3.0 * error)
 
 
 LEVELS = np.array([70.0, 78.0, 85.0])

@@ -6,16 +6,56 @@ import scipy.stats
 from hypothesis import given
 
 import jointclosure as jc
-from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
+from jointclosure.statistics.correlations import Quadratic, fit_quadratic, lack_of_fit
 from jointclosure.statistics.indifference import (
+    _largest_by_isolation,
+    _largest_of_quartics,
     bootstrap_length,
     indifference_lengths,
     interval_of_lengths,
+    largest_real_roots,
     paired_indifference_interval,
+    quartic,
 )
 from jointclosure.statistics.randomness import generator
 
 LEVELS = np.array([70.0, 78.0, 85.0])
+USUAL = {"levels": LEVELS, "means": [1.0, 1.2, 1.5], "standard_deviations": [0.1, 0.1, 0.2],
+         "samples": 20}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "refused"),
+    [
+        ({"significance": 1e-300}, "significance = 1e-300"),
+        ({"significance": 1e-17}, "significance = 1e-17"),
+        ({"levels": [-1.7e308, 0.0, 1.7e308]}, "levels: the largest is 1.7e"),
+        ({"levels": [0.0, 1e-320, 1e-300]}, "levels: the largest is 1e-300"),
+        ({"levels": [1e-200, 1.0 - 1e-15, 1.0]}, None),
+        ({"means": [0.0, 1e200, 1.0]}, "means: the largest is 1e"),
+        ({"means": [0.0, 1e-310, 1e-300]}, "means: the largest is 1e-300"),
+        ({"standard_deviations": [0.0, 1e300, 0.0]}, "standard_deviations: the largest"),
+        ({"samples": 10**400}, "samples = .*must be at most"),
+        ({"base": np.nan}, "base = nan"),
+        ({"base": "78"}, "base = '78'"),
+    ],
+)
+def test_numbers_of_which_no_interval_can_be_computed_are_refused(change, refused):
+    if refused is None:
+        assert np.isfinite(jc.indifference_interval(**USUAL | change).length)
+        return
+    with pytest.raises(jc.InputError, match=refused):
+        jc.indifference_interval(**USUAL | change)
+
+
+def test_the_largest_and_smallest_allowed_numbers_have_an_interval():
+    """It grows with the levels, and does not depend on the unit of the means."""
+    usual = jc.indifference_interval(**USUAL).length
+    for size in (1e-90, 1e90):
+        scaled = {name: size * np.array(USUAL[name]) for name in ("means", "standard_deviations")}
+        large = jc.indifference_interval(**USUAL | scaled | {"levels": size * LEVELS})
+        assert large.length == pytest.approx(size * usual, rel=1e-9)
+    assert np.isfinite(jc.indifference_interval(**USUAL | {"significance": 1e-9}).length)
 
 
 def t_value(levels, means, deviations, n, at):
@@ -232,3 +272,86 @@ def test_many_lengths_at_once_are_those_of_one_by_one(levels, n):
     fits = fit_quadratic(levels, means, levels[1])
     for i, row in enumerate(means[:50]):  # bit for bit
         assert (fits.b[i], fits.c[i], fits.d[i]) == fit_quadratic(levels, row, levels[1])[:3]
+
+
+@pytest.mark.parametrize("decades", [0.0, 1.0, 3.0])
+def test_outermost_minima_give_the_root_that_isolation_of_all_roots_gives(decades):
+    random = generator(8)
+    sizes = 10.0 ** random.uniform(-decades, 0.0, (5, 20000))
+    b, c, bs, cs, ds = random.normal(size=sizes.shape) * sizes
+    mean, deviation = Quadratic(b, c, 0.0, 0.0, 1.0), Quadratic(bs, cs, np.abs(ds), 0.0, 1.0)
+    quartics = quartic(mean, deviation, 20, 2.02).T[:, ::-1]
+    with np.errstate(all="ignore"):
+        roots, certain = _largest_of_quartics(quartics)
+    expected = _largest_by_isolation(quartics)
+    assert certain.mean() > 0.85
+    assert 0.0 < np.isnan(expected).mean() < 0.5
+    np.testing.assert_allclose(roots[certain], expected[certain], rtol=1e-9)
+    np.testing.assert_array_equal(largest_real_roots(quartics[~certain]), expected[~certain])
+
+
+def test_a_root_is_flagged_outside_of_the_levels_and_where_the_fitted_deviation_is_negative():
+    """Of a line of slope 1 with a deviation that falls to 0 at u = 2 and below it beyond."""
+    levels = np.array([-1.0, 0.0, 1.0])
+    critical = scipy.stats.t.ppf(0.975, 38)
+    for slope, extrapolated in ((1.0, False), (0.2, True)):
+        means, flat = slope * levels, np.full(3, 1.0)
+        found = jc.indifference_interval(levels, means, flat, 20)
+        assert found.length == pytest.approx(critical * np.sqrt(2.0 / 20.0) / slope)
+        assert found.extrapolated == extrapolated
+        assert not found.negative_deviation
+    # to the other side the deviation falls as 1 - u/2: S(3) = -1/2
+    falling = 1.0 - 0.5 * levels
+    needed = critical * np.sqrt((1.0 + 0.25) / 20.0) / 3.0
+    for side in (1.0, -1.0):
+        means = np.where(levels * side > 0.0, needed * np.abs(levels), -needed * np.abs(levels))
+        found = jc.indifference_interval(levels, means, falling[:: int(side)], 20)
+        assert abs(found.root) <= 3.0 * (1.0 + 1e-9)
+        at_root = 1.0 - 0.5 * found.root * side
+        assert found.negative_deviation == (at_root < 0.0)
+        assert found.extrapolated == (abs(found.root) > 1.0)
+
+
+@pytest.mark.parametrize("significance", [0.0, 1.0, -0.1, float("nan"), True])
+def test_a_significance_lies_between_0_and_1(significance):
+    with pytest.raises(jc.InputError, match="significance"):
+        jc.indifference_interval([1.0, 2.0, 3.0], [1.0] * 3, [1.0] * 3, 20, significance)
+
+
+@pytest.mark.parametrize("count", [3, 5, 8])
+def test_a_fit_is_the_least_squares_one_and_its_lack_of_fit_that_of_scipy(count):
+    random, base = generator(count), 2.0
+    levels = np.append(base, random.uniform([0.5] * (count - 2) + [3.0], 4.0))
+    levels.sort()
+    values = random.normal(size=count)
+    found = fit_quadratic(levels, values, base)
+    exact = np.polyfit(levels, values, 2)
+    assert found.in_parameter() == pytest.approx(tuple(exact), rel=1e-9)
+    assert found.at(levels) == pytest.approx(np.polyval(exact, levels))
+    assert found.elasticity() * found.d == pytest.approx(base * np.polyval(np.polyder(exact), base))
+    change = np.polyval(exact, base + 0.3) / np.polyval(exact, base) - 1.0
+    assert found.relative_change(0.3) == pytest.approx(change)
+
+
+def test_lack_of_fit_is_the_f_test_of_the_misfit_against_the_scatter_of_the_samples():
+    random, levels = generator(22), np.linspace(-1.0, 1.0, 6)
+    samples = levels[:, None] ** 2 + random.normal(size=(6, 3))
+    means, deviations = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    misfit = 3 * np.sum((means - np.polyval(np.polyfit(levels, means, 2), levels)) ** 2) / 3
+    exact = scipy.stats.f.sf(misfit / np.mean(deviations**2), 3, 6 * 2)
+    fit = fit_quadratic(levels, means, levels[2])
+    assert lack_of_fit(levels, means, deviations, 3, fit) == pytest.approx(exact)
+
+
+def test_lack_of_fit_is_uniform_for_a_quadratic_and_unknown_without_scatter_or_freedom():
+    random, levels = generator(21), np.linspace(-1.0, 1.0, 5)
+    p = []
+    for _ in range(2000):
+        samples = 1.0 + levels[:, None] ** 2 + random.normal(size=(5, 4))
+        moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+        p.append(lack_of_fit(levels, *moments, 4, fit_quadratic(levels, moments[0], 0.0)))
+    assert scipy.stats.kstest(p, "uniform").pvalue > 0.01
+    for known in (levels, levels[1:4]):
+        quadratic = fit_quadratic(known, known, 0.0)
+        deviations = np.full(known.size, float(known.size == 3))
+        assert np.isnan(lack_of_fit(known, known, deviations, 4, quadratic))

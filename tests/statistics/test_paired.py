@@ -99,3 +99,40 @@ def test_surfaces_that_differ_only_in_height_leave_the_length_alone():
     assert other.length == pytest.approx(1e9 * found.length, rel=1e-9)
     moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
     assert found.length < 0.5 * jc.indifference_interval(LEVELS, *moments, 20).length
+
+
+def test_a_paired_length_has_no_end_without_a_significant_slope_and_is_flagged_beyond_the_levels():
+    random = generator(12)
+    for slope, outside in ((-0.02, False), (-0.0015, True)):
+        found = paired_indifference_interval(LEVELS, responses(random, LEVELS, 20, slope, 0.0))
+        assert found.extrapolated == outside == (found.length > 8.0)
+    samples = responses(random, LEVELS, 20)
+    centred = samples - samples.mean(axis=1, keepdims=True)
+    assert paired_indifference_interval(LEVELS, centred).linear_length == np.inf
+    # more surfaces than those of the samples make it shorter as 1/sqrt(n)
+    samples = responses(generator(13), LEVELS, 20, own_slope=0.0)
+    few, many = (paired_indifference_interval(LEVELS, samples, surfaces=n) for n in (20, 2000))
+    ratio = few.critical_value / many.critical_value * 10.0
+    assert few.linear_length / many.linear_length == pytest.approx(ratio, rel=0.05)
+
+
+def test_surfaces_that_respond_alike_have_no_scatter_of_slopes_and_not_a_negative_one():
+    """Their deviations then tell of the irregular part about a constant of each surface."""
+    random, alike = generator(14), 0
+    for _ in range(100):
+        samples = responses(random, LEVELS, 5, own_slope=0.0)
+        found = difference_scatter(LEVELS, samples, 78.0)
+        assert found.slope >= 0.0
+        if found.slope == 0.0:
+            alike += 1
+            apart = samples - samples.mean(axis=1, keepdims=True)
+            apart -= apart.mean(axis=0)
+            assert found.irregular == pytest.approx((apart**2).sum() / (4 * 2))
+    assert 20 < alike < 80
+
+
+def test_a_difference_without_scatter_is_certain_and_no_difference_is_none():
+    same = np.ones(5)
+    for paired in (True, False):
+        assert p_of_difference(same, same, paired) == 1.0
+        assert p_of_difference(same, 2.0 * same, paired) == 0.0

@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.indifference import indifference_interval, indifference_lengths
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.repetitions import (
     Design,
     Pool,
     Sensitivity,
+    crossed_likelihoods,
     draw_studies,
     joint_test,
     length_distribution,
@@ -79,6 +80,53 @@ def test_drawn_means_scatter_as_a_new_study_does_about_the_mean_of_a_pool():
     np.testing.assert_allclose(levels, np.eye(3), atol=0.03)  # nothing shared
 
 
+def test_studies_drawn_at_once_are_those_drawn_one_by_one_from_the_same_numbers():
+    one = {name: sensitivity(generator(3), e, 12, "rock", True) for name, e in EFFECTS.items()}
+    design, repetitions = Design(draws=5), 40
+    drawn = draw_studies(one, design, repetitions, generator(4))
+    random, at_base = generator(4), None
+    resampled = random.integers(12, size=(repetitions, 12), dtype=np.uint8)
+    for name, (levels, base, kept) in one.items():
+        indices = []
+        for level in levels:
+            index = random.integers(12, size=(repetitions, 5))
+            if level == base:
+                at_base = index if at_base is None else at_base
+                index = at_base
+            indices.append(index)
+        for r in range(repetitions):
+            for target in range(TARGETS):
+                samples = []
+                for pool, index in zip(kept, indices, strict=True):
+                    values = pool.values[target]
+                    spread = values.mean() + (values - values.mean()) * 12 / 11
+                    samples.append(spread[resampled[r][index[r]]])
+                means, deviations = np.mean(samples, axis=1), np.std(samples, axis=1, ddof=1)
+                length = indifference_interval(levels, means, deviations, 5, base=base).length
+                response = drawn[name]
+                np.testing.assert_allclose(response.means[r, target], means, rtol=1e-12)
+                np.testing.assert_allclose(response.deviations[r, target], deviations, rtol=1e-10)
+                length = np.inf if np.isnan(length) else length
+                np.testing.assert_allclose(response.lengths[r, target], length, rtol=1e-9)
+
+
+def test_likelihoods_of_some_entries_are_those_of_a_table_with_these_alone():
+    lengths = np.exp(generator(5).normal(size=(120, 4)))
+    observed = np.array([0.5, 1.0, np.nan, 2.0])
+    whole = crossed_likelihoods(lengths, observed)
+    some = [3, 0]
+    assert whole.of(some).p() == p_of_table(lengths[:, some], observed[some])
+    assert whole.of(some).p() != whole.p()
+
+
+def test_a_table_with_an_entry_without_scatter_has_no_p():
+    lengths = np.exp(generator(5).normal(size=(120, 2)))
+    lengths[7, 1] = 0.0
+    likelihoods = crossed_likelihoods(lengths, np.ones(2))
+    assert np.isnan(likelihoods.p())
+    assert np.isfinite(likelihoods.of([0]).p())
+
+
 def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_draws():
     random = generator(2)
     first = random.normal(size=30)
@@ -105,6 +153,41 @@ def test_p_of_a_dash_is_its_share_and_counts_it_as_longer_than_any_length():
     assert (found.median, found.share_without_root) == (500.0, 0.2)
     assert found.low_90 == pytest.approx(51.0, abs=1.0)
     assert found.high_90 == found.high_95 == np.inf
+
+
+def test_ranges_of_lengths_leave_out_a_twentieth_and_a_fortieth_at_either_end():
+    lengths = generator(3).permutation(np.arange(1.0, 1001.0))
+    found = length_distribution(lengths)
+    assert found == pytest.approx((500.0, 50.0, 951.0, 25.0, 976.0, 0.0), abs=1.0)
+    assert found.low_90 <= 50.0 + 1.0 <= 950.0 <= found.high_90  # and never more than that
+
+
+def test_no_table_is_impossible_however_few_repetitions_have_a_root_or_none():
+    drawn = np.exp(generator(4).normal(size=(200, 2)))
+    few = drawn.copy()
+    few[5:, 1] = np.inf
+    for lengths in (drawn, few):
+        for table in ([np.inf, np.inf], [1e-6, 1e6], [1e300, 1.0]):
+            assert np.isfinite(log_likelihoods(lengths, np.array([table]))).all()
+    # of so few lengths no density is known, only that there are some
+    one, other = log_likelihoods(few, np.array([[1.0, 1e-6], [1.0, 1e6]]))
+    assert one == other
+
+
+def test_the_parameters_of_a_rock_share_the_draws_at_their_base_alone():
+    random = generator(9)
+    base, *others = (Pool(random.normal(size=(1, 30)), name) for name in "abcde")
+    both = {
+        key: Sensitivity(LEVELS, 0.0, (low, base, high))
+        for key, (low, high) in {"x": others[:2], "y": others[2:]}.items()
+    }
+    x, y = draw_studies(both, Design(draws=5), 500, random).values()
+    np.testing.assert_array_equal(x.means[:, 0, 1], y.means[:, 0, 1])
+    assert abs(np.corrcoef(x.means[:, 0, 0], y.means[:, 0, 0])[0, 1]) < 0.15
+    # also where all levels draw from one pool, they draw anew
+    none = draw_studies(without_effect(both), Design(draws=5), 500, random)["x"]
+    assert abs(np.corrcoef(none.means[:, 0].T)[0, 1]) < 0.5
+    assert not (none.means[:, 0, 0] == none.means[:, 0, 1]).any()
 
 
 def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():

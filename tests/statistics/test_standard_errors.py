@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from jointclosure.inputs import InputError
 from jointclosure.statistics import verdicts
 from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.randomness import generator
@@ -8,8 +9,11 @@ from jointclosure.statistics.standard_errors import (
     deviation_covariance,
     deviation_of,
     harmonic_mean,
+    jackknife_error,
     mean_covariance,
     mean_of,
+    number_text,
+    percent,
     ratio_of_means,
     rounded,
     variation_of,
@@ -114,6 +118,7 @@ def test_a_number_ends_where_its_error_does(value, error, text):
         ((-0.2, -0.1), 0.0, None, verdicts.FALLS),
         ((0.0, 0.0), 0.0, None, verdicts.FALLS),
         ((float("nan"), 1.0), 0.0, None, verdicts.UNDECIDED),
+        ((float("nan"), -1.0), 0.0, None, verdicts.UNDECIDED),
         ((0.11, 0.2), 0.1, 0.1, verdicts.STANDS),
         ((0.05, 0.2), 0.1, 0.1, verdicts.UNDECIDED),
         ((-0.03, -0.01), 0.1, 0.1, verdicts.NO_DIFFERENCE),
@@ -128,6 +133,28 @@ def test_a_claim_stands_above_falls_below_and_a_difference_within_the_tolerance_
     assert verdicts.verdict(interval, above, alike) == expected
 
 
+@pytest.mark.parametrize(
+    ("given", "refused"),
+    [
+        ((0, 0), "n = 0"),
+        ((3, 2), "count = 3"),
+        ((-1, 2), "count = -1"),
+        ((1.5, 2), "count = 1.5"),
+        ((1, 2, np.nan), "pool_error = nan"),
+        ((1, 2, -0.1), "pool_error = -0.1"),
+    ],
+)
+def test_a_frequency_that_cannot_be_is_refused(given, refused):
+    with pytest.raises(InputError, match=refused):
+        verdicts.frequency(*given)
+
+
+@pytest.mark.parametrize("given", [(np.nan, None), (0.0, -1.0), (0.0, np.nan)])
+def test_a_verdict_by_limits_that_cannot_be_is_refused(given):
+    with pytest.raises(InputError, match="alike ="):
+        verdicts.verdict((0.0, 1.0), *given)
+
+
 def test_a_frequency_covers_its_truth():
     random = generator(3)
     inside = []
@@ -136,3 +163,57 @@ def test_a_frequency_covers_its_truth():
         inside.append(found.low <= 0.9 <= found.high)
     assert 0.93 <= np.mean(inside) <= 0.97
     assert verdicts.frequency(50, 50).low < 1.0
+
+
+def test_frequencies_are_shares_and_the_error_of_their_pool_widens_them():
+    for count in (0, 1, 25, 49, 50):
+        alone, with_pool = (verdicts.frequency(count, 50, error) for error in (0.0, 0.2))
+        assert 0.0 <= with_pool.low <= alone.low <= alone.share <= alone.high <= with_pool.high
+        assert with_pool.high <= 1.0
+        exact = np.sqrt(count / 50 * (1.0 - count / 50) / 50)
+        assert alone.standard_error == pytest.approx(exact)
+        assert with_pool.standard_error == pytest.approx(np.hypot(exact, 0.2))
+    assert with_pool.low == pytest.approx(1.0 - 2.0 * 0.2)
+    with pytest.raises(ValueError, match="low <= high"):
+        verdicts.verdict((0.2, 0.1), 0.0)
+
+
+def test_a_jackknife_of_a_mean_has_its_standard_error():
+    samples = generator(5).normal(size=12)
+    left_out = [np.delete(samples, i).mean() for i in range(12)]
+    assert jackknife_error(left_out) == pytest.approx(mean_of(samples).standard_error)
+
+
+def test_independent_draws_have_no_covariance_and_common_ones_have():
+    samples = generator(6).normal(size=20) * np.array([[1.0], [2.0]])
+    for covariance in (mean_covariance, deviation_covariance):
+        common, independent = (covariance(samples, paired) for paired in (True, False))
+        np.testing.assert_array_equal(np.diag(common), np.diag(independent))
+        scale = np.sqrt(np.prod(np.diag(common)))
+        assert common[0, 1] == pytest.approx(scale)  # one is a multiple of the other
+        assert independent[0, 1] == 0.0
+    assert np.sqrt(np.diag(mean_covariance(samples, False))) == pytest.approx(
+        [mean_of(row).standard_error for row in samples]
+    )
+    assert np.sqrt(np.diag(deviation_covariance(samples, False))) == pytest.approx(
+        [deviation_of(row).standard_error for row in samples]
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (0.0, "0"), (1234.5678, "1235"), (0.0012344, "0.001234"), (9.99996, "10.00"),
+        (9.9e-4, "9.900e-04"), (1e6, "1.000e+06"), (999999.0, "1000000"), (-0.5, "-0.5000"),
+        (np.nan, "–"), (np.inf, "∞"), (-np.inf, "−∞"),
+    ],
+)  # fmt: skip
+def test_numbers_have_the_digits_asked_for(value, shown):
+    assert number_text(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("share", "shown"), [(0.0123, "1.2 %"), (0.0994, "9.9 %"), (0.0996, "10 %"), (0.5, "50 %")]
+)
+def test_percentages_have_two_digits_below_ten(share, shown):
+    assert percent(share) == shown

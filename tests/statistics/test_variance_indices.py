@@ -6,7 +6,9 @@ import pytest
 import jointclosure as jc
 from jointclosure.statistics.variance_indices import (
     _shares,
+    design_matrix,
     fitted,
+    part_of,
     sampled_rows,
     shapley_effects,
     terms_of,
@@ -121,3 +123,25 @@ def test_what_has_no_index_is_said():
         shapley_effects((0, 0), np.ones(8), {(0, 1): 1.0})
     flat = variance_indices(points, np.ones_like(responses), (0, 0, 0))
     assert np.isnan(flat.first).all()
+
+
+def test_points_at_the_end_of_an_input_of_few_values_have_its_last_one():
+    assert part_of([0.0, 0.33, 0.34, 0.999, 1.0], 3).tolist() == [0, 0, 1, 2, 2]
+    coefficients = np.ones(len(terms_of((3,))))
+    assert np.isfinite(design_matrix(np.array([[1.0]]), (3,), terms_of((3,))) @ coefficients).all()
+
+
+def test_indices_of_rows_are_fitted_without_them():
+    """Of pure noise a fit to the same rows would explain a part of its own."""
+    random, found = np.random.default_rng(3), []
+    for number in range(60):
+        points = sampled_rows(3, 16, number)
+        noise = random.standard_normal((16, 5, 2))
+        found.append(variance_indices(points, noise, (0, 0, 0)))
+    below = [one.variance for one in found]
+    assert min(below) == 0.0  # below the noise: no share of nothing
+    for one in found:
+        shares = np.concatenate([one.first, one.total, [one.fit_share]])
+        assert np.isfinite(shares).all() == (one.variance > 0.0)
+        assert np.isnan(shares).all() == (one.variance == 0.0)
+    assert 0.2 < np.mean([variance == 0.0 for variance in below]) < 0.8

@@ -41,6 +41,34 @@ def write_regions(whole: xr.Dataset, path: Path, rows: int = 20) -> None:
     write_netcdf(first, path, regions, "realization", {"realization": rows})
 
 
+def test_files_are_read_and_written_where_a_file_system_refuses_locks(tmp_path):
+    """A file that is locked refuses another lock, as such a file system refuses every one."""
+    pytest.importorskip("fcntl")
+    code = f"""
+import fcntl, sys
+from pathlib import Path
+import numpy as np, xarray as xr
+from jointclosure.storage import files, netcdf
+from jointclosure.walls.scans import grids
+path = Path({str(tmp_path)!r}) / "a.nc"
+
+def locked(write):
+    def touch_lock_and_write(temporary):
+        with open(temporary, "r+b") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            write(temporary)
+    return touch_lock_and_write
+
+atomically = files.atomically
+netcdf.atomically = lambda path, write: atomically(path, locked(write))
+netcdf.write_netcdf(xr.Dataset({{"a": ("x", np.arange(3.0))}}), path)
+with open(path, "rb") as held:
+    fcntl.flock(held, fcntl.LOCK_EX)
+    assert netcdf.read_netcdf(path).a.sum() == 3.0
+"""
+    python("-c", code)
+
+
 @pytest.fixture
 def stored(tmp_path):
     path = tmp_path / "case.nc"

@@ -98,8 +98,7 @@ def _snakemake(folder: Path) -> tuple[str, str, str]:
         return "snakemake", "not installed; only studies need it", advice
     words = ["--version"]
     if here:
-        words = ["--workflow-profile", "workflow/profiles/default"]
-        words += ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
+        words = ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
     command = [sys.executable, "-m", "snakemake", *words]
     answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
     if answer.returncode == 0:

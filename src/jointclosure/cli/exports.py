@@ -1,6 +1,7 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.results import FIGURES, failed
+from jointclosure.engine.quantities import CURVES
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import (
+    ONLY_BOUNDS,
     branch_of,
     curve_table,
     cycle_table,
@@ -19,13 +22,13 @@ from jointclosure.joint.curves import (
     spacing_of,
     stress_table,
 )
-from jointclosure.joint.laws import LAWS, BartonBandis, fit_law, fitted_laws
+from jointclosure.joint.laws import BENDS, LAWS, BartonBandis, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
 the aperture equals the gap, and therefore needs a slope below 1. The mean aperture of a joint has
-slope 1, because each wall keeps its volume."""
+a slope of nearly 1, because each wall keeps its volume."""
 _END = 0.01
 """Share of the last interval that has this slope."""
 _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
@@ -106,13 +109,17 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
         )
     for ending, rows in loadings.items():
         stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
-        fitted, errors, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
+        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
         (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
-        if not ending and errors[1] > abs(largest):
-            raise InputError(
-                f"PorePy: the loading of cycle {rows.cycle.iloc[0]} hardly bends: Vm is "
-                f"{largest:.3g} mm with a standard error of {errors[1]:.3g} mm, which must be less"
+        if not np.isfinite(largest):
+            reason = (
+                f"the loading of cycle {rows.cycle.iloc[0]} hardly bends: Vm is undetermined, more "
+                f"than {BENDS:g} times its largest closure or less than its standard error"
             )
+            if not ending:
+                raise InputError(f"PorePy: {reason}")
+            print(f"- not written: porepy{ending}.json: at this end of the band {reason}")
+            continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             raise InputError(
                 f"PorePy: the hyperbola of cycle {rows.cycle.iloc[0]} has kni = {stiffness:g} "
@@ -136,28 +143,34 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
         raise InputError(f"GEOS: the loading of cycle {parts[''].cycle.iloc[0]} {must}")
-    kind = "hydraulic" if has_flow(history) else "mean"
+    columns = {"": "mean_aperture_mm"}  # by what follows "aperture" in the names of files
+    if has_flow(history):
+        columns = {"": "hydraulic_aperture_mm", "_bound": "largest_hydraulic_mm"}
     apertures: dict[str, np.ndarray] = {}
-    for ending, rows in parts.items():
-        aperture = 1e-3 * rows[f"{kind}_aperture_mm"].to_numpy()
-        if has_flow(history):  # falls with stress, so that no aperture exceeds those before
-            hydraulic, largest = aperture, 1e-3 * rows.largest_hydraulic_mm.to_numpy()
-            aperture = np.minimum.accumulate(np.where(hydraulic > 0.0, hydraulic, largest))
-        if (aperture > 0.0).all():
-            apertures[f"geos_aperture{ending}.csv"] = aperture
+    reasons: dict[str, str] = {}
+    for (word, column), (ending, rows) in product(columns.items(), parts.items()):
+        aperture, name = 1e-3 * rows[column].to_numpy(), f"geos_aperture{word}{ending}.csv"
+        missing = ~(aperture > 0.0)
+        if not missing.any():
+            # falls with stress, so that no aperture exceeds those before
+            apertures[name] = np.minimum.accumulate(aperture)
             continue
-        first = rows.normal_stress_MPa.iloc[int(np.argmin(aperture > 0.0))]
-        reason = (
-            f"the {kind} aperture must be positive, and is not from {first:.3g} MPa on, where no "
-            "void is left that could flow"
-        )
-        if not ending:
-            raise InputError(f"GEOS: {reason}")
-        print(f"- not written: geos_aperture{ending}.csv: at this end of the band {reason}")
+        first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
+        reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
+        reason += f"is not at {first:.3g} MPa"
+        if has_flow(history):
+            status = curves.flow_status[rows.index[int(np.argmax(missing))]]
+            reason += f" (flow_status: {status})"
+        reasons[name] = reason
+    if not apertures:
+        raise InputError(f"GEOS: {next(iter(reasons.values()))}")
+    for name, reason in reasons.items():
+        print(f"- not written: {name}: {reason}")
     gap, tables = _with_opening(closure, np.stack(list(apertures.values())))
     written = {"geos_gap.csv": gap} | dict(zip(apertures, tables, strict=True))
     lines = {name: [f"{value:.9e}\n" for value in values] for name, values in written.items()}
-    return {name: "".join(lines[name]) for name in lines} | {"geos.xml": _GEOS}
+    form = _GEOS.replace("geos_aperture.csv", next(iter(apertures)))
+    return {name: "".join(lines[name]) for name in lines} | {"geos.xml": form}
 
 
 def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -178,8 +191,8 @@ _TABLES = (
      "normal_stiffness_net_MPa_per_mm", 1e9),
     ("hydraulic aperture (m) against normal stress (Pa) by cycle and branch", "aperture",
      "hydraulic_aperture_mm", 1e-3),
-    ("its upper bound (m), as a cell in contact is shut whole", "aperture-bound",
-     "largest_hydraulic_mm", 1e-3),
+    ("its upper bound (m), as if the open cells of lines across the flow were connected",
+     "aperture-bound", "largest_hydraulic_mm", 1e-3),
 )  # fmt: skip
 """Comment, name, column and unit of the tables for 3DEC; the last two are of flow."""
 
@@ -194,7 +207,20 @@ def itasca_tables(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
                 pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
                 text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
                 lines.append(f"table '{name}-cycle-{cycle}-{branch}{ending}' add {text}")
+        if column == "hydraulic_aperture_mm":
+            lines += _unknown_apertures(curves)
     return {"joint_stiffness.dat": "\n".join(lines) + "\n"}
+
+
+def _unknown_apertures(curves: pd.DataFrame) -> list[str]:
+    """Return comments on the stresses at which only bounds of the aperture are known."""
+    unknown = curves[curves.flow_status.isin(ONLY_BOUNDS)]
+    return [
+        f"; aperture-cycle-{cycle}-{branch}: not known, and no point of the table, at "
+        f"{', '.join(f'{stress:.3g}' for stress in rows.normal_stress_MPa)} MPa (flow_status: "
+        f"{', '.join(rows.flow_status.unique())}); aperture-bound has the upper bound"
+        for (cycle, branch), rows in unknown.groupby(["cycle", "branch"])
+    ]
 
 
 def fracture_mesh(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:

@@ -15,7 +15,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
-from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.measured.joints import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
@@ -45,8 +45,8 @@ _CHOICES: dict[str, Iterable[str]] = {
     "orientation": ORIENTATIONS,
     "shift": SHIFTS,
     "spikes": SPIKES,
-    "stress_unit": STRESS_UNITS,
-    "closure_unit": CLOSURE_UNITS,
+    "stress_unit": tuple(STRESS_UNITS | FORCE_UNITS),
+    "closure_unit": tuple(CLOSURE_UNITS),
     "jrc_relation": tuple(RELATIONS),
     "normalise": NORMALISATIONS,
     "rule": RULES,
@@ -217,6 +217,7 @@ def add_measured(
     add_keywords(
         command.add_argument_group("curve"), MeasuredJoint, "seating_stress", "stress_unit",
         "closure_unit",
+        area={"type": float, "metavar": "mm2"},
         columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
         closure_error={"type": float, "metavar": "%", "default": 2.0},
     )  # fmt: skip
@@ -276,4 +277,6 @@ def measured_joint(
     """Return the keywords of a function for a measured curve; scanned walls need no JRC."""
     needed = () if hasattr(arguments, "scans") else ("jrc",)
     _, stated = keywords(arguments, function, usual, *needed)
+    if "area" in stated:
+        stated["area"] *= 1e-6
     return stated | {"closure_error": 1e-2 * arguments.closure_error}

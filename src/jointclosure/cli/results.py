@@ -10,13 +10,24 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import NOT_MODELLED, ROUNDING, Budget, results_of, table_of
+from jointclosure.engine.budget import (
+    NOT_MODELLED,
+    ROUNDING,
+    UNDETERMINED,
+    VM,
+    Budget,
+    results_of,
+    table_of,
+)
 from jointclosure.engine.budget import QUANTITIES as BUDGETED
 from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.curves import (
+    HYDRAULIC,
+    ONLY_BOUNDS,
     branch_of,
     cycle_table,
+    flow_statuses,
     has_flow,
     members,
     stress_table,
@@ -31,11 +42,27 @@ from jointclosure.storage.provenance import origin, to_plain
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
 neighbouring steps."""
-_BLOCKED = (
-    "flow is blocked where no open cells connect both sides: a cell in contact is shut whole, "
-    "although contacts are smaller than cells; at most: as if the open cells of every line across "
-    "the flow were connected"
+_BOUNDS = (
+    "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
+    "largest_hydraulic; they are to be used, or a lower maximum stress"
 )
+_REASONS = {
+    "blocked": (
+        "the flow is blocked at {steps}: no open cells connect both sides, as a cell in contact is "
+        "shut whole, although contacts are smaller than cells; the upper bound is that of lines "
+        "across the flow whose open cells are all connected"
+    ),
+    "at_least": (
+        "the flow is known from below only at {steps}: cells that are about 2e-5 times as open as "
+        f"their neighbours count as closed, and may pass more water; {_BOUNDS}"
+    ),
+    "not_solved": (
+        "the flow is not solved at {steps}: the mass balances of the cells miss the inflow by up "
+        "to {imbalance:.1g} of it, where {allowed:g} is allowed, as apertures differ by too much "
+        f"for double precision; {_BOUNDS}"
+    ),
+}
+"""Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
 _FLOW = "hydraulic_aperture_mm", "largest_hydraulic_mm", "transmissivity_m2_per_s"
 """Curves of flow whose value at the maximum is one of the first results."""
 
@@ -46,11 +73,15 @@ def summary(
     """Format the results of each cycle with remarks on them; return them for JSON too."""
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
     for cycle, aperture in cycle_table(closed)[["cycle", "mean_aperture_at_max_mm"]].to_numpy():
-        overlap = (
-            f"the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle:g}: the walls "
-            "overlap by more than the void that is left, and the model does not hold there"
-        )
-        remarks += [caution(overlap)] if aperture <= 0.0 else []
+        for step in branch_of(closed, int(cycle), UNLOADING)[:1]:
+            overlap = 1e3 * float(closed.mean_overlap[step])
+            pressed = (
+                f"at the maximum of cycle {cycle:g} contacts are pressed into each other by "
+                f"{overlap:.2g} mm on average over all cells, more than the mean aperture of "
+                f"{aperture:.2g} mm that is left: the model of separate asperities does not hold "
+                "there, and closure and aperture are to be used at lower stresses only"
+            )
+            remarks += [caution(pressed)] if overlap > aperture else []
     remarks += _flow_remarks(closed) if has_flow(closed) else []
     table = result_table(closed, laws, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
@@ -67,6 +98,8 @@ def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = No
 
     def text(cycle: int, name: str) -> str:
         value = float(results.loc[cycle, name])
+        if name == VM and np.isnan(value):
+            return UNDETERMINED
         return NOT_MODELLED if abs(value) <= ROUNDING else number_text(value)
 
     table = budget.table() if budget else table_of(results.index, text)
@@ -104,21 +137,32 @@ def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float
 
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:
-    """Describe the hydraulic apertures at the maximum of each cycle, with their status."""
-    words, remarks, blocked = closed.flow_status.attrs["flag_meanings"].split(), [], False
+    """Describe the hydraulic apertures at the maximum of each cycle, and statuses of all steps."""
+    from jointclosure.joint.flow import LARGEST_IMBALANCE  # loads scipy's sparse matrices
+
+    remarks, statuses = [], flow_statuses(closed)
     for cycle in cycle_table(closed).cycle:
         parts = []
         for step in branch_of(closed, cycle, UNLOADING)[:1]:
-            for direction in closed.direction.values:
-                at = closed.isel(step=step).sel(direction=direction)
-                status, value = words[int(at.flow_status)], 1e3 * float(at.hydraulic_aperture)
-                most = f", upper bound {1e3 * float(at.largest_hydraulic):.2g}"
-                flows = status == "flows"
-                blocked |= not flows
-                parts.append(f"along {direction} {value:.3g} ({status}){'' if flows else most}")
+            for along, status in zip(closed.direction.values, statuses[step], strict=True):
+                at = closed.isel(step=step).sel(direction=along)
+                value, least, most = (1e3 * float(at[name]) for name in HYDRAULIC)
+                text = f"{value:.3g}"
+                if status == "blocked":
+                    text += f", upper bound {most:.2g}"
+                elif status in ONLY_BOUNDS:
+                    text = f"between {least:.2g} and {most:.2g}"
+                parts.append(f"along {along} {text} ({status})")
         about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
-    return [*remarks, _BLOCKED] if blocked else remarks
+    steps, imbalance = len(statuses), closed.flow_imbalance.values
+    for status, reason in _REASONS.items():
+        here = statuses == status
+        if count := int(here.any(axis=1).sum()):
+            about = {"imbalance": imbalance[here].max(), "allowed": LARGEST_IMBALANCE}
+            text = reason.format(steps=f"{count} of {steps} steps", **about)
+            remarks.append(caution(text) if status in ONLY_BOUNDS else text)
+    return remarks
 
 
 def failed(closed: xr.Dataset) -> bool:
@@ -144,6 +188,11 @@ def scaled(values: Any, scale: float = 1.0) -> Any:
     """Return scaled numbers, or fields of a named tuple, for JSON: null if they are not finite."""
     known = [scale * float(value) if np.isfinite(value) else None for value in values]
     return dict(zip(values._fields, known, strict=True)) if hasattr(values, "_fields") else known
+
+
+def plain(column: pd.Series) -> list[Any]:
+    """Return a column of numbers, null if they are not finite, or of words, for JSON."""
+    return scaled(column) if pd.api.types.is_numeric_dtype(column) else column.tolist()
 
 
 def kept_stresses(

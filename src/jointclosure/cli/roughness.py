@@ -19,10 +19,13 @@ from jointclosure.walls.gridding import (
     point_distance,
     wall_on_grid,
 )
+from jointclosure.walls.levelling import levelled
 from jointclosure.walls.measures import Measure, measure_wall
-from jointclosure.walls.outliers import without_plateaus, without_spikes
+from jointclosure.walls.outliers import without_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.registration import registered
+from jointclosure.walls.scan_defects import inspected
+from jointclosure.walls.scan_quality import resolution_remarks
 from jointclosure.walls.scans import read_scan
 
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
@@ -47,13 +50,18 @@ def run(arguments: argparse.Namespace) -> int:
         from jointclosure.plotting.walls import roughness_figure
     scan = read_scan(arguments.file, **options.given(arguments, options.SCANS))
     try:
-        scan = without_plateaus(scan)
+        scan = inspected(scan)
         kept, spikes = without_spikes(scan)
         if arguments.spikes == "cut":
             scan = kept
+        measured = scan  # levelling interpolates the heights of grids
+        scan, _ = levelled(scan)
         step = getattr(arguments, "spacing", None) or point_distance(scan)
         wall = wall_on_grid(scan, step)
-        smoothed = smoothing_of(scan, wall, step)
+        smoothed = [
+            *smoothing_of(scan, wall, step),
+            *resolution_remarks(measured, wall, step, scan),
+        ]
         wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:

@@ -12,7 +12,9 @@ import copy
 import hashlib
 import json
 import os
+import stat
 import sys
+import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -30,8 +32,6 @@ no numbers depend on them, so that closed joints and kernels stay when a title i
 UNCOUNTED = (
     "jointclosure/engine/progress.py",
     "jointclosure/storage/logs.py",
-    "studies/frame/lock.py",
-    "studies/frame/seals.py",
 )
 """Modules that report on jobs and protect their inputs, and that change no result."""
 
@@ -98,8 +98,30 @@ def cache_root() -> Path:
     beside = PACKAGE / "__pycache__"
     if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
         return beside
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "jointclosure"
+    if chosen := os.environ.get("XDG_CACHE_HOME"):
+        return Path(chosen) / "jointclosure"
+    return Path.home() / ".cache" / "jointclosure" if has_home() else temporary_cache()
+
+
+def has_home() -> bool:
+    """Return whether the user has a home: HOME, or an entry, which many containers lack."""
+    try:
+        return bool(Path.home())
+    except RuntimeError:
+        return False
+
+
+@lru_cache(maxsize=None)
+def temporary_cache() -> Path:
+    """Return a folder for temporary files that no other user can write; a new one if need be."""
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"jointclosure-{user}"
+    with contextlib.suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        about = folder.lstat()  # machine code is loaded from it: a link may lead elsewhere
+        if stat.S_ISDIR(about.st_mode) and about.st_uid == user and not about.st_mode & 0o022:
+            return folder
+    return Path(tempfile.mkdtemp(prefix="jointclosure-"))
 
 
 @lru_cache(maxsize=None)

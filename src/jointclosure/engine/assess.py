@@ -21,11 +21,11 @@ import pandas as pd
 from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.engine.scanned_joint import RESOLVED, registered_walls, takes_scans
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
@@ -315,7 +315,7 @@ class Assessment:
         return max(possible, key=lambda plan: (plan.seconds, plan.half_width))
 
 
-@takes_conditions
+@takes_scans
 def assess(
     walls: Any,
     *,

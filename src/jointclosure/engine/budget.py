@@ -22,14 +22,20 @@ import xarray as xr
 
 from jointclosure.engine.published_joints import measured_range
 from jointclosure.engine.quantities import CURVES, HEADINGS
-from jointclosure.joint.curves import cycle_table, net_responses, with_transmissivity
-from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.joint.curves import (
+    FLOW_STATUSES,
+    ONLY_BOUNDS,
+    cycle_table,
+    net_responses,
+    with_transmissivity,
+)
+from jointclosure.joint.laws import BENDS, fitted_laws, parameter
 from jointclosure.joint.protocol import LOADING
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 
 CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
-STIFFNESS = "stiffness_net_MPa_per_mm"
+STIFFNESS, KNI, VM = "stiffness_net_MPa_per_mm", "kni_net_MPa_per_mm", "vm_net_mm"
 QUANTITIES = {
     column: HEADINGS[column]
     for column in (
@@ -37,19 +43,23 @@ QUANTITIES = {
         "residual_closure_seated_net_mm",
         CLOSURE_GROSS,
         STIFFNESS,
-        "kni_net_MPa_per_mm",
-        "vm_net_mm",
+        KNI,
+        VM,
         "mean_aperture_at_max_mm",
         "contact_at_max",
     )
 }
 """Headings of results with a range, by column of `results_of`."""
+UNDETERMINED = "undetermined"
+"""Text of a largest closure Vm that a loading which hardly bends does not determine."""
 ORDER = "order"  # source of another order of breakage: copies that differ in rounding, or mirrored
 TITLES = {
     "spacing": "grid spacing",
     "breakage": "numerical error",
     "registration": "registration",
     "noise": "noise of the scans",
+    "resolution": "waves that the scans lost",
+    "scale": "scale of heights",
     ORDER: "order of breakage",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
@@ -114,7 +124,8 @@ class Budget(NamedTuple):
     ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``median``,
     ``low`` and ``high`` of joints with random values, of which 9 in 10 lie between the latter; and
     the share of each source, interactions included. Sources taken as exact are ``omitted``.
-    ``curves`` is the `stress_table` of the joint, with median, low and high of each of `CURVES`.
+    ``curves`` is the `stress_table` of the joint, with median, low and high of each of `CURVES`;
+    ``flow_status`` is there that of the variant of whose flow least is known.
     """
 
     results: pd.DataFrame
@@ -144,6 +155,7 @@ class Budget(NamedTuple):
                     f"{QUANTITIES[quantity]}, cycle {', '.join(absent)}: {NOT_MODELLED}, as it is "
                     "0 in the model whatever the inputs are"
                 )
+        lines += self._undetermined()
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
@@ -157,6 +169,19 @@ class Budget(NamedTuple):
                 "ranges= in Python, adds what is known of them)"
             )
         return [*lines, MEASURED]
+
+    def _undetermined(self) -> list[str]:
+        """Describe how many joints have no largest closure Vm, as their loading does not bend."""
+        lines = []
+        for cycle, rows in self.results[self.results[KNI].notna()].groupby("cycle"):
+            if absent := int(rows[VM].isna().sum()):
+                lines.append(
+                    f"{QUANTITIES[VM]}, cycle {cycle}: undetermined for {absent} of {len(rows)} "
+                    "variants of the joint, whose loading hardly bends (Vm is more than "
+                    f"{BENDS:g} times the largest closure, or less than its standard error); a "
+                    "range is that of the others"
+                )
+        return lines
 
     def _numerical_error(self, quantity: str) -> list[str]:
         """Describe the change of a result by other steps, which is about its numerical error."""
@@ -203,6 +228,8 @@ class Budget(NamedTuple):
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
+        if quantity == VM and np.isnan(row["median"]):
+            return UNDETERMINED
         least = 0.005 * (row.high - row.low)  # less is shown as 0
         values = (row["median"], row.low, row.high)
         first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
@@ -232,7 +259,7 @@ def results_of(history: xr.Dataset) -> pd.DataFrame:
     table, laws = cycle_table(history), fitted_laws(history, ["hyperbolic"], [LOADING])
     stiffness = net_responses(history)["stiffness_net"]
     table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
-    for column, name in (("kni_net_MPa_per_mm", "kni_MPa_per_mm"), ("vm_net_mm", "vm_mm")):
+    for column, name in ((KNI, "kni_MPa_per_mm"), (VM, "vm_mm")):
         table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]
     return table[["cycle", *QUANTITIES]]
 
@@ -276,6 +303,8 @@ def _range_of(
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
+    if np.isnan(known).all():
+        return dict.fromkeys((*NUMBERS, *sources), np.nan)
     factors = bool((np.nanmin(known) if least is None else least) > 0.0)
     shared = next((name for name in sources if sources[name].kind == SHARED), "")
     by_shared = values[shared][0] if shared else best
@@ -312,9 +341,14 @@ def bands_of(
     least = {True: curves.loc[above, shown].min(), False: dict.fromkeys(shown)}
     for (_, _, stress), here in curves.groupby(places, sort=False):
         row, of_source = here[here.source == ""].iloc[0].drop("source"), here.groupby("source")
+        if "flow_status" in row:
+            known_statuses = [word for word in FLOW_STATUSES if (here.flow_status == word).any()]
+            row["flow_status"] = known_statuses[-1] if known_statuses else ""
         for name in shown:
             values = of_source[name].apply(np.array).to_dict()
             known = np.isfinite(row[name])
+            if name == "hydraulic_aperture_mm":  # quantiles of those with a known flow mislead
+                known &= row["flow_status"] not in ONLY_BOUNDS
             about = sources, shares, further, least[stress > curves.normal_stress_MPa.min()][name]
             numbers = _range_of(values, *about) if known else {}
             for number in NUMBERS[1:]:

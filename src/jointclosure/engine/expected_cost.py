@@ -88,8 +88,9 @@ def expected_cost(
         factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
         for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
     )
-    joints = 1 if single else threads_for(upper.size, workers)
-    return Cost((least, most), BASE_BYTES + BYTES * upper.size * joints)
+    largest = max(upper.size, errors.cells if errors else 0)
+    joints = 1 if single else threads_for(largest, workers)
+    return Cost((least, most), BASE_BYTES + BYTES * largest * joints)
 
 
 def _time_of_window(

@@ -137,7 +137,7 @@ def simulate_ensemble(
         If there is nothing to close, or if no joint could be closed; the message is that of the
         first joint.
     """
-    check_count("stress_points", stress_points, 2)
+    check_count("stress_points", stress_points, 2, 100_000)
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
     spacing = stated.grid_spacing
     conditions = stated.checked()

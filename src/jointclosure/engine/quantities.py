@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine import oracle
 from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import (
@@ -201,7 +200,8 @@ def _largest_jump(joint: ClosedWalls) -> float:
         low, high = stress[beyond - 1], stress[beyond]
         share = (reached[:-1] - low) / (high - low)
         end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
-        shares.append(float(np.max(end - closure[before])) / (closure[-1] - closure[0]))
+        closed = closure[-1] - closure[0]
+        shares.append(float(np.max(end - closure[before])) / closed if closed > 0.0 else 0.0)
     return max(shares)
 
 
@@ -210,6 +210,8 @@ def _oracle_ratio(joint: ClosedWalls) -> float:
 
     NaN for more cells in contact than it can judge, and where breakage passed the maximum.
     """
+    from jointclosure.engine import oracle  # few joints are judged, and its libraries load slowly
+
     closed, given = joint.closed, joint.conditions
     loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
     if not loaded.sizes["snapshot"]:
@@ -350,6 +352,7 @@ CURVES = {
     "normal_stiffness_net_MPa_per_mm": ("net normal stiffness kn (MPa/mm)", True),
     "mean_aperture_mm": ("mean aperture (mm)", False),
     "hydraulic_aperture_mm": ("hydraulic aperture (mm)", False),
+    "smallest_hydraulic_mm": ("lower bound of the hydraulic aperture (mm)", False),
     "largest_hydraulic_mm": ("upper bound of the hydraulic aperture (mm)", False),
     "transmissivity_m2_per_s": ("transmissivity of water at 20 °C (m2/s)", False),
 }

@@ -15,8 +15,9 @@ from jointclosure.engine.progress import bar, closing_bar
 from jointclosure.engine.uncertainty import uncertainty_budget
 from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from
 from jointclosure.joint.curves import cycle_table, with_snapshots
 from jointclosure.joint.laws import JointLaws, laws_of_joint
 from jointclosure.joint.protocol import FAILURE, Report
@@ -40,6 +41,9 @@ RESOLVED = Numerics(
 )
 """Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
 steps, from which resolved breakage starts, are short enough for smooth curves."""
+takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
+resolved unless numerics are given, and scans determine the spacing."""
 
 
 class ClosedJoint(NamedTuple):
@@ -89,7 +93,7 @@ class ClosedJoint(NamedTuple):
         return ", ".join(self.budget.text(cycle, column) for cycle in table.cycle)
 
 
-@takes_conditions
+@takes_scans
 def close(
     upper: Wall,
     lower: Wall,

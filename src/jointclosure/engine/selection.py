@@ -291,7 +291,7 @@ def choose_effects(
     """
     stated = conditions_from(conditions, changes, "choose_effects")
     check_below("tolerance", tolerance, 1.0)
-    check_count("joints", joints)
+    check_count("joints", joints, 1, 100_000)
     pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), stated.spacing)
     stated = stated._replace(spacing=spacing).checked()
     if not stated.unusual_values:

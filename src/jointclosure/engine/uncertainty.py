@@ -61,31 +61,43 @@ COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "transposed": lambda wall: np.ascontiguousarray(wall.T),
 }
 """Copies of a wall that close alike but for rounding and the order of breakage."""
-_FIELDS = {"spacing": "step", "registration": "place", "noise": "noise", ORDER: "copy"}
+_FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
+    name: name for name in ("noise", "resolution", "scale")
+}
 """Fields of a variant by the names of the sources that change its walls."""
 
 
 class Variant(NamedTuple):
     """A joint with other values: every ``step``-th cell of the grid, random draws of errors of the
-    scans by their number (``place``, ``noise``; 0 for none), and one of `COPIES`.
+    scans by their number (``place``, ``noise``, ``resolution``, ``scale``; 0 for none), and one of
+    `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not resolve.
     """
 
     source: str
     value: str
     conditions: Conditions
-    step: int = 1
+    step: float = 1
     place: int = 0
     noise: int = 0
+    resolution: int = 0
+    scale: int = 0
     copy: str = "as it is"
 
     def walls(self, upper: np.ndarray, lower: np.ndarray, errors: ScanErrors | None) -> Walls:
         """Return the walls (y, x) [m] of the variant."""
+        step = round(self.step)
+        if errors and errors.walls:
+            (upper, lower), step = errors.walls, round(self.step * errors.step)
+        if errors and self.scale:
+            upper, lower = errors.with_one_scale(upper, lower, self.scale)
+        if errors and self.resolution:
+            upper, lower = errors.with_lost_waves(upper, lower, self.resolution)
         if errors and self.noise:
             upper, lower = errors.with_other_noise(upper, lower, self.noise)
         if errors and self.place:
             upper = errors.displaced(upper, self.place)
         upper, lower = (COPIES[self.copy](wall) for wall in (upper, lower))
-        return upper[:: self.step, :: self.step], lower[:: self.step, :: self.step]
+        return upper[::step, ::step], lower[::step, ::step]
 
     def changed(self, name: str, value: Any) -> "Variant":
         """Return the variant with another value of a source."""
@@ -122,7 +134,9 @@ def sources_of(
     sources, step = {}, COARSER
     if "spacing" in ranges:
         step = round(ranges["spacing"][1] / conditions.grid_spacing)
-    if min(shape) >= 8 * step:
+    if errors and errors.step > 1 and "spacing" not in ranges:
+        sources["spacing"] = Source((1, 1 / errors.step))
+    elif min(shape) >= 8 * step:
         sources["spacing"] = Source((1, step))
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
         resolved = numerics.breakage == "resolved"
@@ -135,6 +149,10 @@ def sources_of(
         sources["registration"] = Source((0, 1, 2, 3), "random")
     if errors and errors.noise[1] > 0.0:
         sources["noise"] = Source((0, 1, 2), "random")
+    if errors and max(errors.waves) > 0.0:
+        sources["resolution"] = Source((0, 1, 2), "random")
+    if errors and errors.scale != 1.0:
+        sources["scale"] = Source((0, 1, 2), "random")
     if effects.breakage:
         sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
     acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
@@ -184,8 +202,10 @@ def random_shares(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
 def _text(name: str, value: Any) -> str:
     """Describe a value of a source."""
     if name == "spacing":
+        if value < 1:
+            return f"a spacing {1 / value:.0f} times as fine"
         return f"every {value}. cell" if value > 1 else "every cell"
-    if name in ("registration", "noise"):
+    if name in ("registration", "noise", "resolution", "scale"):
         return f"draw {value}"
     if name == "breakage":
         resolved = value.breakage == "resolved"
@@ -235,8 +255,8 @@ def uncertainty_budget(
         about = {"source": variant.source, "value": variant.value, "status": status}
         return rows.assign(**about), curves.assign(source=variant.source)
 
-    answers = {}
-    for at, answer in in_threads(tables_of, variants, threads_for(upper.size, workers)):
+    answers, cells = {}, max(upper.size, errors.cells if errors else 0)
+    for at, answer in in_threads(tables_of, variants, threads_for(cells, workers)):
         answers[at], name = answer, variants[at].source
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
     rows, curves = zip(*(answers[at] for at in range(len(variants))), strict=True)

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 LENGTHS = (1e-15, 1e15)
 """Smallest and largest allowed spacing [m]; the second is also the largest allowed height."""
 
+SIZES = (1e-100, 1e100)
+"""Smallest and largest allowed size of numbers whose squares and products are computed."""
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Units of length that a user may state, in metres."""
 SPELT = {
@@ -68,11 +70,24 @@ def real_array(name: str, values: ArrayLike) -> np.ndarray:
     return numbers
 
 
-def check_count(name: str, value: int, least: int = 1) -> None:
-    """Raise `InputError` unless a value is a whole number, and not less than the least."""
+def check_count(name: str, value: int, least: int = 1, most: int | None = None) -> None:
+    """Raise `InputError` unless a value is a whole number from the least to the most allowed."""
     check_number(name, value, whole=True)
     if value < least:
         raise InputError(f"{name} = {value!r}: must be at least {least}")
+    if most is not None and value > most:
+        shown = repr(value) if value < 1e18 else "a number of more than 18 digits"
+        raise InputError(f"{name} = {shown}: must be at most {most}")
+
+
+def check_sizes(name: str, values: np.ndarray) -> None:
+    """Raise `InputError` if the largest of some numbers is beyond `SIZES`, unless all are 0."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest and not SIZES[0] <= largest <= SIZES[1]:
+        raise InputError(
+            f"{name}: the largest is {largest:.3g}, and must be from {SIZES[0]:g} to "
+            f"{SIZES[1]:g}, as squares must fit in double precision"
+        )
 
 
 def check_below(name: str, value: float, limit: float) -> None:

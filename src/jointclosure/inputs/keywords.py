@@ -8,14 +8,20 @@ from typing import Any, TypeVar
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def takes(fields_of: Callable[..., Any]) -> Callable[[Function], Function]:
-    """Show the fields of a named tuple in the signature of a function with other keywords."""
+def takes(fields_of: Callable[..., Any], **defaults: Any) -> Callable[[Function], Function]:
+    """Show the fields of a named tuple in the signature of a function with other keywords.
+
+    ``defaults`` are those of the function by name, where they differ from those of the fields.
+    """
 
     def decorate(function: Function) -> Function:
         signature = inspect.signature(function)
         shown = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
         fields = inspect.signature(fields_of).parameters.values()
-        keywords = [field.replace(kind=field.KEYWORD_ONLY) for field in fields]
+        keywords = [
+            field.replace(kind=field.KEYWORD_ONLY, default=defaults.get(field.name, field.default))
+            for field in fields
+        ]
         function.__signature__ = signature.replace(parameters=shown + keywords)  # type: ignore[attr-defined]
         return function
 

@@ -23,6 +23,7 @@ from jointclosure.parameters import (
 )
 
 USUAL_CYCLES = 2
+MOST_CYCLES = 10_000
 SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as in laboratories
 LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
 """Largest seating stress, and default where the usual one is too large, over the least maximum."""
@@ -40,8 +41,12 @@ def load_cycles(
 ) -> tuple[LoadCycle, ...]:
     """Check a load and return its cycles [Pa]."""
     if cycles is not None:
-        check_count("cycles", cycles)
+        check_count("cycles", cycles, 1, MOST_CYCLES)
     given, history = _turns(max_normal_stress)
+    if len(given) > 2 * MOST_CYCLES:
+        raise InputError(
+            f"max_normal_stress: has {len(given)} stresses, must have at most {2 * MOST_CYCLES}"
+        )
     if not given:
         raise InputError("max_normal_stress = []: a load history needs a maximum")
     for turn in given:
@@ -113,9 +118,10 @@ class Conditions(NamedTuple):
     max_normal_stress : float or sequence of float
         Maximum of every cycle [Pa]; or the load history, the stresses at which the load turns,
         alternately a maximum and a minimum, such as 5, 0, 20, 2, 30 MPa. 0 is last contact. If a
-        maximum comes last, the joint is then unloaded to 0.
+        maximum comes last, the joint is then unloaded to 0. Where rock breaks, a minimum must be
+        below both maxima beside it by more than the ``stress_tolerance`` of both.
     cycles : int or None
-        Number of load cycles, at least 1: by default 2, or that of the load history.
+        Number of load cycles, from 1 to 10,000: by default 2, or that of the load history.
     seating_stress : float or None
         Stress from which closures since seating count [Pa], from 0 to 0.9 of the smallest maximum:
         by default 0.5 MPa, or a tenth of that maximum where 0.5 MPa are too much. It does not
@@ -191,6 +197,8 @@ class Conditions(NamedTuple):
             check_length("spacing", self.spacing)
         load, largest = self.load, self.largest_stress
         check_choices(self.choices, self.spacing or 0.0)
+        if self.effects.breakage or self.numerics.solver == "reference":  # else turns are exact
+            _check_turns(load, self.numerics.stress_tolerance)
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
             for maximum in _turns(self.max_normal_stress)[0][::2]:
@@ -219,6 +227,20 @@ class Conditions(NamedTuple):
                 f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
             )
         return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
+
+
+def _check_turns(load: Sequence[LoadCycle], tolerance: float) -> None:
+    """Raise `InputError` for a minimum [Pa] that a maximum may not exceed within the tolerance."""
+    for number, cycle in enumerate(load):
+        minimum = cycle.minimum
+        lowest = min(beside.maximum for beside in load[number : number + 2])
+        if minimum * (1.0 + tolerance) >= lowest * (1.0 - tolerance):
+            most = lowest * (1.0 - tolerance) / (1.0 + tolerance)
+            raise InputError(
+                f"max_normal_stress: the minimum {minimum:g} Pa is too close to a maximum beside "
+                f"it, {lowest:g} Pa, as both are met within the stress_tolerance, {tolerance:g}: "
+                f"the minimum must be below {most:.6g} Pa, or the stress_tolerance smaller"
+            )
 
 
 def model_attributes(

@@ -20,6 +20,12 @@ LAST_CHORD = 0.15  # least part of the range of stress over which its last stiff
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
 """Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
 KINDS = {"net": NET, "gross": GROSS}  # in names of columns
+HYDRAULIC = "hydraulic_aperture", "smallest_hydraulic", "largest_hydraulic"
+"""Variables of flow: the hydraulic aperture where it is known, and its bounds."""
+FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
+"""Words of the status of a flow, from the one by which most is known."""
+ONLY_BOUNDS = FLOW_STATUSES[2:]
+"""Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
 def read_along(history: xr.Dataset, of: str | np.ndarray = NET) -> np.ndarray:
@@ -100,12 +106,27 @@ def by_fixed_steps(history: xr.Dataset) -> bool:
 
 
 def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
-    """Return values (n,) as a monotone cubic of stress where that exceeds all before; or NaN."""
+    """Return values (n,) as a monotone cubic of stress where that exceeds all before; or NaN.
+
+    NaN also between two stresses of which one has an unknown value, NaN.
+    """
     rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
     stress, values = stress[rises], values[rises]
-    if stress.size > 1:
-        return scipy.interpolate.PchipInterpolator(stress, values, extrapolate=False)
-    return lambda level: np.where(level == stress[0], values[0], np.nan)
+    known = np.isfinite(values)
+    if known.sum() < 2:
+        at = dict(zip(stress.tolist(), values.tolist(), strict=True))
+        return np.vectorize(lambda level: at.get(level, np.nan), otypes=[float])
+    cubic = scipy.interpolate.PchipInterpolator(stress[known], values[known], extrapolate=False)
+    if known.all():
+        return cubic
+
+    def where_known(level: Any) -> np.ndarray:
+        sides = (np.searchsorted(stress, level, side) for side in ("left", "right"))
+        after, beyond = (np.minimum(at, stress.size - 1) for at in sides)
+        before = np.where(stress[after] == level, after, np.maximum(beyond - 1, 0))
+        return np.where(known[before] & known[after], cubic(level), np.nan)
+
+    return where_known
 
 
 def values_where(
@@ -228,13 +249,36 @@ def has_flow(history: xr.Dataset) -> bool:
     return "hydraulic_aperture" in history
 
 
+def flow_statuses(history: xr.Dataset) -> np.ndarray:
+    """Return the status of the flow in words (steps, directions)."""
+    words = np.array(history.flow_status.attrs["flag_meanings"].split(), dtype=object)
+    return words[history.flow_status.values.astype(int)]
+
+
+def flow_status_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
+    """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
+
+    It is the one by which least is known, along both directions and at the steps on both sides of
+    the stress; "" where the stress is not reached.
+    """
+    rank = np.vectorize(FLOW_STATUSES.index)(flow_statuses(history)).max(axis=1)
+    ranks = np.zeros((int(history.load_cycle.max()), 2, levels.size), dtype=int)
+    for least in range(1, len(FLOW_STATUSES)):
+        ranks += closures_at(history, levels, (rank >= least).astype(float)) > 0.0
+    reached = np.isfinite(closures_at(history, levels, np.zeros(rank.size)))
+    return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
+
+
 def _flow_columns(history: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return hydraulic apertures (steps,) and ratios to the mean aperture; {} without flow."""
+    """Return hydraulic apertures (steps,), their bounds, status, and ratio to the mean aperture."""
     columns: dict[str, np.ndarray] = {}
-    for name in history.direction.values if has_flow(history) else ():
-        hydraulic = history.hydraulic_aperture.sel(direction=name).values
-        columns[f"hydraulic_aperture_{name}_mm"] = 1e3 * hydraulic
-        columns[f"hydraulic_ratio_{name}"] = hydraulic / history.mean_aperture.values
+    for at, along in enumerate(history.direction.values if has_flow(history) else ()):
+        known = {name: history[name].sel(direction=along).values for name in HYDRAULIC}
+        columns |= {f"{name}_{along}_mm": 1e3 * values for name, values in known.items()}
+        aperture, mean = known["hydraulic_aperture"], history.mean_aperture.values
+        ratio = np.divide(aperture, mean, out=np.full(mean.shape, np.nan), where=mean > 0.0)
+        columns[f"hydraulic_ratio_{along}"] = ratio
+        columns[f"flow_status_{along}"] = flow_statuses(history)[:, at]
     return columns
 
 
@@ -289,7 +333,7 @@ def hysteresis(closed: xr.Dataset) -> np.ndarray:
     for index, loading, unloading in _whole_cycles(closed, np.full(shares.size, np.inf)):
         given = np.trapezoid(stress[loading], closure[loading])
         back = -np.trapezoid(stress[unloading], closure[unloading])
-        shares[index] = 1.0 - back / given
+        shares[index] = 1.0 - back / given if given > 0.0 else np.nan
     return shares
 
 
@@ -406,12 +450,10 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
     columns["mean_aperture_mm"] = 1e3 * closures_at(history, levels, "mean_aperture")
     if has_flow(history):
-        names = ("largest_hydraulic", "hydraulic_aperture")  # geometric means along x and y
-        products = (history[name].prod("direction", skipna=False).values for name in names)
-        most, known = map(np.sqrt, products)
-        means = most, np.where(np.isfinite(known), known, most)
-        for name, mean in zip(names, means, strict=True):
+        for name in HYDRAULIC:  # geometric means along x and y
+            mean = np.sqrt(history[name].prod("direction", skipna=False).values)
             columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(history, levels, mean), 0.0)
+        columns["flow_status"] = flow_status_at(history, levels)
     index = pd.MultiIndex.from_product(
         [range(1, begun + 1), BRANCHES, 1e-6 * levels],
         names=["cycle", "branch", "normal_stress_MPa"],
@@ -439,7 +481,12 @@ _VARIABLES = {
     "normal_stress": ("Pa", "nominal normal stress"),
     "contact_fraction": ("1", "fraction of the cells in contact"),
     "bulk_indentation": ("m", "mean displacement by the interaction"),
-    "mean_aperture": ("m", "mean distance of the deformed walls"),
+    "mean_aperture": (
+        "m",
+        "mean aperture",
+        "void volume over nominal area: mean distance of the deformed walls, 0 in contacts",
+    ),
+    "mean_overlap": ("m", "sum of the overlaps of contacts over the number of cells"),
     "equilibrium_residual": ("1", "recomputed residual of the forces over their sum"),
     "max_closure": ("m", "maximum closure", "from the start of the cycle"),
     "residual_closure": ("m", "residual closure", "from first touch"),
@@ -464,7 +511,16 @@ _VARIABLES = {
     "force": ("N", "normal force of each contact"),
     "overlap": ("m", "overlap delta_S, negative where the walls are apart"),
     "interaction_displacement": ("m", "displacement by all other contacts"),
-    "hydraulic_aperture": ("m", "aperture of parallel plates that pass as much, 0 if blocked"),
+    "hydraulic_aperture": (
+        "m",
+        "aperture of parallel plates that pass as much, 0 if blocked",
+        "missing where flow_status is not_solved or at_least, and only bounds are known",
+    ),
+    "smallest_hydraulic": (
+        "m",
+        "lower bound of the hydraulic aperture",
+        "the hydraulic aperture where it is known, 0 where the flow is not solved",
+    ),
     "largest_hydraulic": (
         "m",
         "upper bound of the hydraulic aperture",

@@ -222,9 +222,9 @@ class FlowAlongHistory:
     """`Observer` that computes the flow along x and along y at every step."""
 
     def __init__(self) -> None:
-        self._flows: list[tuple[list[Flow], list[float]]] = []
+        self._flows: list[dict[str, list[float]]] = []
         self._walls: tuple[np.ndarray, ...] = ()
-        self._of_walls: dict[float, tuple[list[Flow], list[float]]] = {}
+        self._of_walls: dict[float, dict[str, list[float]]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
         """Compute the flow at a step."""
@@ -235,19 +235,28 @@ class FlowAlongHistory:
         closure = step.settled.closure
         if closure not in self._of_walls:
             aperture = np.maximum(-fields_of(joint, closure)[0], 0.0)
-            flows = (flow_along(aperture, direction) for direction in DIRECTIONS)
-            kept = [flow._replace(pressure=np.empty(0)) for flow in flows]
-            bounds = [largest_hydraulic(aperture, direction) for direction in DIRECTIONS]
-            self._of_walls[closure] = kept, bounds
+            self._of_walls[closure] = _variables_of(aperture)
         self._flows.append(self._of_walls[closure])
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with the flow at its steps, along ``step`` and ``direction``."""
         added: dict[str, Any] = {}
-        kinds = {"hydraulic_aperture": np.float64, "flow_status": np.int8, "flow_imbalance": float}
-        for field, (name, kind) in enumerate(kinds.items()):
-            rows = [[flow[field] for flow in flows] for flows, _ in self._flows]
-            added[name] = (("step", "direction"), np.array(rows, dtype=kind), ATTRIBUTES[name])
-        bounds = np.array([bounds for _, bounds in self._flows])
-        added["largest_hydraulic"] = ("step", "direction"), bounds, ATTRIBUTES["largest_hydraulic"]
+        for name in self._flows[0]:
+            kind = np.int8 if name == "flow_status" else np.float64
+            values = np.array([of_step[name] for of_step in self._flows], dtype=kind)
+            added[name] = ("step", "direction"), values, ATTRIBUTES[name]
         return closed.assign(added).assign_coords(COORDINATE)
+
+
+def _variables_of(aperture: np.ndarray) -> dict[str, list[float]]:
+    """Return the variables of a history (directions,) at apertures (y, x) [m]."""
+    flows = [flow_along(aperture, direction) for direction in DIRECTIONS]
+    apertures = [flow.hydraulic_aperture for flow in flows]
+    solved = [flow.status in (FLOWS, BLOCKED) for flow in flows]
+    return {
+        "hydraulic_aperture": np.where(solved, apertures, np.nan).tolist(),
+        "flow_status": [flow.status for flow in flows],
+        "flow_imbalance": [flow.imbalance for flow in flows],
+        "smallest_hydraulic": np.nan_to_num(apertures).tolist(),
+        "largest_hydraulic": [largest_hydraulic(aperture, direction) for direction in DIRECTIONS],
+    }

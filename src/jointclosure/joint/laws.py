@@ -18,6 +18,11 @@ from jointclosure.joint import curves
 from jointclosure.joint.protocol import BRANCHES, LOADING
 
 POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
+BENDS = 10.0
+"""Largest Vm of a hyperbola over the largest closure; beyond, a curve does not determine it.
+
+At that ratio the curve is a tenth of the hyperbola, whose stiffness increases by a quarter over it.
+"""
 _STRAIGHT = 1e3  # Vm of a hyperbola over the closure of a curve that does not bend as one does
 FAILS = 0.05  # largest error of a law within its range, over the largest closure
 _COLUMNS = [
@@ -109,7 +114,11 @@ def fitted_laws(
 
 
 def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
-    """Return parameters, their errors, and the quality of the fit of a law [MPa, mm]."""
+    """Return parameters, their errors, and the quality of the fit of a law [MPa, mm].
+
+    Vm of a curve that does not bend is undetermined, and NaN: it exceeds `BENDS` times the largest
+    closure, or has a standard error that exceeds it.
+    """
 
     def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
         return law.closure(stress, seating, *parameters)
@@ -135,7 +144,10 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     explained = 1.0 - square / float(np.sum((closure - closure.mean()) ** 2))
     ends = stress[longest][[0, -1]].tolist() if longest else (np.nan, np.nan)
     fit = explained, float(np.sqrt(square / closure.size)), *ends
-    return values, np.sqrt(np.diag(covariance)), dict(zip(names, fit, strict=True))
+    errors = np.sqrt(np.diag(covariance))
+    if law.closure is _hyperbola and not errors[1] < values[1] <= BENDS * closure.max():
+        values[1] = errors[1] = np.nan
+    return values, errors, dict(zip(names, fit, strict=True))
 
 
 def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:

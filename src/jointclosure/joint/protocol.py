@@ -163,6 +163,8 @@ def run_cycles(
         _load(run, cycle, former, *(numerics[:2] if cycle == 1 else numerics[2:4]))
         if run.failed:
             break
+        if (last := run.steps[-1]).cycle < cycle:  # breakage jumped over the maximum at once
+            run.accept(cycle, LOADING, last.settled._replace(effort=Effort()))
         unbreakable = unbreakable_share(run.steps[-1].settled)
         if joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
             run.status |= OUTSIDE_MODEL_RANGE
@@ -344,7 +346,7 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
     last = run.steps[-1].settled
     values = {
         name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
-        for name in ("closure", "mean_interaction", "locked_share", "flat_share")
+        for name in ("closure", "mean_interaction", "mean_overlap", "locked_share", "flat_share")
     }
     joint.closure[...] = values["closure"]  # start of the next step
     run.accept(cycle, branch, passed._replace(total_force=force, **values))

@@ -21,7 +21,7 @@ from jointclosure.joint.conditions import (
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
-from jointclosure.joint.step_control import check_foreseen
+from jointclosure.joint.step_control import check_elastic_steps, check_foreseen
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -83,17 +83,19 @@ def simulate(
     xarray.Dataset
         Along ``step``, starting with (0, 0): ``closure`` [m] from first
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
-        ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
-        negative where asperities are pressed into each other), ``equilibrium_residual``, with
-        coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
+        ``bulk_indentation`` [m], ``mean_aperture`` [m] (void volume over nominal area: the mean of
+        the distance of the deformed walls, which is 0 in contacts), ``mean_overlap`` [m] (the sum
+        of the overlaps delta_S of contacts over the number of cells), ``equilibrium_residual``,
+        with coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
         (`jointclosure.joint.curves.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
         Rock, spacing, load, effects, choices and numerics are attributes. With ``flow`` also,
-        along ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
-        ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
+        along ``step`` and ``direction``: ``hydraulic_aperture`` [m], NaN where ``flow_status`` is
+        not_solved or at_least, its bounds ``smallest_hydraulic`` and ``largest_hydraulic`` [m],
+        and ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
         ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
         are pressed together) and ``snapshot_broken_volume`` [m3], with the requested stress,
         cycle, branch and step as coordinates; and the walls at first touch.
@@ -144,6 +146,8 @@ def close_walls(
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
+    else:
+        check_elastic_steps(numerics, len(load))
     area, observers = upper.size * spacing**2, list[Any]()
     if conditions.flow:
         from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
@@ -283,14 +287,16 @@ def _history_dataset(
     def along(field: str) -> np.ndarray:
         return np.array([getattr(point, field) for point in settled])
 
-    closure, bulk = along("closure"), along("mean_interaction")
+    closure, bulk, overlap = along("closure"), along("mean_interaction"), along("mean_overlap")
+    distance = joint.first_touch - np.array(heights) - closure + bulk
     along_step = {
         "closure": closure,
         "normal_stress": along("total_force") / area,
         "contact_fraction": along("contacts") / joint.upper.size,
         "bulk_indentation": bulk,
         "equilibrium_residual": along("residual"),
-        "mean_aperture": joint.first_touch - np.array(heights) - closure + bulk,
+        "mean_aperture": np.maximum(distance + overlap, 0.0),  # not below by rounding
+        "mean_overlap": overlap,
     }
     numbers = np.array(cycle, dtype=np.int32)
     coordinates = {

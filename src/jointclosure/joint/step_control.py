@@ -99,15 +99,20 @@ Measured: 1.3e9 steps on 20 x 20 cells of dolerite at 3 MPa with a largest radiu
 6e3 steps with 1.5 mm."""
 
 
+_ELASTIC_STEPS = 10.0  # steps of an elastic history over `Numerics.most_steps`: they are cheap
+
+
 def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int) -> None:
     """Refuse a simulation that needs more steps than `Numerics` allows."""
     steps, closure = displacement_steps(joint, numerics, max_normal_stress, cycles)
     if steps > numerics.most_steps:
         least = numerics.displacement_step * steps / numerics.most_steps
         raise InputError(
-            f"displacement_step = {numerics.displacement_step!r} m: the elastic closure alone, "
-            f"{closure:.3g} m, takes {steps:.3g} steps, most_steps = {numerics.most_steps:g}; must "
-            f"be at least {least:.3g} m, and later_displacement_step too, or most_steps larger"
+            f"displacement_step = {numerics.displacement_step!r} m: a closure of {closure:.3g} m, "
+            "without which these walls do not carry the stress, and the later branches take "
+            f"{steps:.3g} steps or more, most_steps = {numerics.most_steps:g}; must be at least "
+            f"{least:.3g} m, and later_displacement_step too, or most_steps larger (is the unit of "
+            "the heights right?)"
         )
     strength = largest_strength(joint, numerics)
     radius = joint.choices.largest_radius
@@ -128,10 +133,25 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
         )
 
 
+def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
+    """Refuse an elastic history of more steps than memory holds."""
+    steps = 2.0 * cycles * numerics.curve_points
+    if steps > _ELASTIC_STEPS * numerics.most_steps:
+        raise InputError(
+            f"curve_points = {numerics.curve_points}: with {cycles} cycles the history has "
+            f"{steps:.3g} steps, must have at most {_ELASTIC_STEPS:g} times most_steps = "
+            f"{numerics.most_steps:g}"
+        )
+
+
 def displacement_steps(
     joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int
 ) -> tuple[float, float]:
-    """Estimate the displacement steps of an elastic history and its closure [m]."""
+    """Estimate the displacement steps of a history and the closure of its first loading [m].
+
+    The closure is the elastic one, or that at which enough cells carry the stress at their
+    strength, if it is larger; later branches are elastic.
+    """
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
     contacts = joint.contacts(cells, overlap, compliance)
@@ -141,17 +161,40 @@ def displacement_steps(
     if numerics.breakage == "resolved":
         first *= LARGEST_STEP
     later = (2 * cycles - 1) * closure / numerics.later_displacement_step
+    closure = max(closure, crushed_closure(joint, numerics, target))
     return closure / first + later, closure
+
+
+def crushed_closure(joint: Joint, numerics: Numerics, target: float) -> float:
+    """Return a closure [m] below which too few cells are in contact for a force [N].
+
+    The n cells that it takes at the largest strength of a cell lie at one level if the highest are
+    crushed, and gouge does not raise it above their mean height.
+    """
+    strengths = cell_strengths(joint, numerics) if joint.effects.breakage else None
+    if strengths is None:
+        return 0.0
+    summed = (joint.upper + joint.lower).ravel()
+    count = min(math.ceil(target / float(strengths.max())), summed.size)
+    highest = np.partition(summed, summed.size - count)[summed.size - count :]
+    return joint.first_touch - float(highest.mean())
+
+
+def cell_strengths(joint: Joint, numerics: Numerics) -> np.ndarray | None:
+    """Return the force [N] that each cell (y, x) carries unlocked at most; None if unbounded."""
+    law = joint.law
+    flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
+    if not flattest.all():
+        return None
+    # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
+    beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
+    return beyond * law.breaking_force[joint.peaks] / flattest**2
 
 
 def largest_strength(joint: Joint, numerics: Numerics) -> float:
     """Return the stress [Pa] that all cells together carry unlocked, at the largest radii."""
-    law = joint.law
+    strengths = cell_strengths(joint, numerics)
     resolved = numerics.breakage == "resolved" and joint.effects.gouge
-    flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
-    if not resolved or not flattest.all():
+    if not resolved or strengths is None:
         return math.inf
-    force = law.breaking_force[joint.peaks] / flattest**2
-    # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
-    beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
-    return beyond * float(force.sum()) / (joint.upper.size * law.spacing**2)
+    return float(strengths.sum()) / (joint.upper.size * joint.law.spacing**2)

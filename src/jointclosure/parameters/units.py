@@ -104,7 +104,10 @@ def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None
 
 def documented(function: Callable[..., Any]) -> dict[str, str]:
     """Return the documentation of each parameter of a function, or attribute of a type."""
-    text = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")[1]
+    _, *sections = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")
+    if not sections:  # as python -OO leaves docstrings out
+        return dict.fromkeys(inspect.signature(function).parameters, "")
+    text = sections[0]
     entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
     texts: dict[str, str] = {}
     for names, about in entries:

@@ -181,7 +181,8 @@ def _draw_closure(
             known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
             fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
             label = None if number else "hyperbolas fitted"
-            axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
+            if np.isfinite(fitted).all():  # not that of a curve that does not bend
+                axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
         if cycle in laws:
             empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
@@ -191,12 +192,12 @@ def _draw_closure(
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
-    """Draw transmissivity over stress; its upper bound dotted, as flow may be blocked."""
+    """Draw transmissivity over stress where it is known; its upper bound dotted."""
     name = "transmissivity_m2_per_s"
     _draw_along(axes, curves, name)
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
-        label = "at most, cells in contact let water pass" if cycle == 1 else None
+        label = "upper bound" if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
     known = curves[members(curves, name)[0]]

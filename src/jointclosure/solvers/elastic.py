@@ -161,6 +161,10 @@ def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Se
     if solution.residual == np.inf:
         outcome = Outcome.RIGID_CONTACT
     flat = joint.force_on_flats(candidates.curvature, solution.force)
+    contacts, force = candidates.contacts, solution.force
+    overlap = np.full(force.size, np.nan)  # unknown where a rigid contact has an infinite force
+    if outcome != Outcome.RIGID_CONTACT:
+        overlap = contacts.substrate * force + contacts.compliance * np.cbrt(force) ** 2
     return Settled(
         outcome=outcome,
         closure=solution.shift,
@@ -168,6 +172,7 @@ def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Se
         least_force=float(solution.force.min()),
         contacts=int(np.count_nonzero(solution.force)),
         mean_interaction=joint.mean_interaction(),
+        mean_overlap=float(overlap.sum()) / joint.upper.size,
         residual=solution.residual,
         locked_contacts=0,
         locked_share=0.0,

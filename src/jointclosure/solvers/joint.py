@@ -70,7 +70,7 @@ class Settled(NamedTuple):
     Shares are those of the force on locked contacts (beyond their strength, without lower
     neighbours for their gouge) and on flat ones (no curvature but by rounding). ``correction`` [N]
     is the total force less its prediction before anything broke (resolved breakage), a measure of a
-    step's error.
+    step's error. ``mean_overlap`` [m] is the sum of the overlaps of contacts over the cells.
     """
 
     outcome: Outcome
@@ -79,6 +79,7 @@ class Settled(NamedTuple):
     least_force: float
     contacts: int
     mean_interaction: float
+    mean_overlap: float
     residual: float
     locked_contacts: int
     locked_share: float
@@ -254,6 +255,7 @@ class Joint:
             least_force=float(self.force.min()),
             contacts=int(np.count_nonzero(self.force)),
             mean_interaction=self.mean_interaction(),
+            mean_overlap=float(np.maximum(overlap, 0.0).sum()) / self.upper.size,
             residual=misfit,
             locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
             locked_share=share * float(self.force[locked].sum()),

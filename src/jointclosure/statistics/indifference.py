@@ -31,17 +31,25 @@ the length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V/n).
 
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from jointclosure.inputs import InputError, check_count, check_number, real_array
+from jointclosure.inputs import InputError, check_count, check_number, check_sizes, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import resampled
 
 NEGLIGIBLE_ROOT = 1e-30  # share of the bound of all roots below which one is due to rounding
+BLOCK = 4096  # quartics that are solved at once: they stay in the cache of a processor
+NEARLY = 1e-10  # share of its terms below which the sign of a value may be due to rounding
+NEWTON_STEPS = 16  # at most, from a start near the root; it needs about six
+EPSILON = float(np.finfo(float).eps)
+THIRD_TURNS = (2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0, 0.0)
+LEAST_SIGNIFICANCE = 1e-9  # for less the critical value is lost in the rounding of 1 - p/2
+MOST_SAMPLES = 10**12
 ITERATIONS = 200  # at most, of Newton's method with bisection; it needs far fewer
 
 
@@ -55,7 +63,118 @@ def _horner(u: Any, coefficients: Any) -> Any:
 
 def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
     """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1)."""
-    roots, bound = _all_real_roots(np.asarray(coefficients, dtype=float))
+    coefficients = np.asarray(coefficients, dtype=float)
+    if coefficients.shape[1] != 5:
+        return _largest_by_isolation(coefficients)
+    largest = np.empty(len(coefficients))
+    for start in range(0, len(coefficients), BLOCK):
+        part = coefficients[start : start + BLOCK]
+        with np.errstate(all="ignore"):
+            roots, certain = _largest_of_quartics(part)
+        roots[~certain] = _largest_by_isolation(part[~certain])
+        largest[start : start + BLOCK] = roots
+    return largest
+
+
+def _largest_of_quartics(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the real roots of largest magnitude (m,), NaN if none, and whether each is certain.
+
+    In s = root/bound, with the bound a power of two, which rounds nothing, the quartic becomes
+    q(s) = s^4 + ..., whose minima are at roots of a cubic. The outermost roots lie beyond the
+    outermost minima below 0, where q is convex. Where rounding may decide, or q is not convex,
+    nothing is certain.
+    """
+    monic = quartics.T[1:] / quartics.T[0]
+    third, second, first, zeroth = np.abs(monic)
+    bound = np.maximum(np.maximum(third, np.sqrt(second)), np.cbrt(first))
+    bound = np.maximum(bound, np.sqrt(np.sqrt(zeroth)))
+    scale = np.ldexp(2.0, np.frexp(bound)[1])
+    monic = monic / scale ** np.arange(1, 5)[:, None]
+    low, middle, high = _turning_points(monic)
+    odd = np.array([-1.0, 1.0, -1.0, 1.0])[:, None]
+    right = _beyond(high, monic)
+    left = _beyond(-low, odd * monic)  # of q(-s)
+    clear, both = right.clear & left.clear, right.below & left.below
+    both_solved = both & right.solved & left.solved
+    of_right = np.where(both, right.solved, right.below)
+    of_right = np.where(both_solved, right.root > left.root, of_right)
+    largest = np.where(of_right, right.root, -left.root)
+    # is the other root next to the same minimum, or beyond the other one, surely smaller?
+    opposite = -largest
+    rest = np.abs(opposite)
+    positive = _monic(opposite, monic) > NEARLY * _monic(rest, np.abs(monic))
+    outside = np.where(of_right, opposite <= low, opposite >= high)
+    past_middle = np.where(of_right, opposite <= middle, opposite >= middle)
+    past_minimum = np.where(of_right, opposite < high, opposite > low)
+    smaller = np.where(
+        both, both_solved | (outside & positive), past_minimum & (past_middle | positive)
+    )
+    solved = np.where(of_right, right.solved, left.solved)
+    certain = clear & smaller & solved & (rest > NEARLY)
+    none = ~right.below & ~left.below
+    return np.where(none, np.nan, largest * scale), np.where(none, clear, certain)
+
+
+def _monic(s: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """Evaluate s^4 + ... with the other coefficients (4, m), highest power first."""
+    third, second, first, zeroth = coefficients
+    return (((s + third) * s + second) * s + first) * s + zeroth
+
+
+def _turning_points(monic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the lowest, middle and highest turning point (m,) of monic quartics, or one thrice."""
+    third, second, first, _ = monic
+    centre = -0.25 * third
+    p = 0.5 * second - 3.0 * centre * centre
+    q = 0.25 * first + centre * (0.5 * second - 2.0 * centre * centre)
+    half, third_p = 0.5 * q, p / 3.0
+    discriminant = half * half + third_p * third_p * third_p
+    single = discriminant > 0.0
+    cube = np.cbrt(np.abs(half) + np.sqrt(np.where(single, discriminant, 0.0)))
+    only = np.where(half > 0.0, -1.0, 1.0) * (cube - third_p / cube)
+    radius = np.sqrt(np.where(single, 0.0, -third_p))
+    angle = np.arccos(np.clip(-half / (radius * radius * radius), -1.0, 1.0)) / 3.0
+    points = (2.0 * radius * np.cos(angle + turn) for turn in THIRD_TURNS)
+    low, middle, high = (centre + np.where(single, only, point) for point in points)
+    return low, middle, high
+
+
+class _Outermost(NamedTuple):
+    """Highest root (m,) above a minimum: whether this is below 0, clearly, and it is solved."""
+
+    root: np.ndarray
+    below: np.ndarray
+    clear: np.ndarray
+    solved: np.ndarray
+
+
+def _beyond(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
+    """Return the roots of monic quartics above their highest minimum.
+
+    From a start in the convex part, Newton's method overshoots once at most and then descends.
+    """
+    third, second, first, _ = monic
+    depth, size = _monic(minimum, monic), _monic(np.abs(minimum), np.abs(monic))
+    below = depth < 0.0
+    bend = np.sqrt(np.maximum(0.0625 * third * third - second / 6.0, 0.0)) - 0.25 * third
+    convex = (bend <= minimum) | (_monic(bend, monic) < 0.0)
+    curvature = (6.0 * minimum + 3.0 * third) * minimum + second
+    s = minimum + np.sqrt(np.maximum(-depth / curvature, 0.0))
+    s = np.where(np.isfinite(s), np.minimum(np.maximum(s, bend), 1.0), 1.0)
+    step = s
+    for _ in range(NEWTON_STEPS):
+        slope = ((4.0 * s + 3.0 * third) * s + 2.0 * second) * s + first
+        step = _monic(s, monic) / slope
+        s = s - step
+        if not np.any(below & convex & (np.abs(step) > 2.0 * EPSILON * np.abs(s))):
+            break
+    solved = convex & (np.abs(step) <= NEARLY * np.abs(s))
+    return _Outermost(s, below, np.abs(depth) > NEARLY * size, solved)
+
+
+def _largest_by_isolation(polynomials: np.ndarray) -> np.ndarray:
+    """Return the real root of largest magnitude (m,) of polynomials, by way of all real roots."""
+    roots, bound = _all_real_roots(polynomials)
     sizes = np.where(np.abs(roots) > NEGLIGIBLE_ROOT * bound[:, None], np.abs(roots), -np.inf)
     largest = np.take_along_axis(roots, sizes.argmax(axis=1)[:, None], axis=1)[:, 0]
     return np.where(sizes.max(axis=1) > 0.0, largest, np.nan)
@@ -105,7 +224,7 @@ def _between(
         following = np.where(value == 0.0, root, following)
         change = np.abs(following - root)
         result[open_ones] = following
-        going = change > 2.0 * np.finfo(float).eps * np.abs(following)
+        going = change > 2.0 * EPSILON * np.abs(following)
         if not going.any():
             break
         open_ones, root, before = open_ones[going], following[going], change[going]
@@ -152,8 +271,9 @@ def indifference_interval(
     InputError
         If values are not real and finite (floats and integers of any type are
         converted to float64), there are fewer than three levels, levels are out of
-        order, the base is not a level, a deviation is negative, or there are fewer
-        than two samples.
+        order, the base is not a level, a deviation is negative, there are fewer
+        than two samples, the significance is below 1e-9, or numbers are so large
+        or small that their squares do not fit in double precision.
 
     Notes
     -----
@@ -183,11 +303,45 @@ def indifference_lengths(
     base: float | None = None,
 ) -> np.ndarray:
     """Compute the lengths of many indifference intervals at once, as `indifference_interval`."""
-    levels, means, deviations, base = checked(
-        levels, means, deviations, samples, significance, base, many=True
-    )
-    mean, _, _, u = _solved(levels, means, deviations, samples, significance, base)
-    return (np.abs(u) * mean.half_range).reshape(means.shape[:-1])
+    response = ResponseMoments(levels, means, deviations, base)
+    return lengths_of_responses([response], samples, significance)[0]
+
+
+class ResponseMoments(NamedTuple):
+    """Levels (k,), means and deviations (..., k) of responses there, and the base level."""
+
+    levels: ArrayLike
+    means: Any  # converted and checked where lengths are computed
+    deviations: Any
+    base: float | None
+
+
+def lengths_of_responses(
+    responses: Sequence[ResponseMoments], samples: int, significance: float = 0.05
+) -> list[np.ndarray]:
+    """Compute `indifference_lengths` of several parameters; all roots are solved at once."""
+    half_ranges, shapes, varying, quartics = [], [], [], []
+    for response in responses:
+        levels, means, deviations, base = checked(
+            *response[:3], samples, significance, response.base, many=True
+        )
+        mean, _, _, varies, coefficients = _quartics(
+            levels, means, deviations, samples, significance, base
+        )
+        half_ranges.append(mean.half_range)
+        shapes.append(means.shape[:-1])
+        varying.append(varies)
+        quartics.append(coefficients)
+    if not shapes:
+        return []
+    varies = np.concatenate(varying)
+    roots = np.full(varies.size, np.nan)
+    roots[varies] = closest_roots(np.concatenate(quartics))
+    parts = np.split(np.abs(roots), np.cumsum([one.size for one in varying])[:-1])
+    return [
+        (part * half_range).reshape(shape)
+        for part, half_range, shape in zip(parts, half_ranges, shapes, strict=True)
+    ]
 
 
 def _solved(
@@ -199,15 +353,30 @@ def _solved(
     base: float,
 ) -> tuple[Quadratic, Quadratic, float, np.ndarray]:
     """Return quadratics of means and deviations (m, k), the critical value, and roots (m,) in u."""
+    mean, deviation, critical, varies, quartics = _quartics(
+        levels, means, deviations, samples, significance, base
+    )
+    roots = np.full(varies.size, np.nan)
+    roots[varies] = closest_roots(quartics)
+    return mean, deviation, critical, roots
+
+
+def _quartics(
+    levels: np.ndarray,
+    means: np.ndarray,
+    deviations: np.ndarray,
+    samples: int,
+    significance: float,
+    base: float,
+) -> tuple[Quadratic, Quadratic, float, np.ndarray, np.ndarray]:
+    """Return quadratics, the critical value, which means vary (m,), and quartics of these."""
     mean, deviation = (
         fit_quadratic(levels, values.reshape(-1, levels.size), base)
         for values in (means, deviations)
     )
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
     varies = (mean.b != 0.0) | (mean.c != 0.0)
-    roots = np.full(varies.size, np.nan)
-    roots[varies] = closest_roots(quartic(mean, deviation, samples, critical).T[varies])
-    return mean, deviation, critical, roots
+    return mean, deviation, critical, varies, quartic(mean, deviation, samples, critical).T[varies]
 
 
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
@@ -241,10 +410,13 @@ def closest_roots(quartics: np.ndarray) -> np.ndarray:
 
 
 def check_significance(significance: float) -> None:
-    """Raise `InputError` unless a significance level lies between 0 and 1."""
+    """Raise `InputError` unless a significance level lies between `LEAST_SIGNIFICANCE` and 1."""
     check_number("significance", significance)
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
+    if not LEAST_SIGNIFICANCE <= significance < 1.0:
+        raise InputError(
+            f"significance = {significance!r}: must be from {LEAST_SIGNIFICANCE:g} to below 1 "
+            "(0.05 is 5 %)"
+        )
 
 
 def checked(
@@ -274,8 +446,14 @@ def checked(
         raise InputError(
             f"standard_deviations: the smallest is {deviations.min()}, must not be negative"
         )
-    check_count("samples", samples, 2)
+    check_count("samples", samples, 2, MOST_SAMPLES)
     check_significance(significance)
+    check_sizes("levels", levels)
+    check_sizes("range of the levels", levels[[-1]] - levels[0])
+    check_sizes("means", means)
+    check_sizes("standard_deviations", deviations)
+    if base is not None:
+        check_number("base", base)
     base = levels[levels.size // 2] if base is None else base
     if base not in levels:
         raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")

@@ -22,7 +22,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import scipy
 
-from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.indifference import ResponseMoments, lengths_of_responses
 from jointclosure.statistics.standard_errors import jackknife_error
 
 RESAMPLED_POOLS = 40
@@ -31,6 +31,8 @@ _FEWEST_REPETITIONS = 100
 TAIL_SHARE = 0.01
 """Share of the density that is a Student t (3 degrees of freedom): no value is impossible."""
 
+BLOCK = 16384
+"""Numbers that are computed at once: few enough to stay in the cache of a processor."""
 GRID = 512
 FEWEST_ROOTS = 10
 GROUPS = 10
@@ -90,8 +92,8 @@ def draw_studies(
     """Draw repetitions of a study with independent draws at every level."""
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
-    drawn = {}
-    for key, sensitivity in sensitivities.items():
+    moments = []
+    for sensitivity in sensitivities.values():
         chosen = []
         for level, pool in zip(sensitivity.levels, sensitivity.pools, strict=True):
             size, name = pool.values.shape[1], pool.surfaces
@@ -102,8 +104,20 @@ def draw_studies(
             if level == sensitivity.base:
                 index = at_base.setdefault(name, index)
             chosen.append(np.take_along_axis(resampled[name], index, axis=1))
-        drawn[key] = _responses(sensitivity, chosen, design)
-    return drawn
+        moments.append(_moments(sensitivity, chosen))
+    lengths = lengths_of_responses(moments, design.draws, design.significance)
+    return {
+        key: DrawnResponse(
+            np.asarray(sensitivity.levels, float),
+            sensitivity.base,
+            np.asarray(means),
+            np.asarray(deviations),
+            np.nan_to_num(found, nan=np.inf),
+        )
+        for (key, sensitivity), (_, means, deviations, _), found in zip(
+            sensitivities.items(), moments, lengths, strict=True
+        )
+    }
 
 
 def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
@@ -151,18 +165,17 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
 
-def _responses(sensitivity, chosen, design) -> DrawnResponse:
+def _moments(sensitivity: Sensitivity, chosen: list[np.ndarray]) -> ResponseMoments:
+    """Return means and deviations (R, targets, k) of chosen surfaces (R, n) at each level."""
     of_pools: list[tuple[np.ndarray, np.ndarray]] = []
     for pool, index in zip(sensitivity.pools, chosen, strict=True):
         size, centre = pool.values.shape[1], pool.values.mean(axis=1, keepdims=True)
         values = (centre + (pool.values - centre) * (size / (size - 1)))[:, index]
-        of_pools.append((values.mean(axis=-1).T, values.std(axis=-1, ddof=1).T))
+        means = values.mean(axis=-1, keepdims=True)
+        deviations = values.std(axis=-1, ddof=1, mean=means)
+        of_pools.append((means[..., 0].T, deviations.T))
     means, deviations = (np.stack(part, axis=-1) for part in zip(*of_pools, strict=True))
-    lengths = indifference_lengths(
-        sensitivity.levels, means, deviations, design.draws, design.significance, sensitivity.base
-    )
-    levels, lengths = np.asarray(sensitivity.levels, float), np.nan_to_num(lengths, nan=np.inf)
-    return DrawnResponse(levels, sensitivity.base, means, deviations, lengths)
+    return ResponseMoments(sensitivity.levels, means, deviations, sensitivity.base)
 
 
 class LengthDistribution(NamedTuple):
@@ -221,33 +234,101 @@ def joint_test(lengths: np.ndarray, observed: np.ndarray) -> JointTest:
     repetition is evaluated with a density to which it contributed. The log-likelihood itself uses
     all repetitions; its standard error is from a jackknife over `GROUPS` groups of repetitions.
     """
-    group = np.arange(lengths.shape[0]) % GROUPS
-    parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
-    whole, error = log_likelihoods(lengths, observed[None])[0], jackknife_error(parts)
-    return JointTest(float(whole), float(error), p_of_table(lengths, observed))
+    return jackknifed_likelihood(lengths, observed).test(crossed_likelihoods(lengths, observed))
 
 
 def p_of_table(lengths: np.ndarray, observed: np.ndarray) -> float:
     """Return only the p of `joint_test`."""
+    return crossed_likelihoods(lengths, observed).p()
+
+
+class CrossedLikelihoods(NamedTuple):
+    """Log-likelihoods (1 + R/2, entries) of the published table and of a half of the repetitions.
+
+    Each of the two halves is evaluated with the densities of the other one.
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+
+    def of(self, entries: list[int]) -> "CrossedLikelihoods":
+        """Return the log-likelihoods of some entries."""
+        return CrossedLikelihoods(self.first[:, entries], self.second[:, entries])
+
+    def p(self) -> float:
+        """Return the share of repetitions that are equally or less likely; NaN if unknown."""
+        if np.isnan(self.first).any() or np.isnan(self.second).any():
+            return np.nan
+        as_unlikely = repetitions = 0
+        for half in self:
+            published, *drawn = _sums(half)
+            as_unlikely += int(np.count_nonzero(drawn <= published))
+            repetitions += len(drawn)
+        return float((1 + as_unlikely) / (repetitions + 1))
+
+
+class JackknifedLikelihood(NamedTuple):
+    """Log-likelihoods of the published entries (1, entries), and without one group each."""
+
+    whole: np.ndarray
+    left_out: np.ndarray  # (GROUPS, entries)
+
+    def of(self, entries: list[int]) -> "JackknifedLikelihood":
+        """Return the log-likelihoods of some entries."""
+        return JackknifedLikelihood(self.whole[:, entries], self.left_out[:, entries])
+
+    def test(self, crossed: CrossedLikelihoods) -> JointTest:
+        """Return the test of the table of these entries."""
+        error = jackknife_error(_sums(self.left_out))
+        return JointTest(float(_sums(self.whole)[0]), float(error), crossed.p())
+
+
+def crossed_likelihoods(lengths: np.ndarray, observed: np.ndarray) -> CrossedLikelihoods:
+    """Evaluate a table (entries,) and both halves of repetitions (R, entries)."""
     halves = lengths[::2], lengths[1::2]
-    as_unlikely = 0
-    for half, other in (halves, halves[::-1]):
-        likelihoods = log_likelihoods(other, np.vstack([observed, half]))
-        as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
-    return float((1 + as_unlikely) / (lengths.shape[0] + 1))
+    return CrossedLikelihoods(
+        *(
+            entry_log_likelihoods(other, np.vstack([observed, half]))
+            for half, other in (halves, halves[::-1])
+        )
+    )
+
+
+def jackknifed_likelihood(lengths: np.ndarray, observed: np.ndarray) -> JackknifedLikelihood:
+    """Evaluate a table (entries,) with repetitions (R, entries), all and without one group each."""
+    group = np.arange(lengths.shape[0]) % GROUPS
+    left_out = [entry_log_likelihoods(lengths[group != i], observed[None]) for i in range(GROUPS)]
+    return JackknifedLikelihood(
+        entry_log_likelihoods(lengths, observed[None]), np.concatenate(left_out)
+    )
 
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
     """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
-    logs = np.empty(tables.shape)
+    return _sums(entry_log_likelihoods(lengths, tables))
+
+
+def _sums(logs: np.ndarray) -> np.ndarray:
+    """Return sums (m,) over entries, in one order of sums, whatever entries were selected."""
+    return np.ascontiguousarray(logs).sum(axis=1)
+
+
+def entry_log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
+    """Return log-likelihoods (m, entries) of tables (m, entries) under lengths (R, entries).
+
+    They are NaN for an entry with a length of 0, a closure without any scatter.
+    """
+    logs = np.full(tables.shape, np.nan)
     for i, (drawn, published) in enumerate(zip(lengths.T, tables.T, strict=True)):
+        if np.any(drawn == 0.0) or np.any(published == 0.0):
+            continue
         roots = np.isfinite(drawn)
         without = (np.count_nonzero(~roots) + 0.5) / (drawn.size + 1.0)
         dash = ~np.isfinite(published)
         density = _log_density(np.log(drawn[roots]), np.log(published[~dash]))
         logs[dash, i] = np.log(without)
         logs[~dash, i] = np.log1p(-without) + density
-    return logs.sum(axis=1)
+    return logs
 
 
 def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -259,8 +340,22 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
     width = 0.9 * min(draws.std(ddof=1), scale) * draws.size**-0.2
     low, high = draws.min() - 4.0 * width, draws.max() + 4.0 * width
     grid = np.linspace(low, high, GRID) if at.size > GRID else np.sort(at)
-    z = (grid[:, None] - draws) / width
-    kernel = np.exp(-0.5 * z * z).mean(axis=1) / (width * np.sqrt(2.0 * np.pi))
-    tail = scipy.stats.t.pdf((at - quarters[1]) / scale, 3) / scale
+    kernel = _mean_kernels(grid, draws, width) / (width * np.sqrt(2.0 * np.pi))
+    # density of Student's t with 3 degrees of freedom
+    beyond = (at - quarters[1]) / scale
+    tail = 2.0 / (np.pi * np.sqrt(3.0) * (1.0 + beyond * beyond / 3.0) ** 2) / scale
     kernel = np.interp(at, grid, kernel, left=0.0, right=0.0)
     return np.log((1.0 - TAIL_SHARE) * kernel + TAIL_SHARE * tail)
+
+
+def _mean_kernels(grid: np.ndarray, draws: np.ndarray, width: float) -> np.ndarray:
+    """Return means (m,) over draws of exp(-z^2/2) with z = (grid - draw)/width, in blocks."""
+    means = np.empty(grid.size)
+    grid, draws = grid / (np.sqrt(2.0) * width), draws / (np.sqrt(2.0) * width)
+    rows = max(BLOCK // draws.size, 1)
+    for start in range(0, grid.size, rows):
+        exponents = grid[start : start + rows, None] - draws
+        exponents *= exponents
+        np.negative(exponents, out=exponents)
+        means[start : start + rows] = np.exp(exponents, out=exponents).mean(axis=1)
+    return means

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_count, check_number
 
 STANDS = "stands"
 FALLS = "falls"
@@ -28,6 +28,10 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
     low, high = interval
     if low > high:
         raise InputError(f"interval = ({low!r}, {high!r}): must be (low, high), low <= high")
+    if np.isnan(above) or (alike is not None and not alike >= 0.0):
+        raise InputError(
+            f"above = {above!r}, alike = {alike!r}: must be a number, and one that is not negative"
+        )
     if np.isnan([low, high]).any():
         return UNDECIDED
     if low > above:
@@ -40,7 +44,15 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
 
 
 def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:
-    """Return the frequency of a count of n repetitions, with the error of their pool."""
+    """Return the frequency of a count of n repetitions, with the error of their pool.
+
+    `InputError` if there is no repetition, the count is not from 0 to n, or the error negative.
+    """
+    check_count("n", n)
+    check_count("count", count, 0, n)
+    check_number("pool_error", pool_error)
+    if not 0.0 <= pool_error < np.inf:
+        raise InputError(f"pool_error = {pool_error!r}: must be finite and not negative")
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
     error = float(np.hypot(np.sqrt(share * (1.0 - share) / n), pool_error))

@@ -1,6 +1,7 @@
 """Logs of long work, with the time and memory that it took."""
 
 import contextlib
+import os
 import resource
 import shutil
 import sys
@@ -29,7 +30,7 @@ class Logbook:
 
 
 @contextlib.contextmanager
-def logging_to(log: str | Path, benchmark: str | Path) -> Iterator[Logbook]:
+def logging_to(log: str | Path, benchmark: str | Path = os.devnull) -> Iterator[Logbook]:
     """Open a logbook in a file, also for standard output; on failure it is copied to LOG.failed.
 
     Otherwise time [s], largest memory [MB] and processor time [s] are written to ``benchmark``.

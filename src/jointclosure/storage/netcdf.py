@@ -5,13 +5,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import xarray as xr
 
 from jointclosure.storage.files import atomically, check_seal, seal
+from jointclosure.storage.hdf5 import netCDF4
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
+_LOCKS = (
+    "if there is room on the disk, its file system refuses the locks of HDF5: set "
+    "HDF5_USE_FILE_LOCKING=FALSE before Python starts"
+)
 Place = dict[str, slice | int]  # position of a region in a dataset by dimension
 
 
@@ -47,6 +51,8 @@ def write_netcdf(
                         _put(file, region, place)
         except RuntimeError as error:  # how netCDF reports errors of writing
             raise OSError(str(error)) from error
+        except PermissionError as error:  # not of the folder, in which the file was just made
+            raise OSError(f"{error.strerror or error}; {_LOCKS}") from error
         seal(temporary)
 
     atomically(path, write)
