@@ -25,9 +25,26 @@ endif
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
-RUN := @$(BIN)/python workflow/scripts/run.py
-# what make starts is not reached by a signal to make alone, unless this passes it on
-IN_GROUP = exec "$$PYTHON" workflow/scripts/process_group.py
+
+# On Linux a recipe ends with make, whatever ends that, also by kill -9. `timeout` passes a signal on,
+# and kills what has not ended 15 seconds later.
+UNTIL_KILLED := $(shell command -v setpriv >/dev/null && echo setpriv --pdeathsig KILL)
+ifneq ($(UNTIL_KILLED),)
+SHELL := $(shell command -v setpriv)
+.SHELLFLAGS := --pdeathsig KILL /bin/sh -c
+endif
+WITH_MAKE := exec $(shell command -v timeout >/dev/null && echo timeout --foreground --kill-after=15 0) $(UNTIL_KILLED)
+# What a user tells make about a study: a file of plain YAML, a folder, a number. A leading dash would
+# be read as an option.
+CHECK_GIVEN = case "$$CONFIG" in -*) CONFIG="./$$CONFIG";; esac; \
+    [ -z "$$CONFIG" ] || $(BIN)/python -m studies.frame.yaml_files "$$CONFIG" || exit 2; \
+    [ -z "$$PROFILE" ] || [ -f "$$PROFILE/config.yaml" ] \
+    || { printf 'PROFILE=%s: there is no file config.yaml in it\n' "$$PROFILE" >&2; exit 2; }; \
+    case "$$CORES" in all) ;; 0|*[!0-9]*) \
+    printf 'CORES=%s: must be a number of cores, or all\n' "$$CORES" >&2; exit 2;; esac
+SNAKEMAKE = $(CHECK_GIVEN); $(WITH_MAKE) $(BIN)/snakemake $${PROFILE:+--workflow-profile="$$PROFILE"} \
+    $${CORES:+--cores="$$CORES"} --quiet host rules progress
+GIVEN = $${CONFIG:+--configfile "$$CONFIG"}
 
 # one thread a job: the workflow runs one job on every core
 export OMP_NUM_THREADS := 1
@@ -40,17 +57,17 @@ export MPLBACKEND := Agg
 
 WITHOUT_KERNELS := tests/statistics tests/storage tests/package studies/paper studies/frame/test_sources.py
 
-.PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
+.PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
 	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
-	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/reference.md#run-on-a-cluster)."
+	@echo "  PROFILE=profiles/slurm runs it on a cluster (docs/reference.md#run-on-a-cluster)."
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
 	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
-	-@$(IN_GROUP) $(BIN)/python -m jointclosure.joint.warmup ship close
-	-@$(IN_GROUP) $(BIN)/jointclosure doctor
+	-@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship close
+	-@$(WITH_MAKE) $(BIN)/jointclosure doctor
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@command -v "$$PYTHON" >/dev/null 2>&1 || { printf '%s is not installed: apt-get install python3 python3-venv\n' "$$PYTHON"; exit 1; }
@@ -58,8 +75,8 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { printf '%s lacks venv: apt-get install python3-venv\n' "$$PYTHON"; exit 1; }
 	@"$$PYTHON" -c 'import os, sys; sys.exit("the name of this folder has a line break: no Python finds a package there" if "\n" in os.getcwd() else 0)'
 	@if [ -L $(VENV) ]; then printf '$(VENV) is a link, and set-up would empty what it leads to: remove the link\n'; exit 1; fi
-	$(IN_GROUP) "$$PYTHON" -m venv --clear $(VENV)
-	@$(IN_GROUP) $(SHELL) -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
+	$(WITH_MAKE) "$$PYTHON" -m venv --clear $(VENV)
+	@$(WITH_MAKE) /bin/sh -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
 	    $(BIN)/uv pip sync --quiet --require-hashes --compile-bytecode --python $(BIN)/python requirements.lock \
 	    && $(BIN)/uv pip install --quiet --no-deps --no-build-isolation --python $(BIN)/python --editable . ; \
 	else \
@@ -74,41 +91,40 @@ setup-slurm: $(STAMP) ## Add what Slurm needs to it
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-slurm.lock
 
 study: $(STAMP) ## Run the paper's study, or that of CONFIG
-	$(RUN) study
+	@$(SNAKEMAKE) $(GIVEN)
 
-smoke: override CONFIG := config/smoke.yaml
 smoke: $(STAMP) ## Run the paper's study made small
-	$(RUN) study
+	@$(SNAKEMAKE) --configfile config/smoke.yaml
 
 report: $(STAMP) ## Write the study, or that of CONFIG, as one page to read: results/<study>/report.html
-	$(RUN) report
-
-hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
-	$(RUN) hard-cases
-
-assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
-	$(RUN) assess
-
-mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (ten minutes on two cores)
-	$(RUN) mismatch
-
-size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (an hour on two cores)
-	$(RUN) size
-
-misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (three to ten core-minutes)
-	$(RUN) misalignment
-
-measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (13 core-minutes)
-	$(RUN) measured-joints
-
-global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (a core-hour)
-	$(RUN) global-sensitivity
-
-global-sensitivity-estimate: $(STAMP) ## Say what that would cost, and close a few of its joints only
-	$(RUN) global-sensitivity-estimate
+	@$(SNAKEMAKE) $(GIVEN) -- all report
 
 conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on, of all studies that were run
-	$(RUN) conclusions
+	@$(SNAKEMAKE) $(GIVEN) -- all conclusions
+
+hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
+	@$(SNAKEMAKE) -- hard_cases
+
+assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
+	@$(SNAKEMAKE) --configfile studies/assessment/usual.yaml $${CONFIG:+"$$CONFIG"} -- assessment
+
+mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (23 core-minutes)
+	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/mismatch/mismatch.yaml}" -- mismatch
+
+size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (95 core-minutes)
+	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/size/size.yaml}" -- size
+
+misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (11 core-minutes)
+	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/misalignment/misalignment.yaml}" -- misalignment
+
+measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (25 core-minutes)
+	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/measured_joints/measured_joints.yaml}" -- measured_joints
+
+global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (81 core-minutes)
+	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/global_sensitivity/global_sensitivity.yaml}" -- global_sensitivity
+
+estimate: $(STAMP) ## Say what the experiments of CONFIG would take, and close a few of their joints only
+	@$(SNAKEMAKE) $(GIVEN) -- estimate
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (a minute and a half when they are new), beside tests without kernels ..."
@@ -132,6 +148,7 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 
 docs: $(STAMP) ## Write the pages made of templates, and build the site, without a network, to build/docs/index.html
 	@$(BIN)/python docs/site/templates.py
+	@$(BIN)/python docs/site/rulegraph.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results

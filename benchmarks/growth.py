@@ -13,7 +13,6 @@ timed in between.
 """
 
 import itertools
-from functools import partial
 from pathlib import Path
 
 import matplotlib.ticker
@@ -26,9 +25,11 @@ import scipy.stats
 import seaborn as sns
 
 import jointclosure as jc
+from jointclosure.engine.quantities import names_of_case
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.walls.synthesis import ROLL_OFF
-from studies.frame.closing import close_block
+from studies.frame.closing import close_joints
+from studies.frame.settings import Point
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {
@@ -63,7 +64,8 @@ def case_of(scene: str, seed: int, realisations: int):
         cycles=1, root_seed=seed,
     )  # fmt: skip
     case = settings.case.changed("jrc", BASE["jrc"]).under(seating_stress=0.0)
-    return partial(close_block, settings._replace(case=case))
+    point, names = Point({}, settings._replace(case=case)), names_of_case(flow=False)
+    return lambda: close_joints(point, point.walls(), names)
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:

@@ -62,7 +62,9 @@ def elastic(arguments) -> pd.DataFrame:
             "own pair ms": 1e3 * own.seconds,
             "products per stress": products / yardstick.POINTS,
         }
-        row["largest contact fraction"] = max(float(c.contact_fraction.max()) for c in curves)
+        contacts = [round(float(c.contact_fraction.max()) * cells**2) for c in curves]
+        row |= {"contacts": int(np.median(contacts))}
+        row |= {"contacts min": min(contacts), "contacts max": max(contacts)}
         row["worst status"] = max(int(found.status) for found in curves)
         rows.append(row | {"peak MB": peak, "before MB": before, "pair ms": 1e3 * pair.seconds})
     return pd.DataFrame(rows)

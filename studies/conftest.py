@@ -1,51 +1,66 @@
 """Joints of the experiment of a folder, made tiny, closed once for its tests."""
 
-from pathlib import Path
+from itertools import chain
 
 import pandas as pd
 import pytest
 
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from studies.frame.closing import close_points
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import experiment_named
-from studies.frame.plan import inputs_of, settings_of
-from studies.frame.points import close_points
-from studies.frame.products import products_of
+from studies.frame.points import Experiment, Jobs, experiment_named
+from studies.frame.tables import as_table
 from tests.studied import study_of, tiny
 
 
 @pytest.fixture(scope="module")
-def section(request):
-    """Name of the experiment, of its folder and of its section of a configuration."""
+def experiment(request) -> Experiment:
+    """The experiment of the folder of a test."""
+    return experiment_named(folder_of(request))
+
+
+@pytest.fixture(scope="module")
+def study(request) -> Configuration:
+    """The configuration of the experiment, made tiny."""
+    return study_of(tiny(folder_of(request)))
+
+
+@pytest.fixture(scope="module")
+def jobs(experiment, study) -> Jobs:
+    return experiment.jobs(study)
+
+
+@pytest.fixture(scope="module")
+def joints(experiment, jobs, tmp_path_factory) -> pd.DataFrame:
+    """Joints of all jobs, through files, as the rules close and read them."""
+    files = {name: tmp_path_factory.mktemp("joints") / "job.nc" for name in jobs}
+    for name, file in files.items():
+        write_netcdf(close_points(jobs[name], experiment.quantities), file)
+    return as_table(read_netcdf(file) for file in files.values())
+
+
+@pytest.fixture(scope="module")
+def tables(experiment, study, joints) -> dict:
+    """Tables by name, of which all figures were drawn."""
+    return tables_of(experiment, study, joints)
+
+
+def folder_of(request) -> str:
+    """Name of the folder of a test, which is that of its experiment and of its section."""
     return request.module.__name__.split(".")[1]
 
 
-@pytest.fixture(scope="module")
-def design(section):
-    return experiment_named(section).design(study_of(tiny(section)))
+def tables_of(experiment: Experiment, study: Configuration, joints: pd.DataFrame) -> dict:
+    """Make all tables of an experiment, and draw its figures; the tables by name."""
+    settings = experiment.settings(study)
+    made = {name: make(joints, settings) for name, make in experiment.tables.items()}
+    named = {name.removesuffix(".csv"): table for name, table in made.items()}
+    shown = {name: table for name, table in named.items() if f"{name}.csv" in made}
+    for draw in experiment.figures.values():
+        assert draw(shown, settings).axes
+    return named
 
 
-@pytest.fixture(scope="module")
-def joints(section, design):
-    return close_points(design.points(), experiment_named(section).quantities)
-
-
-@pytest.fixture(scope="module")
-def tables(section, joints):
-    """Tables by name, of which all figures were drawn."""
-    return tables_of(section, study_of(tiny(section)), joints)
-
-
-def tables_of(folder: str, study: Configuration, joints: pd.DataFrame) -> dict:
-    """Make all products of an experiment; its tables by name."""
-    known = {f"{folder}.nc": joints}
-    products = sorted(products_of(folder).values(), key=lambda one: "joints" not in one.reads)
-    for product in products:
-        read = {n: known[Path(file).name] for n, file in inputs_of(product, study).items()}
-        made = product.make(**read, **settings_of(product, study))
-        parts = made if isinstance(made, tuple) else (made,)
-        files = [Path(file) for file in product.files(study)]
-        if files[0].suffix == ".png":
-            assert all(figure.axes for figure in parts)
-        else:
-            known |= {file.name: part for file, part in zip(files, parts, strict=True)}
-    return {name.removesuffix(".csv"): table for name, table in known.items()}
+def points_of(experiment: Experiment, study: Configuration) -> list:
+    """Points of all jobs of an experiment."""
+    return list(chain.from_iterable(experiment.jobs(study).values()))

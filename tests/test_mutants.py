@@ -1,7 +1,19 @@
 """The list of mutants fits the library as it is."""
 
-from tests.mutants import LEAST, mutants
+from pathlib import Path
+
+from tests.mutants import LEAST, LEAST_LIMITS, ROOT, mutants
 
 
 def test_each_mutant_changes_one_line_that_is_there():
-    assert len(mutants()) >= LEAST
+    listed = mutants()
+    assert len(listed) >= LEAST
+    assert len(set(listed)) == len(listed)
+    assert sum(mutant.kind == "limit" for mutant in listed) >= LEAST_LIMITS
+
+
+def test_mutants_of_limits_are_in_all_rooms_that_compute():
+    rooms = {Path(m.file).parts[-2] for m in mutants() if m.kind == "limit"}
+    computing = {"joint", "solvers", "statistics", "engine", "measured", "parameters", "walls"}
+    studies = {path.parent.name for path in (ROOT / "studies").glob("*/study.py")}
+    assert computing | studies <= rooms | {"assessment", "verification"}

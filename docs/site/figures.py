@@ -52,20 +52,6 @@ SOLVER_ARROWS = (
     "target land yes", "land unload",
 )  # fmt: skip
 """Start, end, label and bend of each arrow."""
-RULES = {
-    "config": Box(0, 0, "config/*.yaml, studies/*/*.yaml,\nmerged and checked", FILES),
-    "close": Box(0, 1, "an ensemble is closed:\nwalls, kernels, cases"),
-    "study": Box(0, 2, "study.nc, pool.nc", FILES),
-    "products": Box(0, 3, "products: statistics, tables, figures, checks"),
-    "tables": Box(0, 4, "tables/, figures/", FILES),
-    "report": Box(1, 4, "report.html", FILES),
-    "stored": Box(0, 5, "make publish: studies/*/results/", FILES),
-    "pages": Box(1, 5, "make docs: pages"),
-}
-RULES_ARROWS = (
-    "config close", "close study", "study products", "products tables", "tables report",
-    "tables stored", "stored pages",
-)  # fmt: skip
 
 
 def diagram(boxes: dict[str, Box], arrows: tuple[str, ...]) -> Figure:
@@ -190,7 +176,6 @@ def main() -> None:
     plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "diagrams"})
     diagrams = {
         "solver": diagram(SOLVER, SOLVER_ARROWS),
-        "rules": diagram(RULES, RULES_ARROWS),
         "walls": composite(),
         "contact": contact(),
     }

@@ -41,9 +41,11 @@ Rows = list[dict]
 
 def folder_of(run: str) -> Path:
     """Folder of the stored results of a run: of a study, or of a benchmark."""
-    of_studies = list(ROOT.glob(f"studies/*/results/{run}"))
-    room = ROOT / "studies" / run if (ROOT / "studies" / run).is_dir() else ROOT / "benchmarks"
-    return of_studies[0] if of_studies else room / "results" / run
+    of_studies = list(ROOT.glob(f"studies/*/published/{run}"))
+    if of_studies:
+        return of_studies[0]
+    study = ROOT / "studies" / run
+    return study / "published" / run if study.is_dir() else ROOT / "benchmarks/results" / run
 
 
 @cache

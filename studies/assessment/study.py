@@ -2,9 +2,9 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import Annotated
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.assess import (
+    ASSESSED,
     HARD_CASES,
     JUDGED,
     READ,
@@ -22,23 +23,27 @@ from jointclosure.engine.assess import (
 from jointclosure.engine.assess import Assessment as Assessed
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
-from jointclosure.plotting.assessment import draw_effects, draw_price
+from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from jointclosure.storage.files import read_csv
 from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment, settings_of
-from studies.frame.points import Joints, Point, grouped
-from studies.frame.products import product
-from studies.frame.settings import Case, ClosureSettings, walls_of
+from studies.frame.panels import ticks_at
+from studies.frame.points import Experiment, Tables, settings_of
+from studies.frame.settings import Case, ClosureSettings, Point, walls_of
+from studies.frame.tables import grouped
 from studies.frame.walls import cut_walls, walls_of_files
 
 _COLUMNS = 4
 """Largest number of panels in a row."""
+_LARGEST_ROW = 5
+"""Largest number of entries of a legend beside each other."""
 _LEAST_SPREAD = 1e-5
 """Spread [1] at which smaller ones are drawn."""
+_SETTINGS = "osD^v"
+"""Marks of the settings of the numerics."""
 _VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
 
 
@@ -62,23 +67,68 @@ def condition(rock: str, jrc: float, stress_MPa: float) -> str:
     return f"{rock.capitalize()}, {walls}, {stress_MPa:g} MPa"
 
 
-@product(figures=["assessment_price"])
 @styled
-def draw_assessment_price(assessment: pd.DataFrame, within: float) -> Figure:
-    """Draw the error of each setting of the numerics over its time, for each condition."""
-    settings = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
-    for axes, part in _panels(settings, (3.0, 2.8)):
-        draw_price(axes, part, 100.0 * within)
-    return _finished(axes, "processor time of a joint (s)", "error of mean closure (%)")
+def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure:
+    """Draw the error of each setting of the numerics over its time, for each condition.
+
+    Errors are signed, against the finest setting, with their 95 % intervals.
+    """
+    assessment, percent = tables["assessment"], 100.0 * settings["within"]
+    numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
+    drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
+    alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
+    for axes, part in _panels(numerics, (5.5, 3.8) if alone else (3.2, 2.8)):
+        _draw_price(axes, part, percent)
+    _scale_price(axes, drawn, percent)
+    bar = f"95 % interval of the change from {drawn.reference.iloc[0]}"
+    axes.plot([], [], "|", color="0.5", ms=9, label=bar)
+    axes.axhspan(0.0, 0.0, color="0.9", label="within the request")
+    return _finished(axes, "processor time of a joint (s)", "change of mean closure (%)")
 
 
-@product(figures=["assessment_effects"])
+def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
+    """Draw errors [%] with intervals over seconds, hollow of gross closure, and the request."""
+    axes.axhspan(-within, within, color="0.9", lw=0.0, zorder=0)
+    axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
+    variants = list(dict.fromkeys(settings.variant))
+    groups = list(itertools.product(JUDGED, sorted(settings.cycle.unique())))
+    for number, (quantity, cycle) in enumerate(groups):
+        rows = settings[(settings.quantity == quantity) & (settings.cycle == cycle)]
+        apart = 1.06 ** (number - 0.5 * (len(groups) - 1))  # bars beside each other
+        for row in rows.itertuples():
+            bars = [[row.value_percent - row.low_percent], [row.high_percent - row.value_percent]]
+            style: dict[str, Any] = {"color": f"C{cycle - 1}", "ms": 5, "lw": 1.0}
+            style |= {"marker": _SETTINGS[variants.index(row.variant)]}
+            style |= {} if quantity == JUDGED[0] else {"mfc": "w"}
+            axes.errorbar([apart * row.seconds], [row.value_percent], bars, **style)
+    for mark, name in zip(_SETTINGS, variants, strict=False):
+        axes.plot([], [], mark, color="0.5", label=name)
+    for quantity, cycle in groups:
+        fill = None if quantity == JUDGED[0] else "w"
+        name = f"{ASSESSED[quantity]}, cycle {cycle}"
+        axes.plot([], [], "o", color=f"C{cycle - 1}", mfc=fill, label=name)
+
+
+def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> None:
+    """Scale the axes of all panels: linear in the request [%], logarithmic beyond it."""
+    axes.set(xscale="log", xlim=(0.6 * drawn.seconds.min(), 1.8 * drawn.seconds.max()))
+    largest = 1.2 * max(drawn.high_percent.max(), -drawn.low_percent.min(), 2.0 * within)
+    axes.set_yscale("symlog", linthresh=within)
+    axes.set_ylim(-largest, largest)
+    beyond = [
+        tick for tick in (1.0, 3.0, 10.0, 30.0, 100.0, 300.0) if 1.5 * within < tick < largest
+    ]
+    ticks_at(axes.yaxis, [*(-tick for tick in beyond), -within, 0.0, within, *beyond])
+    decimal_ticks(axes.xaxis)
+
+
 @styled
-def draw_assessment_effects(assessment: pd.DataFrame, within: float) -> Figure:
+def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw the change of the mean closures without each group of effects."""
+    assessment = tables["assessment"]
     without = assessment[assessment.variant.str.startswith("without ")]
     for axes, part in _panels(without, (3.0, 2.2)):
-        draw_effects(axes, part, 100.0 * within)
+        draw_effects(axes, part, 100.0 * settings["within"])
     return _finished(axes, "change of mean closure (%)", "")
 
 
@@ -88,16 +138,16 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure.supxlabel(x, fontsize="medium")
     figure.supylabel(y, fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
-    columns = 2 if len(axes.figure.axes) == 1 else len(labels)
+    columns = 2 if len(axes.figure.axes) == 1 else min(len(labels), _LARGEST_ROW)
     figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=columns)
     sns.despine(figure)
     return figure
 
 
-@product(figures=["assessment_hardness"])
 @styled
-def draw_assessment_hardness(hardness: pd.DataFrame, within: float) -> Figure:
+def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
+    hardness, within = tables["hardness"], settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
     joints, cases = (
@@ -181,28 +231,44 @@ def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterat
 _scanned = lru_cache(maxsize=1)(walls_of_files)
 
 
-@product("tables/assessment.csv", "tables/hardness.csv", "tables/assessment.md")
-def assess(joints: Joints, ladders: Annotated[dict, ladders_of], within: float) -> tuple:
-    """Return differences of variants, the hardness of each joint, and sentences."""
+def _assessed(
+    joints: pd.DataFrame, settings: Mapping[str, Any]
+) -> Iterator[tuple[dict[str, Any], Assessed]]:
+    """Generate each condition, and the assessment of its joints."""
     closures = joints.rename(columns={"realization": "joint"}).assign(error="")
-    differences, hardness, lines = [], [], ["# Assessment", ""]
     for at, part in grouped(closures, "rock", "jrc", "stress"):
-        stated, ladder = ladders[at["rock"]]
-        found = Assessed(part, ladder, stated, within)
+        stated, ladder = settings["ladders"][at["rock"]]
+        yield at, Assessed(part, ladder, stated, settings["within"])
+
+
+def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Tabulate the differences of variants at each condition, with verdicts on effects."""
+    differences = []
+    for at, found in _assessed(joints, settings):
         percent = (100.0 * found.differences[_VALUES]).add_suffix("_percent")
         verdicts = {name: found.verdict(name) for name in found.effects.index}
         table = found.differences.drop(columns=_VALUES).join(percent)
         differences.append(table.assign(**at, verdict=table.variant.map(verdicts).fillna("")))
-        hardness.append(found.hardness.assign(**at))
-        title = condition(**at)
-        lines += [f"## {title}", ""]
+    return _first(differences, *_CONDITION, "variant", "reference")
+
+
+def tabulate_hardness(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Tabulate the hardness of each joint, worst first."""
+    parts = [found.hardness.assign(**at) for at, found in _assessed(joints, settings)]
+    return worst_first(_first(parts, *_CONDITION))
+
+
+def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> str:
+    """Describe the assessment of each condition as Markdown."""
+    lines = ["# Assessment", ""]
+    for at, found in _assessed(joints, settings):
+        lines += [f"## {condition(**at)}", ""]
         for table in (found.price, found.effects):
             rows = table.rename_axis("variant").reset_index()
             cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
             lines += [f"| {' | '.join(map(str, row))} |" for row in cells] + [""]
         lines += [*(f"- {line}" for line in found.sentences), ""]
-    table = _first(differences, *_CONDITION, "variant", "reference")
-    return table, worst_first(_first(hardness, *_CONDITION)), "\n".join(lines)
+    return "\n".join(lines)
 
 
 def _first(tables: list[pd.DataFrame], *names: str) -> pd.DataFrame:
@@ -214,4 +280,18 @@ EXPERIMENT = Experiment(
     title="accuracy and its cost, hardness, and effects that are needed",
     quantities=tuple(name for name in READ if name not in ("status", "timing_simulation")),
     jobs=assessment_jobs,
+    tables={
+        "assessment.csv": tabulate_assessment,
+        "hardness.csv": tabulate_hardness,
+        "assessment.md": describe_assessment,
+    },
+    figures={
+        "assessment_price": draw_assessment_price,
+        "assessment_effects": draw_assessment_effects,
+        "assessment_hardness": draw_assessment_hardness,
+    },
+    settings=lambda study: {
+        "ladders": ladders_of(study),
+        "within": study.section(Assessment).within,
+    },
 )

@@ -4,21 +4,22 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.assess import COPIES, LADDER
-from studies.assessment.study import EXPERIMENT, ladders_of
-from studies.conftest import tables_of
-from studies.frame.points import close_points
+from jointclosure.engine.assess import COPIES, JUDGED, LADDER
+from studies.assessment.study import EXPERIMENT, draw_assessment_price, ladders_of
+from studies.conftest import points_of, tables_of
+from studies.frame.closing import close_points
 from studies.frame.settings import walls_of
+from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of, tiny
 
 TINY = tiny("assessment")
 
 
-def test_joints_are_those_of_assess_with_the_same_walls(design, tables, joints):
+def test_joints_are_those_of_assess_with_the_same_walls(jobs, tables):
     stated, ladder = ladders_of(study_of(TINY))["slate"]
     assert (stated, ladder) == ("the paper's steps", list(LADDER))
-    settings = next(iter(design.jobs().values()))[0].settings
+    settings = next(iter(jobs.values()))[0].settings
     conditions = settings.conditions._replace(flow=False)
     found = jc.assess(list(walls_of(settings)), conditions=conditions, workers=1)
     here = tables["assessment"].query("stress_MPa == 1")
@@ -36,13 +37,33 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     section = {"joints": 8, "within": 0.05, "jrc": [5, 9]}
     small = {"study": {"realizations": 2}, "grid": TINY["grid"], "assessment": section}
     study = study_of(read_plain("config/measured_wall.yaml"), small)
-    points = EXPERIMENT.design(study).points()
-    made = tables_of("assessment", study, close_points(points, EXPERIMENT.quantities))
+    points = points_of(EXPERIMENT, study)
+    joints = as_table([close_points(points, EXPERIMENT.quantities)])
+    made = tables_of(EXPERIMENT, study, joints)
     assert len(made["hardness"]) == 2
     assert "Granite, scanned, 10 MPa" in made["assessment.md"]
     copied = (points[0]._replace(options=points[0].options | {"copy": name}) for name in COPIES)
     plain, _, mirrored, _ = (np.array(next(point.walls())) for point in copied)
     np.testing.assert_array_equal(mirrored, plain[:, :, ::-1])
+
+
+def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables):
+    table = tables["assessment"]
+    figure = draw_assessment_price(tables, {"within": 0.05})
+    shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
+    shown = shown[shown.verdict == ""]
+    columns = [f"{name}_percent" for name in ("value", "low", "high")]
+    expected = sorted(map(tuple, shown[columns].to_numpy()))
+    drawn = []
+    for container in (one for axes in figure.axes for one in axes.containers):
+        point, _, (bar,) = container.lines
+        (low, high) = bar.get_segments()[0][:, 1]
+        drawn.append((point.get_ydata()[0], low, high))
+    np.testing.assert_allclose(sorted(drawn), expected)
+    assert min(values[0] for values in drawn) < 0.0
+    for axes in figure.axes:
+        assert axes.get_ylim()[0] < shown.low_percent.min()
+        assert axes.get_ylim()[1] > shown.high_percent.max()
 
 
 def test_the_worst_joint_is_first(tables):
@@ -51,7 +72,7 @@ def test_the_worst_joint_is_first(tables):
 
 
 def test_a_study_without_the_section_is_assessed_by_the_usual_one():
-    study = study_of(read_plain(ROOT / "workflow/usual_assessment.yaml"))
-    points = EXPERIMENT.design(study).points()
+    study = study_of(read_plain(ROOT / "studies/assessment/usual.yaml"))
+    points = points_of(EXPERIMENT, study)
     assert {point.coordinates["rock"] for point in points} == set(study.rocks)
     assert {point.settings.realizations for point in points} == {8}

@@ -71,6 +71,12 @@ def band_table(case: xr.Dataset) -> pd.DataFrame:
             along = 1e3 * good.hydraulic_aperture.sel(direction=direction, drop=True)
             fields[f"hydraulic_aperture_{direction}_mm"] = along
     columns = {"samples": np.isfinite(good.closure).sum("realization")}
+    if (
+        "hydraulic_aperture" in good
+    ):  # those of which only bounds of the flow are known are left out
+        for direction in good.direction.values:
+            known = np.isfinite(good.hydraulic_aperture.sel(direction=direction, drop=True))
+            columns[f"samples_of_flow_{direction}"] = known.sum("realization")
     for name, values in fields.items():
         known = np.isfinite(values).any("realization")
         filled = values.where(known, 0.0)  # a quantile of no numbers would warn

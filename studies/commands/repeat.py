@@ -1,23 +1,28 @@
-"""Closes one surface pair of a study again, with the settings of its files and logs, and reports
-whether the results are the stored ones.
+"""Closes one surface pair of a study again, with the settings of its files, and reports whether the
+results are the stored ones.
 """
 
 import argparse
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from jointclosure.engine.cache import is_kept
+from jointclosure.engine.quantities import names_of_case
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_text
-from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls import Walls
+from studies.commands import existing
 from studies.commands.compare import differences
-from studies.frame.cases import dataset_of
-from studies.frame.closing import Ensemble, close_block
-from studies.frame.configuration import resolved
-
-_CONFIGURATION = "configuration: "
+from studies.frame.cases import cases_of, ensembles_of
+from studies.frame.closing import close_joints, under_chosen
+from studies.frame.configuration import Configuration, resolved
+from studies.frame.points import case_point
+from studies.frame.settings import Point, walls_of
+from studies.frame.walls import cut_walls
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -32,32 +37,49 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
-    results, label, realization = arguments.results, arguments.case, arguments.realization
-    name = arguments.ensemble
-    log = results / f"logs/close_{Path(dataset_of(name)).stem}.log"
-    lines = read_text(log).splitlines() if log.is_file() else []
-    keys = [line.partition(_CONFIGURATION)[2] for line in lines if _CONFIGURATION in line]
-    if not keys:
-        raise InputError(f"{log}: has no configuration; was the study run here?")
-    ensemble = Ensemble(resolved(json.loads(keys[0])), name, results)
-    block = next((block for block in ensemble.blocks if realization in block), None)
-    if label not in ensemble.cases or block is None:
-        raise InputError(f"{results}: has no realisation {realization} of {label!r} in {name}")
-    entries = {entry.name: entry for entry in ensemble.entries()}
-    entry = entries[f"{name}/{label}.{block.start}"]
-    (settings,) = entry.settings
-    print(f"realisation {realization} of {label}", flush=True)
-    alone = settings._replace(first_realization=realization, realizations=1)
-    again = close_block(alone, entry.options.get("walls"))
+    results, label, number = arguments.results, arguments.case, arguments.realization
+    ensemble = arguments.ensemble
+    stated = json.loads(read_text(existing(results / "tables/configuration.json")))
+    configurations = ensembles_of(resolved(stated))
+    if ensemble not in configurations:
+        raise InputError(f"--{ensemble}: {results} has none")
+    study = configurations[ensemble]
+    case = {case.label: case for case in cases_of(study)}.get(label)
+    if case is None or number < 0:
+        raise InputError(f"{results}: has no realisation {number} of {label!r} in {ensemble}")
+    point = case_point(study, case, range(number, number + 1))
+    effects = results / f"effects/{case.rock}.nc"
+    if study.effects.auto is not None:
+        point, _ = under_chosen(point, read_netcdf(existing(effects)))
+    print(f"realisation {number} of {label}", flush=True)
+    names = names_of_case(study.flow)
+    again = close_joints(point, _walls(results, study, point), names)
     for key, variable in again.data_vars.items():
-        if variable.size <= max(8, again.sizes["cycle"]):
+        if variable.size <= max(8, again.sizes["cycle"]) and variable.dtype.kind in "iuf":
             values = ", ".join(f"{value:.8g}" for value in np.ravel(variable.values))
             print(f"  {key:24} {values} {variable.attrs.get('units', '')}".rstrip())
-    if not is_kept(entry, results):
+    stored = _stored(results / ensemble, label, number)
+    if stored is None:
         print("no stored results to compare with")
         return 0
-    with reading_netcdf(entry.file(results)) as dataset:
-        stored = dataset.sel(realization=[realization]).load()
     messages = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
     print("\n".join(messages) or "identical to the stored results")
     return 1 if messages else 0
+
+
+def _walls(results: Path, study: Configuration, point: Point) -> Iterator[Walls]:
+    """Generate the walls of a point, from their seeds or cut out of scanned ones."""
+    rock = point.settings.case.rock
+    if not study.rocks[rock].walls:
+        return walls_of(point.settings)
+    return cut_walls(read_netcdf(existing(results / f"walls/{rock}.nc")), point.settings)
+
+
+def _stored(folder: Path, label: str, number: int) -> xr.Dataset | None:
+    """Read a realisation of a case, of the file that has it; None if there is none."""
+    for file in sorted(folder.glob(f"{label}.*.nc")):
+        joints = read_netcdf(file)
+        places = np.flatnonzero(joints.realization.values == number)
+        if places.size:
+            return joints.isel(joint=places)
+    return None

@@ -3,15 +3,17 @@ computed again. Every file must be as it was written.
 """
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
 
-from jointclosure.inputs import InputError
+import xarray as xr
+
 from jointclosure.inputs.extras import needs
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
+from studies.commands import existing, study_of
 from studies.frame.configuration import model
 from studies.frame.keys import json_schema
-from studies.frame.seals import check_folder
 from studies.frame.yaml_files import DEFAULT, PAPER_TABLE_3, read_plain
 
 _NEEDED = ("configuration.json", "max_closure.csv", "checks.csv")
@@ -25,32 +27,36 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
-    output = arguments.output or arguments.results / "report.html"
-    page = report_page(arguments.results)
+    folder = arguments.results
+    output = arguments.output or folder / "report.html"
+    for name in _NEEDED:
+        existing(folder / f"tables/{name}")
+    tables, figures = (
+        sorted(map(str, folder.glob(names))) for names in ("tables/*.*", "figures/*.png")
+    )
+    with reading_netcdf(study_of(folder)) as study:
+        page = report_page(study, tables, figures)
     write_text(page, output)
     print(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
     return 0
 
 
-def report_page(folder: Path) -> str:
-    """Write the report as one page without further files."""
+def report_page(study: xr.Dataset, tables: Iterable[str], figures: Iterable[str]) -> str:
+    """Return the page of a study, without further files.
+
+    ``tables`` and ``figures`` are files; configuration.json must be among the tables.
+    """
     with needs("report", "a report"):
         from studies.paper.report.content import Material, content
         from studies.paper.report.page import Picture, render
-    sealed = check_folder(folder)
-    for name in ("study.nc", *(f"tables/{name}" for name in _NEEDED)):
-        if (path := folder / name) not in sealed:
-            raise InputError(f"{path}: must exist with a seal; is the study finished?")
-    tables = [path for path in sealed if path.parent == folder / "tables"]
-    figures = [path for path in sealed if path.parent == folder / "figures"]
-    stated = read_text(folder / "tables/configuration.json")
-    with reading_netcdf(folder / "study.nc") as study:
-        material = Material(
-            study=study.assign_attrs(configuration=stated),
-            tables={path.stem: read_csv(path) for path in tables if path.suffix == ".csv"},
-            paper=read_csv(PAPER_TABLE_3),
-            default=read_plain(DEFAULT),
-            schema=json_schema(model()),
-            pictures={f.stem: Picture(f.read_bytes()) for f in figures if f.suffix == ".png"},
-        )
-        return render(content(material))
+    paths = {path.name: path for path in map(Path, tables)}
+    stated = read_text(paths["configuration.json"])
+    material = Material(
+        study=study.assign_attrs(configuration=stated),
+        tables={p.stem: read_csv(p) for p in paths.values() if p.suffix == ".csv"},
+        paper=read_csv(PAPER_TABLE_3),
+        default=read_plain(DEFAULT),
+        schema=json_schema(model()),
+        pictures={path.stem: Picture(path.read_bytes()) for path in map(Path, figures)},
+    )
+    return render(content(material))

@@ -4,17 +4,29 @@ The label of a case is used only to name files and is never parsed: rock, parame
 are fields of `Case`, and coordinates of every dataset.
 """
 
+from collections.abc import Mapping
+
 from jointclosure.engine.assess import FINEST
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Study
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import BASE, Case, ClosureSettings
+from studies.frame.settings import (
+    BASE,
+    Case,
+    ClosureSettings,
+    JointGrid,
+    Synthesis,
+    surface_settings,
+)
 
 BLOCK, FEW = 10, 4
 """Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""
+JOB_SECONDS = 300.0
+"""Processor time that a job which closes joints takes, about and at most."""
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:
@@ -56,7 +68,6 @@ def pool_of(whole: Configuration) -> Configuration:
     return whole._replace(
         study=study._replace(
             realizations=study.pool or study.realizations,
-            realizations_per_job=study.realizations_per_job or study.realizations,
             draws="common",
             surfaces_of=f"{study.surfaces_of or study.name} pool",  # cannot be a study's name
             pool=None,
@@ -69,8 +80,8 @@ def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
     """Return the ensembles of a study by folder of their files: cases, finest numerics, pool."""
     study, ensembles = whole.study, {"cases": whole}
     if study.accuracy:
-        count = min(study.accuracy.differences, study.realizations)
-        few = {"realizations": count, "realizations_per_job": FEW, "pool": None, "accuracy": None}
+        count = min(FEWEST, study.realizations)
+        few = {"realizations": count, "realizations_per_job": None, "pool": None, "accuracy": None}
         ensembles["finest"] = whole._replace(
             study=study._replace(**few),
             numerics=FINEST,
@@ -91,23 +102,57 @@ def wall_name(study: Study, case: Case) -> tuple[str, ...]:
     return (*name, case.parameter, case.level) if study.draws == "independent" else name
 
 
-def blocks_of(study: Study) -> list[range]:
-    """Split the realisations of every case into the blocks of jobs."""
-    last = study.realizations
-    step = study.realizations_per_job or (BLOCK if study.accuracy else last)
+def blocks_of(whole: Configuration, realizations: int | None = None) -> list[range]:
+    """Split the realisations of every case into the blocks of jobs.
+
+    Blocks have the stated number of realisations, or else one that takes about `JOB_SECONDS`. Those
+    of a requested accuracy, which adds ``realizations``, do not change when some are added.
+    """
+    study = whole.study
+    last = realizations or study.realizations
+    step = study.realizations_per_job
+    if step is None and realizations is not None:
+        step = FEW if whole.numerics == FINEST else BLOCK
+    if step is None:
+        step = max(1, round(JOB_SECONDS / expected_seconds(whole)))
     return [range(first, min(first + step, last)) for first in range(0, last, step)]
+
+
+def expected_seconds(whole: Configuration) -> float:
+    """Return roughly the processor time [s] of a joint, by which work is split over jobs.
+
+    Joints of 100 x 100 cells take about half a second by the paper's steps (docs/accuracy.md); a
+    factor of three more or less changes only how long the jobs are.
+    """
+    cells, numerics = whole.grid.cells_x * whole.grid.cells_y, whole.numerics
+    seconds = 0.25 * whole.study.cycles * (cells / 1e4) ** 1.5
+    if not any(rock.effects.breakage for rock in whole.rocks.values()):
+        return 0.1 * seconds
+    return seconds * (0.2 / numerics.tolerance if numerics.breakage == "resolved" else 1.0)
 
 
 def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
+    # a rock must have a title, which changes no closure
+    parts["rocks"] = {name: rock | {"title": name} for name, rock in keys["rocks"].items()}
     return {key: value for key, value in keys.items() if key != "statistics"} | parts
 
 
 def wall_digests(walls: ScannedWalls) -> dict[str, str]:
     """Return the SHA-256 of the files of scanned walls, which depends on their content only."""
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
+
+
+def joint_grid(study: Configuration) -> JointGrid:
+    """Return the grid of a study's joints."""
+    return JointGrid(*(getattr(study.grid, name) for name in JointGrid._fields))
+
+
+def synthesis(study: Configuration) -> Synthesis:
+    """Return how a study makes walls from a JRC."""
+    return Synthesis(*(getattr(study.surface, name) for name in Synthesis._fields))
 
 
 def block_settings(study: Configuration, case: Case, block: range) -> ClosureSettings:
@@ -121,9 +166,20 @@ def block_settings(study: Configuration, case: Case, block: range) -> ClosureSet
         seeds_named_by=wall_name(study.study, case),
         first_realization=block.start,
         realizations=len(block),
-        grid=study.grid,
-        surface=study.surface,
+        grid=joint_grid(study),
+        surface=synthesis(study),
         stress_points=study.output.stress_points,
         largest_stress=study.output.largest_stress,
         effects_chosen_to=study.effects.auto,
     )
+
+
+def first_with_surfaces(whole: Configuration, cases: Mapping[str, Case]) -> dict[str, str]:
+    """Return by label the first case whose surfaces each case has too."""
+    first: dict[str, str] = {}
+    return {
+        label: first.setdefault(
+            repr(surface_settings(block_settings(whole, case, range(1)))), label
+        )
+        for label, case in cases.items()
+    }

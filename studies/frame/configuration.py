@@ -212,7 +212,14 @@ def contradictions(whole: Configuration) -> Iterator[str]:
                 f"{name}: the study sets surface.mismatch_wavelength_mm; it, correlation and "
                 "shift_in_cells must be null, 0 and 0"
             )
+    titles: dict[str, str] = {}
     for name, rock in whole.rocks.items():
+        title = " ".join(rock.title.split())
+        if (other := titles.setdefault(title, name)) != name:
+            yield (
+                f"rocks.{name}.title = {rock.title!r}: must differ from that of rocks.{other}; "
+                "tables and figures name rocks by their titles"
+            )
         yield from rock.problems(f"rocks.{name}")
         yield from _rock_problems(f"rocks.{name}", rock, whole)
 

@@ -8,6 +8,7 @@ import difflib
 import functools
 import math
 import re
+import unicodedata
 from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args, get_type_hints
 
@@ -17,11 +18,12 @@ from pydantic_core import core_schema
 
 from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
-from jointclosure.statistics.two_level import FEWEST
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import RULES
 from studies.frame.yaml_files import refuse, short
 
+_LARGEST = 10**300
+"""Integers beyond it have no floating-point number in every unit."""
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
 _Keys = TypeVar("_Keys", bound=BaseModel)
@@ -47,7 +49,9 @@ Distinct = Annotated[
 Ascending = Annotated[Distinct[T], AfterValidator(lambda values: tuple(sorted(values)))]
 WithZero = Annotated[Ascending[T], must("have 0 among them", lambda values: 0 in values)]
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
-Text = Annotated[str, Field(min_length=1)]
+Text = Annotated[
+    str, Field(min_length=1), must("not be blank", lambda text: not text or bool(text.strip()))
+]
 Positive = Annotated[float, Field(gt=0)]
 Share = Annotated[float, Field(gt=0, lt=1)]
 Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
@@ -110,7 +114,7 @@ OR_NULL = GetPydanticSchema(lambda kind, handler: core_schema.nullable_schema(ha
 
 
 class Accuracy(Section):
-    """Accuracy that is requested of a study: `make study` closes surfaces until it is reached."""
+    """Accuracy that is requested of a study: surfaces are closed until it is reached."""
 
     within: Share = entry("Half of the 95 % confidence interval, relative.")
     of: Literal["mean", "interval", "stiffness"] = entry(
@@ -122,13 +126,6 @@ class Accuracy(Section):
         "Processor time that the joints of all cases may take; null: any.", None, gt=0
     )
     most: int = entry("Surfaces of a case beyond which none are added.", 200, ge=10, le=1_000_000)
-    differences: int = entry(
-        "Surfaces of a case that are closed by the finest numerics too. `make study` sets it, and "
-        "realizations.",
-        FEWEST,
-        ge=2,
-        le=1_000_000,
-    )
 
 
 class Study(Section):
@@ -331,11 +328,36 @@ def _written_out(schema: dict, parts: dict) -> dict:
 
 def validated(keys: type[_Keys], settings: dict, what: str = "configuration") -> _Keys:
     """Read settings by a model of keys; `ConfigurationError` names each key that is wrong."""
+    refuse(_not_readable(settings), what)
     try:
         return keys.model_validate(settings)
     except pydantic.ValidationError as error:
         refuse(_problems(keys, settings, error.errors(include_url=False)), what)
         raise
+
+
+def _not_readable(settings: object, path: tuple[str, ...] = ()) -> Iterator[str]:
+    """Generate the texts and numbers that no table, figure or file name can hold, one line each."""
+    where = ".".join(path)
+    if isinstance(settings, dict):
+        for key, value in settings.items():
+            if hidden := _hidden(str(key)):
+                yield f"{'.'.join((*path, repr(key)))}: must not have the character {hidden}"
+            yield from _not_readable(value, (*path, str(key)))
+    elif isinstance(settings, list | tuple):
+        for value in settings:
+            yield from _not_readable(value, path)
+    elif isinstance(settings, str) and (hidden := _hidden(settings)):
+        allowed = f"must not have the character {hidden}, which cannot be shown in a line"
+        yield f"{where} = {short(settings)}: {allowed}"
+    elif isinstance(settings, int) and abs(settings) > _LARGEST:
+        yield f"{where} = {short(settings)}: must be a number below 1e300"
+
+
+def _hidden(text: str) -> str:
+    """Return the first character that does not show, such as a line break or \\0; "" if all do."""
+    hidden = (c for c in text if not c.isprintable() and unicodedata.category(c) != "Zs")
+    return next((f"U+{ord(character):04X}" for character in hidden), "")
 
 
 def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[str]:

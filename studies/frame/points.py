@@ -1,125 +1,79 @@
-"""Points of an experiment: which joints are closed, and what is read of them into a table."""
+"""Points of cases and of experiments, which are records of one kind.
 
+An experiment is
+a folder of `studies`: ``section.py`` is its section of the configuration, and ``study.py`` has a
+constant ``EXPERIMENT``.
+"""
+
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-import pandas as pd
-import xarray as xr
+from jointclosure.inputs import InputError
+from studies.frame.cases import base_case, block_settings
+from studies.frame.configuration import Configuration, sections
+from studies.frame.settings import Case, ClosureSettings, Point
 
-from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
-from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
-from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.walls import CrushedWalls, Walls
-from studies.frame.settings import ClosureSettings, walls_of
-
-
-class Point(NamedTuple):
-    """Joints of an experiment that are closed under the same conditions, one a realisation.
-
-    ``coordinates`` are columns of the table [SI]. ``maker`` names a function (``module:function``)
-    that generates the walls from settings and ``options``; without it they are `walls_of` these.
-    """
-
-    coordinates: dict[str, Any]
-    settings: ClosureSettings
-    maker: str = ""
-    options: Mapping[str, Any] = {}
-
-    def walls(self) -> Iterator[Walls | CrushedWalls]:
-        """Generate the walls of each realisation."""
-        module, _, function = self.maker.partition(":")
-        if not function:
-            return walls_of(self.settings)
-        return getattr(import_module(module), function)(self.settings, **self.options)
+if TYPE_CHECKING:  # drawing takes long to import
+    import pandas as pd
+    from matplotlib.figure import Figure
 
 
 Jobs = Mapping[str, Sequence[Point]]
 """Points by the name of the job that closes them; names are never parsed."""
+Tables = Mapping[str, "pd.DataFrame"]
+"""Tables of an experiment by name, without their suffix."""
 
 
-def close_points(
-    points: Iterable[Point],
-    quantities: Sequence[str],
-    report: Callable[[str], None] = lambda line: None,
-) -> pd.DataFrame:
-    """Close all joints of points, and read quantities [SI] in a row per joint and cycle.
+class Experiment(NamedTuple):
+    """Description of an experiment.
 
-    Failed joints stay in the table, with their status and NaN.
+    ``quantities`` (`QUANTITIES`) are read at the points of ``jobs``. ``tables`` are made of all
+    joints and of ``settings``, by names of files in ``tables/``; ``figures`` are drawn of the
+    tables and the settings, by names of files in ``figures/`` without their suffix. ``check``
+    refuses a study before any job, where that is slow.
     """
-    parts = []
-    for point in points:
-        settings, rows = point.settings, []
-        reading = Reading(settings.conditions, ("status", "timing_simulation", *quantities))
-        for realization, walls in enumerate(point.walls(), settings.first_realization):
-            row = close_joint(walls, reading)
-            at = point.coordinates | {
-                "realization": realization,
-                "cycle": np.arange(1, settings.conditions.cycle_count + 1),
-                "status": int(row["status"]),
-                "seconds": row["timing_simulation"],
-            }
-            rows.append(pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities}))
-        parts.append(part := pd.concat(rows))
-        at_point = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
-        statuses = np.unique(part.status).tolist()
-        report(f"{at_point}: {part.seconds.mean():.2f} s a joint, statuses {statuses}")
-    return pd.concat(parts, ignore_index=True)
+
+    title: str
+    quantities: tuple[str, ...]
+    jobs: Callable[[Configuration], Jobs]
+    tables: Mapping[str, "Callable[[pd.DataFrame, Mapping[str, Any]], pd.DataFrame | str]"]
+    figures: Mapping[str, "Callable[[Tables, Mapping[str, Any]], Figure]"]
+    settings: Callable[[Configuration], Mapping[str, Any]] = lambda study: {}
+    check: Callable[[Configuration], None] = lambda study: None
 
 
-def closed_table(
-    points: Sequence[Point], quantities: Sequence[str], report: Callable[[str], None]
-) -> xr.Dataset:
-    """Return `close_points` as a dataset (`as_dataset`)."""
-    return as_dataset(close_points(points, quantities, report))
+def experiment_named(name: str) -> Experiment:
+    """Return the experiment of a folder; `InputError` if there is none of this name."""
+    if name not in sections():
+        raise InputError(f"{name}: must be an experiment ({', '.join(sections())})")
+    return import_module(f"studies.{name}.study").EXPERIMENT
 
 
-def joints_of(points: Iterable[Point]) -> int:
-    """Return the number of joints that are closed at some points."""
-    return sum(point.settings.realizations for point in points)
+def case_point(study: Configuration, case: Case, block: range) -> Point:
+    """Return the point of a case, for a block of its realisations."""
+    about = ("rock", "parameter", "level", "value")
+    at = {"case": case.label} | {name: getattr(case, name) for name in about}
+    return Point(at, block_settings(study, case, block))
 
 
-def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Arrange joints over columns, including ``realization``; quantities over cycles too."""
-    grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
-    for name in ("status", "seconds"):
-        grid[name] = grid[name].isel(cycle=0, drop=True)
-    return grid
+def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSettings:
+    """Return the settings that close a case on all realisations, with changed keys of surfaces."""
+    settings = block_settings(study, case, range(study.study.realizations))
+    return settings._replace(surface=settings.surface._replace(**surface))
 
 
-def as_dataset(table: pd.DataFrame) -> xr.Dataset:
-    """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
-    dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
-    for name in set(table) & set(QUANTITIES):
-        dataset[name].attrs = QUANTITIES[name].attributes
-    dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
-    return dataset
+def at_wavelengths(
+    study: Configuration, wavelengths: Iterable[float]
+) -> Iterator[tuple[str, str, float, ClosureSettings]]:
+    """Generate rock, name, wavelength and settings of base cases at mismatch wavelengths [m].
 
-
-def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
-    """Convert datasets of `as_dataset` back to one table."""
-    return pd.concat([dataset.to_dataframe() for dataset in datasets], ignore_index=True)
-
-
-Joints = Annotated[pd.DataFrame, lambda path: as_table(read_netcdf(path))]
-"""Table of all joints of an experiment, read from its file."""
-
-
-def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
-    """Generate the joints with equal coordinates, and these in the columns of a published table."""
-    for values, part in joints.groupby(list(by), sort=False, dropna=False):
-        at = {}
-        for name, value in zip(by, values, strict=True):
-            column, scale = shown_as(name, COORDINATES.get(name, ("", "1"))[1])
-            at[column] = value if scale == 1.0 else scale * value
-        yield at, part
-
-
-def mean_shown(name: str, values: np.ndarray) -> Estimate:
-    """Compute the mean (harmonic for stiffnesses) of a quantity (n,) [SI] in the unit of tables."""
-    shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
-    if QUANTITIES[name].harmonic:
-        return harmonic_mean(shown)
-    return ratio_of_means(shown, np.ones(shown.size))
+    The last of each rock are independent walls, whose wavelength is infinite.
+    """
+    for rock in study.rocks:
+        case = base_case(study, rock)
+        for length in (*wavelengths, None):
+            name = "independent" if length is None else f"{1e6 * length:.15g}um"
+            settings = settings_of(study, case, mismatch_wavelength=length)
+            yield rock, name, math.inf if length is None else length, settings

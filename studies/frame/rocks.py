@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
 from jointclosure.inputs import InputError
+from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.walls.gridding import FLAT
@@ -127,11 +128,17 @@ class MeasuredFile(Section):
         "CSV file with columns stress, closure (units in their names, as stress_MPa,closure_mm) "
         "and cycle; a path from the project's folder."
     )
-    stress_unit: Literal["Pa", "kPa", "MPa", "GPa"] | None = entry(
-        "Unit of the stresses, where the column's name has none.", None
+    stress_unit: Literal[tuple(STRESS_UNITS | FORCE_UNITS)] | None = entry(  # type: ignore[valid-type]
+        "Unit of the stresses, or of forces, where the column's heading has none.", None
     )
-    closure_unit: Literal["m", "mm", "um"] | None = entry(
-        "Unit of the closures, where the column's name has none.", None
+    closure_unit: Literal[tuple(CLOSURE_UNITS)] | None = entry(  # type: ignore[valid-type]
+        "Unit of the closures, where the column's heading has none.", None
+    )
+    area_mm2: float | None = entry(
+        "Loaded area [mm2] of the measured joint, by which forces become stresses; only for a "
+        "column of forces.",
+        None,
+        gt=0,
     )
 
 

@@ -1,18 +1,53 @@
-"""Settings that the joints of a case depend on, and walls that are made of them."""
+"""Settings that joints depend on, the points at which they are closed, and walls made of them.
 
-from collections.abc import Iterator
+Every job that closes joints reads this module: it imports nothing that is slow to load, such as the
+models of the configuration.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
 from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.walls import Walls
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.synthesis import wall_pair
-from studies.frame.keys import Grid, Surface
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
+
+
+class JointGrid(NamedTuple):
+    """Regular grid of both walls: cells along x and y, and their spacing [m]."""
+
+    cells_x: int
+    cells_y: int
+    spacing: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells (y, x)."""
+        return self.cells_y, self.cells_x
+
+
+class Synthesis(NamedTuple):
+    """How walls are made from a JRC, by the arguments of `jointclosure.wall_pair` [SI]."""
+
+    hurst: float
+    jrc_relation: str
+    normalise: str
+    correlation: float
+    shift_in_cells: int
+    mismatch_wavelength: float | None
+    rule: str
+    roll_off: float | None
 
 
 class Case(NamedTuple):
@@ -61,8 +96,8 @@ class ClosureSettings(NamedTuple):
     seeds_named_by: tuple[str, ...]
     first_realization: int
     realizations: int
-    grid: Grid
-    surface: Surface
+    grid: JointGrid
+    surface: Synthesis
     stress_points: int
     largest_stress: float
     effects_chosen_to: float | None
@@ -72,26 +107,100 @@ class ClosureSettings(NamedTuple):
         """Conditions at which the walls of the case are closed."""
         return self.case.conditions
 
+    @property
+    def jrc(self) -> float:
+        """Joint roughness coefficient of the walls, NaN where they were scanned."""
+        return self.case.jrc
+
     def under(self, **changes: Any) -> "ClosureSettings":
         """Return the settings with changed conditions."""
         return self._replace(case=self.case.under(**changes))
 
 
-def seeds_of(settings: ClosureSettings) -> list[int]:
+class SurfaceSettings(NamedTuple):
+    """Settings [SI] that the surfaces of a case and a block of realisations depend on.
+
+    Cases with equal ones have the same surfaces.
+    """
+
+    root_seed: int
+    seeds_named_by: tuple[str, ...]
+    first_realization: int
+    realizations: int
+    jrc: float
+    grid: JointGrid
+    surface: Synthesis
+
+
+def surface_settings(settings: ClosureSettings) -> SurfaceSettings:
+    """Return the part of the settings of joints that their surfaces depend on."""
+    return SurfaceSettings(*(getattr(settings, name) for name in SurfaceSettings._fields))
+
+
+def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
     """Return the seeds of the walls of a block."""
     first, last = settings.first_realization, settings.first_realization + settings.realizations
     named = settings.seeds_named_by
     return [seed_of(settings.root_seed, *named, number) for number in range(first, last)]
 
 
-def walls_of_seed(seed: int, jrc: float, grid: Grid, surface: Surface) -> Walls:
+def walls_of_seed(seed: int, jrc: float, grid: JointGrid, surface: Synthesis) -> Walls:
     """Make the walls of one realisation; unusual values were checked."""
-    return wall_pair(jrc, grid.shape, grid.spacing, seed, **dict(surface), unusual_values=True)
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict(), unusual_values=True)
 
 
-def walls_of(settings: ClosureSettings) -> Iterator[Walls]:
+def walls_of(settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
     """Generate the walls of a block, from a JRC."""
-    if settings.walls:
+    if math.isnan(settings.jrc):
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
-        yield walls_of_seed(seed, settings.case.jrc, settings.grid, settings.surface)
+        yield walls_of_seed(seed, settings.jrc, settings.grid, settings.surface)
+
+
+def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Dataset:
+    """Return the surfaces of a block over (realization, y, x) [m], with their seeds."""
+    heights = np.array(list(pairs))
+    about = {"units": "m", "long_name": "height towards the other wall"}
+    first = settings.first_realization
+    seeds = np.array([f"{seed:032x}" for seed in seeds_of(settings)], dtype=object)
+    return xr.Dataset(
+        {side: (("realization", "y", "x"), heights[:, i], about) for i, side in enumerate(SIDES)},
+        coords={
+            "realization": first + np.arange(settings.realizations),
+            "seed": ("realization", seeds, {"long_name": "seed of the walls"}),
+        },
+        attrs={"spacing_m": settings.grid.spacing},
+    )
+
+
+def walls_in(files: Iterable[str]) -> Iterator[Walls]:
+    """Generate the walls (y, x) [m] in files of `surfaces_dataset`, one file at a time."""
+    for file in files:
+        surfaces = read_netcdf(file)
+        yield from zip(*(surfaces[side].values for side in SIDES), strict=True)
+
+
+class Point(NamedTuple):
+    """Joints that are closed under the same conditions, one a realisation.
+
+    ``coordinates`` [SI] say where it lies in the study. ``maker`` names a function
+    (``module:function``) that generates the walls from settings and ``options``; without it the
+    walls are made from their seeds, or read from a file of surfaces.
+    """
+
+    coordinates: Mapping[str, Any]
+    settings: ClosureSettings
+    maker: str = ""
+    options: Mapping[str, Any] = {}
+
+    def walls(self) -> Iterator[Walls | CrushedWalls]:
+        """Generate the walls of each realisation."""
+        module, _, function = self.maker.partition(":")
+        if not function:
+            return walls_of(self.settings)
+        return getattr(import_module(module), function)(self.settings, **self.options)
+
+
+def joints_of(points: Iterable[Point]) -> int:
+    """Return the number of joints that are closed at some points."""
+    return sum(point.settings.realizations for point in points)

@@ -1,11 +1,16 @@
 """Joined results of all cases of a study, and what is computed of them."""
 
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engine.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import PROPERTIES, Rock
+from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means
 from studies.frame.settings import Case
 
 _ABOUT = (
@@ -63,3 +68,42 @@ def over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.Data
     keys = [*keys, "stress_MPa"]
     about = [name for name in ("rock", "parameter", "level") if name in table and "case" in keys]
     return table.to_dataframe(dim_order=keys).reset_index()[[*about, *keys, *columns]]
+
+
+# Tables of the joints of an experiment
+
+
+def as_table(files: Iterable[xr.Dataset]) -> pd.DataFrame:
+    """Return the joints of files, without curves, with a row for each of their cycles."""
+    parts = (file.drop_dims(("branch", "stress", "direction"), errors="ignore") for file in files)
+    tables = [
+        part.to_dataframe(dim_order=["joint", "cycle"]).reset_index("cycle") for part in parts
+    ]
+    table = pd.concat(tables, ignore_index=True).rename(columns={"timing_simulation": "seconds"})
+    return table[table.cycle <= table.cycles].reset_index(drop=True)
+
+
+def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
+    """Arrange joints over columns, including ``realization``; quantities over cycles too."""
+    grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
+    for name in ("status", "seconds"):
+        grid[name] = grid[name].isel(cycle=0, drop=True)
+    return grid
+
+
+def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
+    """Generate the joints with equal coordinates, and these in the columns of a published table."""
+    for values, part in joints.groupby(list(by), sort=False, dropna=False):
+        at = {}
+        for name, value in zip(by, values, strict=True):
+            column, scale = shown_as(name, COORDINATES.get(name, ("", "1"))[1])
+            at[column] = value if scale == 1.0 else scale * value
+        yield at, part
+
+
+def mean_shown(name: str, values: np.ndarray) -> Estimate:
+    """Compute the mean (harmonic for stiffnesses) of a quantity (n,) [SI] in the unit of tables."""
+    shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
+    if QUANTITIES[name].harmonic:
+        return harmonic_mean(shown)
+    return ratio_of_means(shown, np.ones(shown.size))

@@ -2,6 +2,8 @@ import inspect
 import math
 import re
 import shutil
+from contextlib import nullcontext
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -12,10 +14,11 @@ from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
+from studies.frame.closing import close_points
 from studies.frame.configuration import resolved, sections, written_out
-from studies.frame.experiments import experiment_named
-from studies.frame.points import close_points
+from studies.frame.points import experiment_named
 from studies.frame.settings import seeds_of
+from studies.frame.tables import as_table
 from studies.frame.yaml_files import ConfigurationError, read_plain
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
@@ -223,6 +226,12 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{later}: &{later} [{', '.join(9 * ['*' + earlier])}]\n"
     for earlier, later in zip("abcdefgh", "bcdefghi", strict=True)
 )
+MERGES = "a: &a {x: 1}\n" + "".join(
+    f"{later}: &{later} {{<<: [{', '.join(10 * ['*' + earlier])}]}}\n"
+    for earlier, later in zip("abcdefghi", "bcdefghij", strict=True)
+)
+CHAIN = "a0: &a0 [1]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 60))
+PLAIN = "".join(f"k{i:06}: {i % 10}\n" for i in range(90_909))  # 1 MB
 FILES = {
     "empty": (b"", "is empty"),
     "a list": (b"- study\n- grid\n", "must contain keys and values, not ['study', 'grid']"),
@@ -233,6 +242,13 @@ FILES = {
     "an alias bomb": (BOMB.encode(), "its aliases expand to more than 100000"),
     "a recursive anchor": (b"study: &a\n  rocks: *a\n", "an alias refers to itself"),
     "deep": (b"study: " + 5000 * b"[" + 5000 * b"]", "nested"),
+    "deep maps": (100_000 * b"{a: " + b"1" + 100_000 * b"}", "nested more than 40 levels"),
+    "deep by aliases": (CHAIN.encode(), "nested more than 40 levels"),
+    "a merge bomb": (MERGES.encode(), "its aliases expand to more than 100000"),
+    "10 MB of plain keys": (11 * PLAIN.encode(), "has 11 MB, and a configuration at most 1 MB"),
+    "too many plain keys": (PLAIN.encode(), "has more than 100000 keys and values"),
+    "a tag of YAML": (b"flow: !!bool maybe\n", "line 1: the tag tag:yaml.org,2002:bool must be"),
+    "a tag of another kind": (b"grid: !!int {x: 1}\n", "the tag tag:yaml.org,2002:int must be left"),
     "an unknown anchor": (b"study: *a\n", "line 1: found undefined alias"),
     "minutes": (b"rocks:\n  slate:\n    youngs_modulus_GPa: 1:30\n", "line 3: 1:30 must be"),
     "octal": (b"grid: {cells_x: 010}\n", "line 1: 010 must be a decimal"),
@@ -249,6 +265,20 @@ def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
     one_line = rf"\A{re.escape(str(path))}: .*{re.escape(printed)}.*\Z"
     with pytest.raises(ConfigurationError, match=one_line):
         read_plain(path)
+
+
+def test_what_is_no_file_is_refused_without_being_read(tmp_path):
+    for path in (tmp_path, Path("/dev/zero")):
+        with pytest.raises(ConfigurationError, match="must be a file"):
+            read_plain(path)
+
+
+def test_a_value_may_be_nested_forty_levels_deep(tmp_path):
+    path = tmp_path / "mine.yaml"
+    for levels, refused in ((40, False), (41, True)):
+        path.write_text((levels - 1) * "{a: " + "{a: 1}" + (levels - 1) * "}")
+        with pytest.raises(ConfigurationError) if refused else nullcontext():
+            read_plain(path)
 
 
 def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
@@ -305,11 +335,52 @@ def test_a_study_without_the_section_does_not_run_the_experiment_nor_bear_its_na
 def test_a_point_closed_alone_has_the_bits_that_it_has_in_its_job(name):
     experiment = experiment_named(name)
     assert set(experiment.quantities) <= set(QUANTITIES)
-    points = list(next(iter(experiment.design(study_of(TINY[name])).jobs().values())))[:2]
-    together = close_points(points, experiment.quantities).drop(columns="seconds")
-    alone = close_points(points[-1:], experiment.quantities).drop(columns="seconds")
+    points = list(next(iter(experiment.jobs(study_of(TINY[name])).values())))[:2]
+    together, alone = (
+        as_table([close_points(part, experiment.quantities)]).drop(columns="seconds")
+        for part in (points, points[-1:])
+    )
     own = together.tail(len(alone)).reset_index(drop=True)
     pd.testing.assert_frame_equal(own[alone.columns], alone, check_exact=True)
+
+
+# Texts reach tables, figures, file names and pages
+
+
+ON_SCANS = {"jrc": None, "levels": {"jrc": None}}
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"rocks": {"slate": {"title": "a\0b"}}}, "rocks.slate.title = 'a\\x00b': must not have the character U+0000"),
+        ({"rocks": {"slate": {"title": "a\nb"}}}, "rocks.slate.title = 'a\\nb': must not have the character U+000A"),
+        ({"rocks": {"slate": {"title": "a\u202eb"}}}, "must not have the character U+202E"),
+        ({"rocks": {"slate": {"title": "\ud800"}}}, "must not have the character U+D800"),
+        ({"rocks": {"slate": {"title": " "}}}, "rocks.slate.title = ' ': must not be blank"),
+        ({"rocks": {"slate": {"measured": {"file": "a\x1b[2J"}}}}, "rocks.slate.measured.file = 'a\\x1b[2J': must not have"),
+        ({"rocks": {"slate": ON_SCANS | {"walls": {"upper": "a\0", "lower": "flat"}}}}, "rocks.slate.walls.upper = 'a\\x00': must not have"),
+        ({"rocks": {"slate": ON_SCANS | {"walls": {"upper": "a", "lower": "flat", "variable": "z\0"}}}}, "rocks.slate.walls.variable = 'z\\x00': must not have"),
+        ({"rocks": {"sl\0": {}}}, "rocks.'sl\\x00': must not have the character U+0000"),
+        ({"study": {"rocks": ["slate\t"]}}, "study.rocks = 'slate\\t': must not have the character U+0009"),
+        ({"grid": {"spacing_mm": 10**400}}, "must be a number below 1e300"),
+        ({"study": {"root_seed": 10**400}}, "must be a number below 1e300"),
+    ],
+)  # fmt: skip
+def test_a_text_or_number_that_no_table_or_figure_can_hold_is_refused_by_its_key(change, line):
+    with pytest.raises(ConfigurationError, match=re.escape(line)):
+        study_of(change)
+
+
+def test_two_rocks_of_a_study_have_two_titles():
+    alike = {"rocks": {"slate": {"title": "Dolerite "}}}
+    with pytest.raises(ConfigurationError, match=r"rocks\.slate\.title = 'Dolerite ': must differ"):
+        study_of(alike)
+    study_of(alike, {"study": {"rocks": ["slate"]}})
+
+
+def test_a_title_may_have_letters_and_signs_of_any_kind():
+    study_of({"rocks": {"slate": {"title": "Grès\u00a0des Vosges, 5 $ & 3 $ {x_1} 花崗岩"}}})
 
 
 # Numbers that look like a slip of units are refused before anything runs

@@ -97,6 +97,50 @@ def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     assert not np.array_equal(pairs[0], pairs[1])
 
 
+def with_rim(wall, side):
+    raised = wall + 1e-3
+    kept = np.s_[:, 2:] if side == "left" else np.s_[:, :-2]
+    raised[kept] = wall[kept]
+    return raised
+
+
+@pytest.mark.parametrize("degrees", [0.0, 12.0])
+def test_walls_that_lie_on_each_other_do_so_once_their_rims_are_cut(degrees, scan):
+    plane = np.tan(np.radians(degrees)) * SPACING * np.indices(scan.heights.shape)[1]
+    walls = prepared(
+        {
+            "upper": scan._replace(heights=with_rim(scan.heights + plane, "left")),
+            "lower": scan._replace(heights=with_rim(scan.heights + plane, "right")),
+        },
+        upper="a.npz",
+        inverted=["upper"],
+    )
+    assert walls.upper.shape[1] in (46, 47, 48)  # of 50 columns
+    rough = detrended(walls.lower.values)
+    assert np.abs(detrended((walls.upper + walls.lower).values)).max() < 0.02 * rough.std()
+
+
+@pytest.mark.parametrize("damage", ["blocks", "inclined"])
+def test_walls_whose_cells_do_not_lie_on_each_other_are_refused(damage, scan):
+    x = np.indices(scan.heights.shape)[1]
+    if damage == "blocks":
+        upper, lower = np.kron(scan.heights[::2, ::2], np.ones((2, 2))), scan.heights
+    else:
+        upper, lower = scan.heights[:-2, 2:], scan.heights + 0.3 * SPACING * x
+    scans = {"upper": scan._replace(heights=upper), "lower": scan._replace(heights=lower)}
+    with pytest.raises(jc.InputError, match="bring_together: true"):
+        prepared(scans, upper="a.npz")
+
+
+@pytest.mark.parametrize("rounded", [True, False])
+def test_rounding_of_inclined_walls_is_stored_with_them(rounded, scan):
+    inclined = scan.heights + 0.3 * SPACING * np.indices(scan.heights.shape)[1]
+    given = np.round(inclined, 4) if rounded else inclined
+    remarks = prepared({"lower": scan._replace(heights=given)}).lower.attrs["remarks"]
+    assert "turned until it lies level" in remarks
+    assert ("heights are multiples of 100 um" in remarks) == rounded
+
+
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
     upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.97, roll_off=None)
     scans = {

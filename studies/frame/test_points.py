@@ -1,13 +1,20 @@
 """Points of an experiment: closed and read, and tables of them as plain data."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from jointclosure.engine import joints as closing
 from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.inputs import InputError
 from jointclosure.joint.simulation import close_walls
-from studies.frame.experiments import experiment_named
-from studies.frame.points import as_dataset, as_table, close_points
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from studies.conftest import points_of
+from studies.frame.closing import close_points
+from studies.frame.pilots import described_time, estimate_time, tried
+from studies.frame.points import experiment_named
+from studies.frame.settings import joints_of
+from studies.frame.tables import as_table
 from tests.studied import study_of
 
 TINY = {
@@ -18,39 +25,55 @@ TINY = {
 
 
 @pytest.fixture(scope="module")
-def points():
-    jobs = experiment_named("assessment").design(study_of(TINY)).jobs()
-    variants = {"slate": "without_breakage_and_gouge", "dolerite": "without_interaction"}
-    return [
-        point
-        for name in jobs
-        for rock, variant in variants.items()
-        for point in jobs[name]
-        if name.startswith(rock) and name.endswith(variant)
-    ]
+def all_points():
+    return points_of(experiment_named("assessment"), study_of(TINY))
 
 
 @pytest.fixture(scope="module")
-def joints(points):
+def points(all_points):
+    """Points of one variant of each rock, at two roughnesses and two stresses."""
+    variants = {"slate": "without breakage and gouge", "dolerite": "without interaction"}
+    return [one for one in all_points if one.coordinates["variant"] == variants[rock_of(one)]]
+
+
+def rock_of(point):
+    return point.settings.case.rock
+
+
+@pytest.fixture(scope="module")
+def closed(points):
     return close_points(points, ("max_closure", "hysteresis"))
 
 
-def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, joints):
+def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, closed):
+    joints = as_table([closed])
     assert len(joints) == len(points) * 2 * 2
-    assert joints.columns.tolist() == [
-        "rock", "jrc", "stress", "variant", "copy_of_walls", "realization", "cycle", "status",
-        "seconds", "max_closure", "hysteresis",
-    ]  # fmt: skip
+    at = ["rock", "jrc", "stress", "variant", "copy_of_walls", "realization", "cycle"]
+    assert {*at, "status", "seconds", "max_closure", "hysteresis"} <= set(joints)
+    assert "joint" not in joints  # its place in a file
+    assert not joints.duplicated(at).any()
     assert joints.groupby("rock", sort=False).size().to_dict() == {"slate": 16, "dolerite": 16}
     assert (joints.seconds > 0.0).all()
+    for point in points:
+        here = (joints[list(point.coordinates)] == pd.Series(point.coordinates)).all(axis=1)
+        assert joints[here].realization.tolist() == [0, 0, 1, 1]
 
 
-def test_a_table_is_the_same_after_it_was_a_dataset(joints):
-    dataset = as_dataset(joints)
-    assert dataset.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title
-    units = {name: dataset[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
+def test_a_table_of_joints_is_the_same_read_from_a_file_with_units_and_titles(closed, tmp_path):
+    write_netcdf(closed, tmp_path / "joints.nc")
+    stored = read_netcdf(tmp_path / "joints.nc")
+    assert stored.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title
+    units = {name: stored[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
     assert units == {"max_closure": "m", "hysteresis": "1"}
-    pd.testing.assert_frame_equal(as_table(dataset), joints, check_dtype=False)
+    before, after = as_table([closed]), as_table([stored])
+    pd.testing.assert_frame_equal(after[before.columns], before, check_dtype=False)
+
+
+def test_points_of_a_job_may_differ_in_their_number_of_cycles(points):
+    once = points[0]._replace(settings=points[0].settings.under(cycles=1))
+    joints = as_table([close_points([once, points[1]], ("max_closure",))])
+    assert joints.groupby("realization").cycle.apply(list).tolist() == [[1, 1, 2]] * 2
+    assert np.isfinite(joints.max_closure).all()
 
 
 def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
@@ -60,7 +83,29 @@ def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points
         return closed
 
     monkeypatch.setattr(closing, "close_walls", failing)
-    rows = close_points(points[:1], ("max_closure",))
+    rows = as_table([close_points(points[:1], ("max_closure",))])
     assert len(rows) == 4
     assert (rows.status >= 128).all()
     assert rows.max_closure.isna().all()
+
+
+def test_the_time_of_all_joints_is_estimated_from_a_few_of_each_kind(all_points, points):
+    groups = tried(all_points)
+    assert sum(joints for _, joints in groups) == joints_of(all_points)
+    assert all(1 <= len(group) <= 3 for group, _ in groups)
+    few = tried(points)
+    lines = []
+    table = estimate_time(few, lines.append)
+    assert table.rock.tolist() == ["slate", "dolerite"]
+    assert table.joints.tolist() == [8, 8]
+    assert (table.cells == 100).all()
+    assert (table[["seconds", "error"]] > 0.0).all(axis=None)
+    assert len(lines) == 2
+    assert described_time(table).startswith("16 joints will take about ")
+    alone, _ = few[0]
+    assert "±" not in described_time(estimate_time([(alone[:1], 8)], lines.append))
+
+
+def test_a_folder_that_is_no_experiment_is_named():
+    with pytest.raises(InputError, match=r"paper: must be an experiment \(assessment, "):
+        experiment_named("paper")

@@ -2,14 +2,20 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.engine.quantities import names_of_case
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
-from studies.frame import closing as closing
-from studies.frame.closing import Ensemble, choose_for_rock, close_block
-from studies.frame.walls import prepared_walls
+from studies.frame import closing
+from studies.frame.cases import cases_of
+from studies.frame.closing import close_joints, under_chosen
+from studies.frame.pilots import choose_effects, examined
+from studies.frame.points import case_point
+from studies.frame.settings import walls_of
+from studies.frame.walls import cut_walls, prepared_walls
 from tests.joints import SPACING
 from tests.studied import study_of
 
@@ -19,6 +25,8 @@ SMALL = {
     "grid": {"cells_x": 16, "cells_y": 16},
 }
 SCANNED = {"jrc": None, "levels": {"jrc": None}, "walls": {"lower": "scan.npz", "upper": "rotated"}}
+NAMES = names_of_case(flow=False)
+TIMES = "timing_simulation"
 
 
 @pytest.fixture(autouse=True)
@@ -27,29 +35,48 @@ def scan(tmp_path, monkeypatch):
     (tmp_path / "scan.npz").write_bytes(b"")  # whose digest is a setting; walls are made below
 
 
-def settings_to(tolerance, **rock):
+def points_to(tolerance, draws="independent", **rock):
+    """Points of all cases of a rock, by label, whose effects are chosen to a tolerance."""
     rock = rock | {"max_normal_stress_MPa": 1}
-    study = study_of(SMALL, {"effects": {"auto": tolerance}, "rocks": {"slate": rock}})
-    ensemble = Ensemble(study)
-    return {label: ensemble.settings(label, range(4)) for label in ensemble.cases}
+    changes = {"effects": {"auto": tolerance}, "rocks": {"slate": rock}, "study": {"draws": draws}}
+    study = study_of(SMALL, changes)
+    return {case.label: case_point(study, case, range(4)) for case in cases_of(study)}
+
+
+def chosen_to(tolerance, **changes):
+    """Pilot of all cases of a rock, and their points."""
+    points = points_to(tolerance, **changes)
+    choice = examined(points)
+    return choose_effects(choice, walls_of(choice.point.settings), NAMES), points
 
 
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():
-    settings = settings_to(0.02)
-    assert len(settings) > 5
-    pilot = choose_for_rock(settings)
-    choice, examined = json.loads(pilot.attrs["chosen"]), pilot.attrs["case"]
+    pilot, points = chosen_to(0.02)
+    assert len(points) > 5
+    choice, label = json.loads(pilot.attrs["chosen"]), pilot.attrs["case"]
     assert jc.Effects(**choice["effects"]) == jc.Effects()
+    conditions = {label: point.settings.conditions for label, point in points.items()}
     ratios = {
-        label: one.conditions.max_normal_stress / one.conditions.rock.compressive_strength
-        for label, one in settings.items()
+        label: one.max_normal_stress / one.rock.compressive_strength
+        for label, one in conditions.items()
     }
-    assert ratios[examined] == max(ratios.values())
-    choice = json.loads(choose_for_rock(settings_to(0.99)).attrs["chosen"])
+    assert ratios[label] == max(ratios.values())
+    choice = json.loads(chosen_to(0.99)[0].attrs["chosen"])
     assert jc.Effects(**choice["effects"]) != jc.Effects()
-    details = choice["cases"][examined]
+    details = choice["cases"][label]
     assert 0.0 < choice["error"] == details["error"]
     assert {row["quantity"] for row in details["changes"]} >= {"stiffness_net", "max_closure"}
+
+
+def test_joints_of_a_pilot_are_taken_for_its_case_only():
+    """With common draws the other cases of a rock have the same seeds."""
+    pilot, points = chosen_to(0.99, draws="common")
+    effects = jc.Effects(**json.loads(pilot.attrs["chosen"])["effects"])
+    for label, point in points.items():
+        under, closed = under_chosen(point, pilot)
+        assert under.settings.conditions.effects == effects
+        taken = pilot.seed.values.tolist() if label == pilot.attrs["case"] else []
+        assert list(closed) == taken
 
 
 @pytest.mark.parametrize("rock", [{}, SCANNED], ids=["jrc", "scanned"])
@@ -57,24 +84,23 @@ def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_stren
 def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     monkeypatch, tmp_path, tolerance, rock
 ):
-    (label, settings), *_ = settings_to(tolerance, **rock).items()
-    walls = None
-    if rock:
-        scan = Scan(jc.wall_pair(9.0, (40, 50), SPACING, 3, roll_off=None)[0], (SPACING, SPACING))
-        keys = settings.walls._replace(units="mm")
-        prepared = prepared_walls({"lower": scan}, keys, SPACING, "yu_vayssade_linear_0.25mm")
-        walls = tmp_path / "slate.nc"
-        write_netcdf(prepared, walls)
-    before = choose_for_rock({label: settings}, walls=walls)
-    choice = json.loads(before.attrs["chosen"])
-    effects = jc.Effects(**choice["effects"])
-    assert (effects == jc.Effects()) is (tolerance < 0.5)
-    used, pilot = settings.under(effects=effects), tmp_path / "pilot.nc"
-    write_netcdf(before, pilot)
-    plain = close_block(used, report=lambda line: None, walls=walls)
+    (label, point), *_ = points_to(tolerance, **rock).items()
+    walls = list(cut_scan(point.settings) if rock else walls_of(point.settings))
+    write_netcdf(choose_effects(examined({label: point}), walls, NAMES), tmp_path / "pilot.nc")
+    pilot = read_netcdf(tmp_path / "pilot.nc")
+    under, known = under_chosen(point, pilot)
+    assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)
+    plain = close_joints(under, walls, NAMES)
     closed, close = [], closing.close_joint
     monkeypatch.setattr(closing, "close_joint", lambda *given: closed.append(1) or close(*given))
-    taken = close_block(used, report=lambda line: None, walls=walls, pilot=pilot)
-    assert len(closed) == 4 - before.sizes["realization"]
-    times = "timing_simulation"
-    assert taken.drop_vars(times).identical(plain.drop_vars(times))
+    taken = close_joints(under, walls, NAMES, closed=known)
+    assert len(closed) == 4 - pilot.sizes["joint"] < 4
+    assert taken.drop_vars(TIMES).identical(plain.drop_vars(TIMES))
+
+
+def cut_scan(settings):
+    """Walls of a point, cut out of a scan."""
+    scan = Scan(jc.wall_pair(9.0, (40, 50), SPACING, 3, roll_off=None)[0], (SPACING, SPACING))
+    keys = settings.walls._replace(units="mm")
+    prepared = prepared_walls({"lower": scan}, keys, SPACING, "yu_vayssade_linear_0.25mm")
+    return (np.array(pair) for pair in cut_walls(prepared, settings))

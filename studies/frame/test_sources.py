@@ -7,12 +7,10 @@ import shutil
 import pytest
 
 from jointclosure.compilation import sources
-from jointclosure.engine import cache
-from studies.frame.closing import close_block
-from studies.pipeline import Pipeline
-from tests.studied import study_of
+from studies.frame.closing import close_joints
+from tests.studied import ROOT
 
-JOINTS = f"{close_block.__module__}:close_block"
+JOINTS = f"{close_joints.__module__}:close_joints"
 
 
 @pytest.fixture
@@ -93,16 +91,30 @@ def test_of_the_module_of_a_function_only_what_the_function_uses_counts(
     assert {name.partition(":")[2] for name, a, b in after if a != b} == moved
 
 
-STEPS = Pipeline(study_of(), apart=False, check=False).steps
 EDITED = "studies/paper/figures.py", "studies/paper/judged_claims.py"
+# whatever closes joints, or makes their walls
+CLOSING = {
+    "choose_effects", "close_joints", "close_points", "cut_windows", "make_surfaces",
+    "prepare_walls",
+}  # fmt: skip
+
+
+RULES = "\n".join(path.read_text("utf-8") for path in (ROOT / "workflow/rules").glob("*.smk"))
+STATED = {
+    script: "titles=False" not in how
+    for script, how in re.findall(r'\bcode\(\s*"(\w+)\.py"(.*)', RULES)
+}
+"""Scripts whose digest is a parameter of a rule, and whether titles count in it."""
 
 
 def all_digests():
-    """Digests of all steps of a study, and of its joints, by name."""
+    """Digests in the parameters of rules, by the name of the script."""
     forget()
-    steps = {name: step.params("not made")["code"] for name, step in STEPS.items()}
-    cache._code.cache_clear()
-    return steps | {"joints": cache._code(JOINTS)}
+    folder = ROOT / "workflow/scripts"
+    return {
+        name: sources.code_digest(f"{folder}/{name}.py", titles=titles)
+        for name, titles in STATED.items()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -116,13 +128,31 @@ def moved(unedited):
     return {name for name in after if unedited[name] != after[name]}
 
 
+def test_a_copy_in_another_folder_has_the_same_digests(copy, unedited):
+    assert moved(unedited) == set()
+    assert len(set(unedited.values())) == len(unedited)
+
+
+def test_every_script_that_computes_something_has_its_digest_in_the_rules():
+    run = set(re.findall(r'"\.\./scripts/(\w+)\.py"', RULES))
+    # these write a text that they are given, or fail because of a table
+    assert run - set(STATED) == {"require_checks", "require_hard_cases", "state_configuration"}
+    files = {path.stem for path in (ROOT / "workflow/scripts").glob("*.py")}
+    assert files == {*run, "key_table"}
+
+
 def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited):
     for file in (*EDITED, "jointclosure/statistics/indifference.py"):
         text = (copy.parent / file).read_text(encoding="utf-8")
         (copy.parent / file).write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
-    rules = moved(unedited)
-    assert {"draw_figures", "judge_claims", "find_indifference_intervals"} <= rules
-    assert not {"joints", "close_study"} & rules
+    scripts = moved(unedited)
+    assert {"draw_figures", "judge_claims", "find_indifference_intervals"} <= scripts
+    assert not {*CLOSING, "aggregate", "write_tables", "state_configuration"} & scripts
+
+
+def test_an_edit_of_what_closes_joints_closes_them_again(copy, unedited):
+    edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
+    assert CLOSING & moved(unedited) == {"choose_effects", "close_joints", "close_points"}
 
 
 def with_other_texts(file, call):
@@ -139,3 +169,10 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
     sections = [*studies.glob("*/section.py"), *(studies / "frame").glob("[kr]*s.py")]
     assert sum(with_other_texts(section, "entry") for section in sections) > 50
     assert moved(unedited) == {"write_report"}
+
+
+def test_an_edited_title_of_a_quantity_closes_no_walls_again_and_is_drawn(copy, unedited):
+    assert with_other_texts(copy / "engine/quantities.py", "Quantity") > 10
+    scripts = moved(unedited)
+    assert {"draw_figures", "draw_experiment", "write_report"} <= scripts
+    assert not {*CLOSING, "aggregate", "compile_kernels"} & scripts

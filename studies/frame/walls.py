@@ -12,16 +12,18 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, wall_on_grid
+from jointclosure.walls.levelling import levelled_together
 from jointclosure.walls.measures import hurst_of
-from jointclosure.walls.outliers import without_plateaus
 from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, jrc_of_z2, rms_slope
+from jointclosure.walls.scan_defects import inspected_together
+from jointclosure.walls.scan_quality import resolution_remarks
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from studies.frame.keys import Grid
 from studies.frame.rocks import ScannedWalls, wall_files
-from studies.frame.settings import SIDES, ClosureSettings, seeds_of
+from studies.frame.settings import SIDES, ClosureSettings, SurfaceSettings, seeds_of
 
 REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
 """Keys of scanned walls that their registration takes."""
@@ -49,6 +51,7 @@ def prepared_walls(
     """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     files, bounds = f"{settings.upper} and {settings.lower}", None
+    measured = scans
     if settings.bring_together:
         if len(scans) < 2:
             raise InputError(
@@ -61,7 +64,11 @@ def prepared_walls(
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
         if not unusual_values:
-            scans = {side: without_plateaus(scan) for side, scan in scans.items()}
+            with naming(files):
+                scans = inspected_together(scans)
+        measured = scans
+        with naming(files):
+            scans = levelled_together(scans)
         bounds = _common_bounds(scans)
         heights = _as_they_lie(scans, bounds, settings, spacing)
         lying = {side: wall for side, (wall, _) in heights.items()}
@@ -86,6 +93,7 @@ def prepared_walls(
         if not settings.bring_together:  # else in the registration's report
             low = None if bounds is None else bounds[0]
             remarks += smoothing_of(scans[side], wall, spacing, low)
+            remarks += tuple(resolution_remarks(measured[side], wall, spacing, scans[side]))
         if remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(remarks)
         walls[side] = (("y", "x"), wall, about)
@@ -264,7 +272,7 @@ def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
     return np.argwhere(inside == 0)
 
 
-def cut_walls(walls: xr.Dataset, settings: ClosureSettings) -> Iterator[tuple]:
+def cut_walls(walls: xr.Dataset, settings: ClosureSettings | SurfaceSettings) -> Iterator[tuple]:
     """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
     cutter = Cutter(walls, settings.grid.shape, order, settings.surface.normalise)

@@ -5,8 +5,10 @@ import functools
 import json
 import re
 import reprlib
+import sys
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +24,10 @@ DEFAULT = _STUDIES.parent / "config/default.yaml"
 PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
 """The paper's Table 3."""
 
-_MOST_VALUES, _DEEPEST = 100_000, 40
+_MOST_BYTES, _MOST_VALUES, _DEEPEST = 1_000_000, 100_000, 40
+"""Limits of a configuration file: its size, its keys and values with all aliases written out, and
+how deep they are nested. They hold before anything is built, which takes memory and the stack.
+"""
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
 
 
@@ -65,9 +70,13 @@ for _kind in ("int", "float"):
 
 def read_plain(path: str | Path) -> dict:
     """Read a configuration file as plain data, and refuse anything else."""
+    settings = None
     try:
-        settings = yaml.load(read_text(path), Loader=_Loader)
-        reason = _not_plain(settings)
+        if not (reason := _no_file(Path(path))):
+            text = read_text(path)
+            if not (reason := _unbounded(text)):
+                settings = yaml.load(text, Loader=_Loader)
+                reason = _not_plain(settings)
     except InputError as error:  # not a text
         raise ConfigurationError(str(error)) from None
     except OSError as error:
@@ -77,38 +86,91 @@ def read_plain(path: str | Path) -> dict:
         line = f"line {where.line + 1}: " if where else ""
         problem = getattr(error, "problem", None) or " ".join(str(error).split())
         reason = f"not plain YAML: {line}{problem}"
-    except RecursionError:
-        reason = "not plain YAML: nested too deeply"
-    if reason:
+    if reason or settings is None:
         raise ConfigurationError(f"{path}: {reason}")
     return settings
 
 
+def _no_file(path: Path) -> str:
+    """Return what is wrong with a file that is not read."""
+    size = path.stat().st_size
+    if not path.is_file():
+        return "must be a file"
+    if size > _MOST_BYTES:
+        return f"has {1e-6 * size:.3g} MB, and a configuration at most {1e-6 * _MOST_BYTES:g} MB"
+    return ""
+
+
+@dataclass
+class _Node:
+    """A node of YAML: how many nodes it has, aliases written out, and levels below it."""
+
+    anchor: str | None = None
+    count: int = 1
+    levels: int = 0
+    complete: bool = False
+
+    def add(self, part: "_Node") -> None:
+        self.count += part.count
+        self.levels = max(self.levels, 1 + part.levels)
+
+
+def _unbounded(text: str) -> str:
+    """Return what is wrong with a text that is too deep or too large, or has tags.
+
+    The events of the parser are read one by one, as the loader recurses into nodes, and copies what
+    merge keys (``<<``) name.
+    """
+    anchors: dict[str | None, _Node] = {}
+    whole, aliases = [_Node()], False  # nodes that are not complete, each within the one before
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.CollectionEndEvent):
+            node = whole.pop()
+        elif isinstance(event, yaml.AliasEvent):
+            aliases = True
+            # an unknown anchor is refused by the loader
+            node = anchors.get(event.anchor, _Node(complete=True))
+            if not node.complete:
+                return "an alias refers to itself"
+        elif isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent):
+            if event.tag is not None:
+                line = f"line {event.start_mark.line + 1}: " if event.start_mark else ""
+                return f"not plain YAML: {line}the tag {event.tag} must be left out"
+            anchors[event.anchor] = node = _Node(event.anchor)
+            if isinstance(event, yaml.CollectionStartEvent):
+                whole.append(node)
+        else:  # begin or end of a document
+            continue
+        if node is not whole[-1]:
+            node.complete = True
+            whole[-1].add(node)
+        # the first of them is the file
+        if len(whole) - 2 + whole[-1].levels > _DEEPEST:
+            return f"values are nested more than {_DEEPEST} levels deep"
+        if whole[-1].count > _MOST_VALUES:
+            if aliases:
+                return f"its aliases expand to more than {_MOST_VALUES} values; write them out"
+            return f"has more than {_MOST_VALUES} keys and values"
+    return ""
+
+
 def _not_plain(settings: object) -> str:
-    """Return what is wrong with data that are too deep, too large with aliases, or not plain."""
+    """Return what is wrong with data that are not plain."""
     if settings is None:
         return "is empty, must contain keys and values"
     if not isinstance(settings, dict):
         return f"must contain keys and values, not {short(settings)}"
     if "__use_yte__" in settings:
         return "__use_yte__: must be left out; Snakemake would run the Python in templates"
-    waiting: list[tuple[object, int]] = [(settings, 0)]
-    count = 0
+    waiting: list[object] = [settings]
     while waiting:
-        value, depth = waiting.pop()
-        count += 1
-        if depth > _DEEPEST:
-            return (
-                f"an alias refers to itself, or values are nested more than {_DEEPEST} levels deep"
-            )
-        if count > _MOST_VALUES:
-            return f"its aliases expand to more than {_MOST_VALUES} values; write them out"
+        value = waiting.pop()
         if isinstance(value, dict):
             if odd := [key for key in value if not isinstance(key, str)]:
                 return f"the key {odd[0]!r} must be a text"
-            waiting += [(part, depth + 1) for part in value.values()]
+            waiting += value.values()
         elif isinstance(value, list):
-            waiting += [(part, depth + 1) for part in value]
+            waiting += value
         elif not isinstance(value, str | int | float | None):  # YAML reads dates
             return f"{value}: is a {type(value).__name__}; quote a text"
     return ""
@@ -155,3 +217,10 @@ def configuration_text(configuration: dict[str, Any]) -> str:
     study = dict(configuration["study"])
     study.pop("realizations_per_job", None)
     return json.dumps(configuration | {"study": study}, sort_keys=True)
+
+
+if __name__ == "__main__":  # before Snakemake reads a file, whose loader accepts more
+    try:
+        read_plain(sys.argv[1])
+    except ConfigurationError as error:
+        sys.exit(str(error))

@@ -1,6 +1,7 @@
 """Experiment on global sensitivity: variance indices of properties and of open choices."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,12 +10,10 @@ from matplotlib.figure import Figure
 from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
-from studies.frame.points import Jobs, Joints, Point
-from studies.frame.products import product
+from studies.frame.points import Experiment, Jobs, Tables
+from studies.frame.settings import Point
 from studies.global_sensitivity.design import (
-    Sampling,
     check_sampling,
     sampling_of,
     settings_of_rock,
@@ -26,6 +25,7 @@ from studies.global_sensitivity.table import (
     elasticity_table,
     index_table,
 )
+from studies.paper.layout import figure_text
 
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:
@@ -42,17 +42,24 @@ def global_sensitivity_jobs(study: Configuration) -> Jobs:
     return jobs
 
 
-@product(
-    *("tables/global_sensitivity_indices.csv", "tables/global_sensitivity_elasticities.csv"),
-    *("tables/global_sensitivity_conclusions.csv", "tables/global_sensitivity_margins.csv"),
-)
-def tabulate_global_sensitivity(
-    joints: Joints, sampling: Annotated[Sampling, sampling_of]
-) -> tuple:
-    """Return indices, elasticities, shares of choices for which conclusions hold, and margins."""
-    closed = by_rock(joints)
-    indices, elasticities = index_table(sampling, closed), elasticity_table(sampling, closed)
-    return indices, elasticities, *conclusion_tables(sampling, closed)
+def tabulate_indices(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compute first and total indices of every input."""
+    return index_table(settings["sampling"], by_rock(joints))
+
+
+def tabulate_elasticities(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Fit the elasticities of closures with respect to the inputs."""
+    return elasticity_table(settings["sampling"], by_rock(joints))
+
+
+def tabulate_conclusions(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compute shares of choices for which conclusions hold."""
+    return conclusion_tables(settings["sampling"], by_rock(joints))[0]
+
+
+def tabulate_margins(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compute the shares of inputs in the variance of the margins of conclusions."""
+    return conclusion_tables(settings["sampling"], by_rock(joints))[1]
 
 
 _SURFACES = "surfaces"
@@ -76,7 +83,7 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
     whole = table[table.rows == most]
     names = [name for name in dict.fromkeys(whole.input) if name != _SURFACES]
-    labels = [whole.title[whole.input == name].iloc[0] for name in names]
+    labels = [figure_text(whole.title[whole.input == name].iloc[0]) for name in names]
     rocks = list(dict.fromkeys(whole.rock))
     figure, grid = subplots(2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True)
     places = np.arange(len(names))[::-1]
@@ -97,7 +104,10 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         axes.grid(axis="y", lw=0.3)
     for axes in grid[-1]:
         axes.set_xlabel("share of the variance of the mean")
-    keys = [point_key(titles[rock], color=f"C{number}") for number, rock in enumerate(rocks)]
+    keys = [
+        point_key(figure_text(titles[rock]), color=f"C{number}")
+        for number, rock in enumerate(rocks)
+    ]
     keys.append(point_key("total index", color="0.3"))
     keys.append(point_key("first index", color="0.3", markerfacecolor="white"))
     legend_below(figure, keys)
@@ -107,7 +117,7 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     """Draw total indices of both cycles over the number of rows, with 95 % intervals."""
     table = table[(table.response == "max_closure") & (table.input != _SURFACES)]
-    table = table.assign(input=table.title, **{_ROWS: table.rows + table.left_out})
+    table = table.assign(input=table.title.map(figure_text), **{_ROWS: table.rows + table.left_out})
     rows = [
         Row(f"total index, cycle {cycle}", table[table.cycle == cycle], "total", "total_error")
         for cycle in (1, 2)
@@ -159,23 +169,39 @@ def conclusion_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     return figure
 
 
-@product(
-    figures=[f"global_sensitivity_{name}" for name in ("indices", "convergence", "conclusions")]
-)
-def draw_global_sensitivity(
-    global_sensitivity_indices: pd.DataFrame,
-    global_sensitivity_conclusions: pd.DataFrame,
-    titles: dict[str, str],
-) -> tuple:
-    """Draw indices, their convergence with the rows, and shares for which conclusions hold."""
-    indices = global_sensitivity_indices
-    figures = index_figure(indices, titles), convergence_figure(indices, titles)
-    return *figures, conclusion_figure(global_sensitivity_conclusions, titles)
+def draw_indices(tables: Tables, settings: Mapping[str, Any]) -> Figure:
+    """Draw the indices of every input."""
+    return index_figure(tables["global_sensitivity_indices"], settings["titles"])
+
+
+def draw_convergence(tables: Tables, settings: Mapping[str, Any]) -> Figure:
+    """Draw the convergence of the indices with the rows."""
+    return convergence_figure(tables["global_sensitivity_indices"], settings["titles"])
+
+
+def draw_conclusions(tables: Tables, settings: Mapping[str, Any]) -> Figure:
+    """Draw the shares of choices for which conclusions hold."""
+    return conclusion_figure(tables["global_sensitivity_conclusions"], settings["titles"])
 
 
 EXPERIMENT = Experiment(
     title="global sensitivity to properties and open choices that vary together",
     quantities=QUANTITIES,
     jobs=global_sensitivity_jobs,
+    tables={
+        "global_sensitivity_indices.csv": tabulate_indices,
+        "global_sensitivity_elasticities.csv": tabulate_elasticities,
+        "global_sensitivity_conclusions.csv": tabulate_conclusions,
+        "global_sensitivity_margins.csv": tabulate_margins,
+    },
+    figures={
+        "global_sensitivity_indices": draw_indices,
+        "global_sensitivity_convergence": draw_convergence,
+        "global_sensitivity_conclusions": draw_conclusions,
+    },
+    settings=lambda study: {
+        "sampling": sampling_of(study),
+        "titles": {name: rock.title for name, rock in study.rocks.items()},
+    },
     check=check_sampling,
 )

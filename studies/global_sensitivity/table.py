@@ -26,7 +26,7 @@ from jointclosure.statistics.variance_indices import (
     variance_indices,
 )
 from jointclosure.statistics.verdicts import frequency
-from studies.frame.points import gridded
+from studies.frame.tables import gridded
 from studies.global_sensitivity.design import (
     SURFACES,
     Input,

@@ -7,9 +7,9 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.parameters.units import to_si
 from studies.frame.cases import base_case, block_settings
+from studies.frame.closing import close_points
 from studies.frame.configuration import configured, merged
-from studies.frame.experiments import experiment_named
-from studies.frame.points import close_points
+from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from studies.global_sensitivity import table as sensitivity
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
@@ -110,6 +110,11 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
     assert set(zip(loops.cycle, loops.rock, loops.share, strict=True)) == {
         (cycle, rock, 2.0 - cycle) for cycle in (1, 2) for rock in ("dolerite", "slate", "all")
     }
+    small = {name: each.assign(loop=0.01 * each.max_closure) for name, each in world.items()}
+    unseen = sensitivity.conclusion_tables(design, small)[0]
+    assert (unseen[unseen.number == "6a"].share == 0.0).all()  # a loop of 1 % is none
+    assert table.share_low.between(0.0, table.share).all()
+    assert table.share_high.between(table.share, 1.0).all()
     assert set(margins.input) == set(design.inputs)
     # a share is not known closer than its rows tell: Wilson's 95 % interval of 64 that all agree
     sure = table[(table.number == "5a") & (table.rock == "all")]
@@ -164,10 +169,9 @@ def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices
     assert set.difference(*of_rocks) == {"max_closure_net"}
 
 
-def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
-    design = experiment_named("global_sensitivity").design(study_of(tiny("global_sensitivity")))
-    points = [point for point in design.jobs()["slate.0"] if point.coordinates["row"] == 2]
-    joints = close_points(points, sensitivity.QUANTITIES)
+def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces(jobs):
+    points = [point for point in jobs["slate.0"] if point.coordinates["row"] == 2]
+    joints = as_table([close_points(points, sensitivity.QUANTITIES)])
     closed = sensitivity.by_rock(joints)["slate"]
     assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
     assert (closed.status < 16).all()

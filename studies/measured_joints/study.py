@@ -6,7 +6,8 @@ of its first loading. All else is then judged: stiffness and closure of the late
 share of it that stays, and the area of contact. The strength of the rock was not published either.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,12 +19,9 @@ from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment, at_wavelengths
-from studies.frame.keys import Grid
 from studies.frame.panels import keys_of, legend_below, ticks_at
-from studies.frame.points import Joints, Point
-from studies.frame.products import product
-from studies.frame.settings import ClosureSettings, walls_of
+from studies.frame.points import Experiment, Tables, at_wavelengths
+from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.measured_joints.observables import (
     BASE,
     HEADINGS,
@@ -49,7 +47,7 @@ def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
     at = at_wavelengths(study, section.mismatch_wavelength)
     return {
         label: [
-            point._replace(coordinates=point.coordinates | {"variant": name, "wavelength": length})
+            point._replace(coordinates={**point.coordinates, "variant": name, "wavelength": length})
             for name, point in _variants(settings, section).items()
         ]
         for _, label, length, settings in at
@@ -112,25 +110,31 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
     )
 
 
-@product(
-    "tables/measured_joints.csv",
-    "tables/measured_joints_scores.csv",
-    "tables/measured_joints_predictions.csv",
-)
-def judge_measured_joints(joints: Joints, grid: Grid, root_seed: int) -> tuple:
-    """Compare with measured joints: judgements, scores and predictions."""
-    observables = observables_of(joints, (FILM_CELL / grid.spacing) ** 2)
-    judged = judged_joints(observables, root_seed)
+def judge_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Judge the observables of all variants by those of the measured joints."""
+    return judged_joints(_observables(joints, settings), settings["root_seed"])
+
+
+def score_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Count by variant how many observables agree with the measured ones."""
     loaded = joints.groupby("variant").loaded_as.first()
     constants = (loaded != BASE).astype(int) + (loaded != loaded.index)
-    return judged, score_table(judged, constants), prediction_table(observables)
+    return score_table(judge_measured_joints(joints, settings), constants)
 
 
-@product(figures=["measured_joints"])
+def predict_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Tabulate what each variant predicts of the measured joints."""
+    return prediction_table(_observables(joints, settings))
+
+
+def _observables(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    return observables_of(joints, (FILM_CELL / settings["spacing"]) ** 2)
+
+
 @styled
-def draw_measured_joints(measured_joints: pd.DataFrame) -> Figure:
+def draw_measured_joints(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw observables of all variants, with intervals of a single joint, beside measured bands."""
-    table = measured_joints
+    table = tables["measured_joints"]
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
     figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
@@ -179,4 +183,14 @@ EXPERIMENT = Experiment(
     title="the model beside measured joints",
     quantities=QUANTITIES,
     jobs=measured_joints_jobs,
+    tables={
+        "measured_joints.csv": judge_measured_joints,
+        "measured_joints_scores.csv": score_measured_joints,
+        "measured_joints_predictions.csv": predict_measured_joints,
+    },
+    figures={"measured_joints": draw_measured_joints},
+    settings=lambda study: {
+        "root_seed": study.study.root_seed,
+        "spacing": study.grid.spacing,
+    },
 )

@@ -1,9 +1,17 @@
 """The model beside measured joints: which joints are closed, and how they are judged."""
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy.stats
 
-from studies.measured_joints.observables import BASE, OBSERVABLES, observables_of
+from studies.measured_joints.observables import (
+    BASE,
+    OBSERVABLES,
+    judged_joints,
+    observables_of,
+    single_joint_interval,
+)
 
 RESEATED = "reseated, 0.5 mm off"
 CRUSHED = "crushed rock 0.8 as strong"
@@ -11,12 +19,12 @@ AT = ["variant", "wavelength", "realization"]
 
 
 @pytest.fixture(scope="module")
-def observables(design, joints):
+def observables(joints):
     return observables_of(joints, film_cells=4.0)
 
 
 def test_weaker_rock_is_crushed_to_more_contact(observables):
-    wide = observables.pivot(index=AT[1:], columns="variant", values="contact_share")
+    wide = observables.pivot_table(index=AT[1:], columns="variant", values="contact_share")
     ratio = wide["strength 40 MPa"] / wide[BASE]
     assert ratio.min() >= 1.0
     assert ratio.mean() > 1.5
@@ -78,3 +86,57 @@ def test_scores_count_the_agreements_and_the_constants_of_each_choice(tables):
     assert scores.constants[f"strength 40 MPa, {RESEATED}"] == 2
     assert (scores.of == 3 * (len(OBSERVABLES) - 1)).all()
     assert scores.chance.between(0.0, 1.0).all()
+
+
+# What follows from made-up joints
+
+
+def test_the_interval_of_a_single_joint_is_students_in_logarithms_and_not_below_zero():
+    values = np.exp(np.random.default_rng(1).normal(size=6))
+    logs = np.log(values)
+    half = scipy.stats.t.ppf(0.975, 5) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / 6.0)
+    assert np.log(single_joint_interval(values)) == pytest.approx(
+        [logs.mean() - half, logs.mean() + half]
+    )
+    low, high = single_joint_interval(np.array([0.0, 1.0, 5.0]))
+    assert low == 0.0 < high
+
+
+def made_up_joints(contact):
+    """Two joints of two cycles, of which the second one failed."""
+    about = {"variant": BASE, "wavelength": 1e-3, "loaded_as": BASE}
+    joints = pd.MultiIndex.from_product([[0, 1], [1, 2]], names=["realization", "cycle"])
+    frame = joints.to_frame(index=False).assign(**about, status=[0, 0, 16, 16])
+    return frame.assign(
+        max_closure_seated_net=[2e-4, 1e-4] * 2, residual_closure_seated_net=[1e-4, 1e-5] * 2,
+        stiffness_net=[1e11, 4e11] * 2, contact_at_max=contact,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("contact", "share"), [(0.1, 40.0), (0.25, 100.0), (0.9, 100.0)])
+def test_observables_are_of_joints_that_closed_and_no_more_than_all_of_a_film_is_in_contact(
+    contact, share
+):
+    (row,) = observables_of(made_up_joints(contact), film_cells=4.0).itertuples()
+    assert row.realization == 0
+    assert row.contact_share == pytest.approx(share)
+    shares = row.first_residual_share, row.later_residual_share, row.stiffness_ratio
+    assert shares == pytest.approx((50.0, 10.0, 4.0))
+
+
+def test_no_modelled_contact_is_too_large_as_the_measured_one_is_a_bound():
+    random, lengths = np.random.default_rng(2), np.geomspace(1e-3, 8e-3, 4)
+    rows = [
+        {"variant": BASE, "wavelength": length, "realization": i}
+        | {name: factor * np.exp(0.1 * random.normal()) for name in OBSERVABLES}
+        for factor, length in zip((0.05, 0.1, 0.2, 0.4), lengths, strict=True)
+        for i in range(8)
+    ]
+    judged = judged_joints(pd.DataFrame(rows), 1)
+    contact = judged[judged.observable == "contact_share"]
+    assert (contact.low == 0.0).all()
+    assert not (contact.judgement == "too large").any()
+    assert (judged[judged.observable != "contact_share"].low > 0.0).all()
+    fitted = judged[(judged.walls == "mated") & (judged.observable == "first_closure")]
+    inside = fitted.measured_low.between(0.06, 0.35)  # within the closures of the wavelengths
+    np.testing.assert_allclose(fitted.value[inside], fitted.measured_low[inside], rtol=0.1)

@@ -26,11 +26,10 @@ from jointclosure.walls.synthesis import (
     wave_numbers,
 )
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Joints, Point, grouped, mean_shown
-from studies.frame.products import product
-from studies.frame.settings import ClosureSettings, seeds_of
+from studies.frame.points import Experiment, Tables, at_wavelengths
+from studies.frame.settings import ClosureSettings, Point, seeds_of
+from studies.frame.tables import grouped, mean_shown
 from studies.misalignment.section import Misalignment
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
@@ -160,18 +159,16 @@ def summary(
     return pd.DataFrame(rows)
 
 
-@product("tables/misalignment.csv")
-def tabulate_misalignment(joints: Joints) -> pd.DataFrame:
+def tabulate_misalignment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute means over surfaces, and their changes from aligned walls."""
     by = ("rock", "wavelength", "tilt", "rotation")
     table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
     return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
 
 
-@product(figures=["misalignment"])
-def draw_misalignment(misalignment: pd.DataFrame) -> Figure:
+def draw_misalignment(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw changes from aligned walls over tilt and rotation, with 95 % intervals."""
-    table = misalignment
+    table = tables["misalignment"]
     rows = [
         Row(f"change of {title} (%)", part, "change_percent", "change_error")
         for (response, cycle), title in titles_of_cycles(*SHOWN).items()
@@ -195,4 +192,6 @@ EXPERIMENT = Experiment(
     title="effects of a tilt and a rotation of the walls",
     quantities=READ,
     jobs=misalignment_jobs,
+    tables={"misalignment.csv": tabulate_misalignment},
+    figures={"misalignment": draw_misalignment},
 )

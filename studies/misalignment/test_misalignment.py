@@ -1,14 +1,15 @@
 """Walls that are tilted or rotated: which joints are closed, and the table and figure of them."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from jointclosure.inputs import InputError
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from jointclosure.walls.synthesis import spectrum_of, wall_pair
-from studies.frame.points import gridded
 from studies.frame.settings import seeds_of
-from studies.misalignment.study import EXPERIMENT, rotated_pair, tilted
+from studies.frame.tables import gridded
+from studies.misalignment.study import EXPERIMENT, rotated_pair, summary, tilted
 from tests.joints import SPACING
 
 
@@ -56,8 +57,8 @@ def rotated(seed, rotation=0.0, wavelength=1.03e-3):
     return rotated_pair(Z2, SHAPE, SPACING, SPECTRUM, seed, wavelength, rotation)
 
 
-def test_aligned_walls_are_those_of_every_other_study(design):
-    aligned = design.jobs()["slate.770um"][0]
+def test_aligned_walls_are_those_of_every_other_study(jobs):
+    aligned = jobs["slate.770um"][0]
     settings, made = aligned.settings, {"mismatch_wavelength": 0.77e-3}
     made["roll_off"] = settings.surface.roll_off
     spacing, seed = settings.grid.spacing, seeds_of(settings)[0]
@@ -96,3 +97,17 @@ def test_a_tilt_is_a_plane_of_its_angle_about_the_middle():
 def test_a_wall_that_is_not_square_is_not_rotated():
     with pytest.raises(InputError, match=r"shape = \(40, 30\): a wall is rotated on a square"):
         rotated_pair(Z2, (40, 30), SPACING, SPECTRUM, 1)
+
+
+def test_a_change_is_of_the_surfaces_that_closed_both_ways():
+    rows = [
+        {"tilt": tilt, "realization": i, "cycle": 1, "max_closure": value}
+        for tilt, values in ((0.0, (1.0, 2.0, 4.0, np.nan)), (1.0, (1.5, 3.0, np.nan, 9.0)))
+        for i, value in enumerate(values)
+    ]
+    table = summary(pd.DataFrame(rows), ["tilt"], ["max_closure"], {"tilt": 0.0})
+    changed = table.iloc[1]
+    assert changed.samples == 2
+    assert changed.change_percent == pytest.approx(50.0)
+    assert changed.change_error == pytest.approx(0.0, abs=1e-12)
+    assert table.iloc[0].samples == 3

@@ -6,6 +6,7 @@ shift on at which the mean closure since seating of the first cycle is no more t
 share below theirs.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,10 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment, at_wavelengths
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Joints, Point, grouped, mean_shown
-from studies.frame.products import product
+from studies.frame.points import Experiment, Tables, at_wavelengths
+from studies.frame.settings import Point
+from studies.frame.tables import grouped, mean_shown
 from studies.mismatch.section import Mismatch
 
 CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"
@@ -46,8 +47,7 @@ def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
     return jobs
 
 
-@product("tables/mismatch.csv")
-def tabulate_mismatch(joints: Joints) -> pd.DataFrame:
+def tabulate_mismatch(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute means over surfaces with errors; what a joint lacks is left out of its mean."""
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
@@ -61,9 +61,9 @@ def tabulate_mismatch(joints: Joints) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-@product(figures=["mismatch"])
-def draw_mismatch(mismatch: pd.DataFrame) -> Figure:
+def draw_mismatch(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw the first rock: without a shift by cycle, and the first cycle of shifted walls."""
+    mismatch = tables["mismatch"]
     table = mismatch[mismatch.rock == mismatch.rock.iloc[0]]
     # the hysteresis of mated walls is unresolved, and may be far below 0
     axes: dict[str, dict[str, Any]] = {
@@ -83,13 +83,13 @@ def draw_mismatch(mismatch: pd.DataFrame) -> Figure:
     return panels(rows, columns, {"wavelength_mm": {0.0: "0 (mated)", np.inf: "independent"}})
 
 
-@product("tables/mismatch_shifts.csv")
-def find_independence(joints: Joints, tolerance: float, root_seed: int) -> pd.DataFrame:
+def find_independence(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
     ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
     ``apertures``: over the mean aperture of independent walls at seating. Means are isotonic.
     """
+    tolerance, root_seed = settings["tolerance"], settings["root_seed"]
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]
     tail = 0.5 - 0.5 * CONFIDENCE
@@ -141,4 +141,10 @@ EXPERIMENT = Experiment(
     title="effects of mismatch and of a shift of the walls",
     quantities=(*MEANS, "stiffness_net", "initial_aperture"),
     jobs=mismatch_jobs,
+    tables={"mismatch.csv": tabulate_mismatch, "mismatch_shifts.csv": find_independence},
+    figures={"mismatch": draw_mismatch},
+    settings=lambda study: {
+        "root_seed": study.study.root_seed,
+        "tolerance": study.section(Mismatch).tolerance,
+    },
 )

@@ -1,22 +1,33 @@
 """Checks of the results of an ensemble, and the table of its apertures."""
 
+import itertools
 import json
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.protocol import FLAGS
+from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.parameters import Numerics, scene_of
+from jointclosure.statistics.standard_errors import Estimate, rounded
 from studies.frame.tables import over_stress, succeeded
+from studies.paper.closures import estimate_columns
 
 VOLUME_TOLERANCE = 1e-12
+REPORTED = "reported only"
+REMARKED = "simulations flagged"
+"""How the name of a check begins that counts joints with a remark."""
+"""What is required of a number for which there is no limit."""
 FEWEST = 2
 """Smallest number of realisations of a case for which a standard deviation exists."""
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate apertures [mm] over all coordinates of joints; ``blocked`` have no flow."""
+    """Tabulate apertures [mm] over all coordinates of joints; ``blocked`` have no flow.
+
+    Of the ``unknown`` only bounds of the flow are known: they are in no mean, nor in ``samples``.
+    """
     good = study.where(succeeded(study))
     apertures = xr.Dataset(
         {
@@ -25,16 +36,104 @@ def flow_table(study: xr.Dataset) -> pd.DataFrame:
             "ratio": good.hydraulic_aperture / good.mean_aperture,
         }
     )
-    known = np.isfinite(apertures.hydraulic_aperture) & np.isfinite(apertures.mean_aperture)
+    reached = np.isfinite(apertures.mean_aperture)
+    known = np.isfinite(apertures.hydraulic_aperture) & reached
     columns = {
         "samples": known.sum("realization"),
         "blocked": (apertures.hydraulic_aperture == 0.0).sum("realization"),
+        "unknown": (reached & ~known).sum("realization"),
     }
     for name, values in apertures.where(known).data_vars.items():
         unit = "" if name == "ratio" else "_mm"
         columns[f"{name}_mean{unit}"] = values.mean("realization")
         columns[f"{name}_standard_deviation{unit}"] = values.std("realization", ddof=1)
     return over_stress(columns, study.stress, ["case", "cycle", "branch", "direction"])
+
+
+REMARKS = {mask: name for mask, name in FLAGS.items() if mask < FAILURE}
+"""Bits of the status of joints that are used with a remark, and its name."""
+
+
+def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
+    """Tabulate how many joints (n) that are used have a remark, by case and cycle, and what mean
+    maximum closures [mm] are without them: the change [%], with its standard error.
+    """
+    good = succeeded(study).transpose("case", "realization").values
+    statuses = study.status.transpose("case", "realization").values
+    closures = 1e3 * study.max_closure.transpose("cycle", "case", "realization").values
+    rows = []
+    for (mask, remark), place in itertools.product(REMARKS.items(), range(len(good))):
+        used = good[place]
+        marked = (statuses[place][used] & mask) > 0
+        if not marked.any():
+            continue
+        case = study.isel(case=place)
+        about: dict[str, object] = {"remark": remark, "case": str(case.case.item())}
+        about |= {name: case[name].item() for name in ("rock", "parameter", "level")}
+        about |= {"joints": int(marked.sum()), "samples": marked.size}
+        for cycle, values in zip(study.cycle.values.tolist(), closures[:, place], strict=True):
+            mean, change = values[used].mean(), _change_without(values[used], marked)
+            row = about | {"cycle": cycle, "max_closure_mean_mm": mean}
+            row |= {"mean_without_mm": mean * (1.0 + change.value)}
+            rows.append(row | estimate_columns("change_percent", change, 100.0))
+    columns = ["remark", "case", "rock", "parameter", "level", "joints", "samples", "cycle"]
+    columns += ["max_closure_mean_mm", "mean_without_mm"]
+    columns += ["change_percent", "change_percent_standard_error"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
+    """Return the relative change of the mean of values (n,) where those marked are left out.
+
+    It is the share of those times the difference of the means of both groups, whose error is that
+    of their pooled variance; NaN if none is left.
+    """
+    left, out = values[~marked], values[marked]
+    if not left.size:
+        return Estimate(np.nan, np.nan)
+    change, freedom = left.mean() / values.mean() - 1.0, values.size - 2
+    squares = sum(np.sum((part - part.mean()) ** 2) for part in (left, out))
+    variance = squares / freedom if freedom else np.nan
+    error = out.size / values.size * np.sqrt(variance * (1.0 / left.size + 1.0 / out.size))
+    return Estimate(float(change), float(error / values.mean()))
+
+
+def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tuple[str, str]]:
+    """Describe the joints with a remark: all, the largest change without them, and each case."""
+    rows = remarked[remarked.remark == remark]
+    cases = list(rows.groupby("case", sort=False))
+    name = f"{REMARKED} {remark}"
+    if not cases:
+        return [(name, f"0 of {total}")]
+    joints = sum(int(part.joints.iloc[0]) for _, part in cases)
+    lines = [(name, f"{joints} of {total}, in {len(cases)} cases")]
+    if (most := most_changed(rows)) is not None:
+        where = f"{most.case}, cycle {most.cycle}"
+        without = f"largest change of a mean maximum closure without {name}"
+        lines.append((without, f"{change_in_words(most)} ({where})"))
+    for case, part in cases:
+        first, changes = (
+            part.iloc[0],
+            [f"cycle {row.cycle}: {change_in_words(row)}" for row in part.itertuples()],
+        )
+        without = f"mean maximum closure without them: {', '.join(changes)}"
+        lines.append((f"{name} of {case}", f"{first.joints} of {first.samples}; {without}"))
+    return lines
+
+
+def most_changed(remarked: pd.DataFrame) -> pd.Series | None:
+    """Return the row with the largest change of a mean, if any joints are left in a case."""
+    sizes = remarked.change_percent.abs().dropna()
+    return remarked.loc[sizes.idxmax()] if len(sizes) else None
+
+
+def change_in_words(row: Any) -> str:
+    """Format the change of a mean without joints that have a remark, with its standard error."""
+    if np.isnan(row.change_percent):
+        return "no joint is left"
+    if np.isnan(row.change_percent_standard_error):
+        return f"{row.change_percent:+.2g} % (too few joints for an error)"
+    return f"{rounded(row.change_percent, row.change_percent_standard_error)} %"
 
 
 def check_results(
@@ -83,7 +182,7 @@ def check_results(
     exact = fast and not any(scene.breakage for scene in scenes)
     add(
         "largest excess of unloading over loading stress at equal closure, over the maximum",
-        "0" if exact else "reported only",
+        "0" if exact else REPORTED,
         f"{excess:.3g}",
         excess == 0.0 if exact else np.isfinite(excess),
     )
@@ -96,8 +195,13 @@ def check_results(
     for rock, walls in json.loads(study.attrs.get("walls", "{}")).items():
         apart = min(walls["windows_side_by_side"], realizations)
         sharing = f"at most {apart} of {realizations}"
-        add(f"realisations of {rock} that share no part of a scan", "reported only", sharing)
+        add(f"realisations of {rock} that share no part of a scan", REPORTED, sharing)
+    remarked = remarked_joints(study)
     for mask, name in FLAGS.items():
-        count = int(((study.status.values & mask) > 0).sum())
-        add(f"simulations flagged {name}", "reported only", f"{count} of {total}")
+        lines = remarks_in_words(remarked, name, successes)
+        if mask >= FAILURE:
+            count = int(((study.status.values & mask) > 0).sum())
+            lines = [(f"{REMARKED} {name}", f"{count} of {total}")]
+        for line in lines:
+            add(line[0], REPORTED, line[1])
     return pd.DataFrame(rows)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure import parameters
+from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.repetitions import DrawnResponse
 from jointclosure.statistics.standard_errors import Limits
 from jointclosure.statistics.verdicts import FALLS, STANDS, verdict
@@ -50,12 +51,33 @@ class Findings(NamedTuple):
         """Return means (R, levels)."""
         return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
 
+    def smoothed(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
+        """Return the means (R, 3) of `smoothed_by_all_levels`."""
+        levels, base, *_ = self.drawn[rock, parameter]
+        means = self.means(parameter, rock, cycle, variable)
+        return smoothed_by_all_levels(levels, means, base)[1]
+
     def base_means(self, rock: str, cycle: int, variable: str) -> np.ndarray:
         """Return means (R,) of the base case of the rock."""
         parameter = next(parameter for name, parameter in self.drawn if name == rock)
         levels, base, *_ = self.drawn[rock, parameter]
         at_base = int(np.flatnonzero(levels == base)[0])
         return self.means(parameter, rock, cycle, variable)[:, at_base]
+
+
+def smoothed_by_all_levels(
+    levels: np.ndarray, means: np.ndarray, base: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest, the middle and the highest of levels (k,), and the means (..., 3) there.
+
+    The means are those of the quadratic that is fitted to the means (..., k) of all levels, Eq.
+    (24), so that each further level makes them more certain. Three levels have their own means.
+    """
+    three = levels[[0, levels.size // 2, -1]]
+    if levels.size == 3:
+        return three, means
+    fitted = fit_quadratic(levels, means, base)
+    return three, np.stack([fitted.at(level) for level in three], axis=-1)
 
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
@@ -85,7 +107,7 @@ class Elasticities(NamedTuple):
         return self.by_cycle[parameter, cycle]
 
     def slopes(self, parameter: str, cycle: int, variable: str) -> list:
-        """Return the elasticity itself in place of those between levels."""
+        """Return the elasticity itself in place of those of the halves of the levels."""
         return [self.by_cycle[parameter, cycle]]
 
     def change(self, parameter: str, cycle: int, change: float) -> Any:
@@ -187,16 +209,21 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statem
 
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
-    """Make the statement that closure rises (sign 1) or falls (-1) with a parameter."""
+    """Make the statement that closure rises (sign 1) or falls (-1) with a parameter.
+
+    It is judged in both halves of the parameter's range, each by all levels together.
+    """
     name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
     return Statement(
         number, text, parameter, (parameter,),
         lambda model, *at: {
-            f"{name}, step {i}": sign * slope
-            for i, slope in enumerate(model.slopes(parameter, *at), start=1)
+            f"{name}, {half} half of the levels": sign * slope
+            for half, slope in zip(
+                ("lower", "upper"), model.slopes(parameter, *at), strict=False
+            )
         },
         lambda studies, *at: np.all(
-            sign * np.diff(studies.means(parameter, *at), axis=1) > 0.0, axis=1
+            sign * np.diff(studies.smoothed(parameter, *at), axis=1) > 0.0, axis=1
         ),
     )  # fmt: skip
 

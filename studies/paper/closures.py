@@ -14,9 +14,10 @@ from jointclosure.statistics import control_variates, correlations, indifference
 from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.frame.keys import Statistics
+from studies.frame.settings import BASE
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
-from studies.paper.responses import Covariates, Response, adjustment, responses
+from studies.paper.responses import Covariates, Response, adjustment, responses, same_surfaces
 
 CLOSURES = (
     TARGET,
@@ -26,6 +27,8 @@ CLOSURES = (
     "residual_closure",
     "residual_closure_seated_net",
 )
+CHANGE = f"{TARGET}_change_mm"
+"""Column of the change of a mean from the rock's base case, on the same surfaces."""
 PAIRED, UNPAIRED = "paired", "unpaired"
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
@@ -40,7 +43,11 @@ def estimate_columns(name: str, estimate: errors.Estimate, scale: float = 1.0) -
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors."""
+    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors.
+
+    Cases of common draws also have the change of the mean from the rock's base case, with the
+    error of the differences on the same surfaces.
+    """
     good = succeeded(study).values
     rows = []
     for i, case in enumerate(study.case.values):
@@ -53,9 +60,23 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
                 if target == TARGET:
                     chosen = np.ix_(np.array([i]), np.flatnonzero(good[i]))
                     row |= _adjusted(values, adjustment(covariates, chosen, int(cycle)))
+            if (base := _paired_with(study, i)) is not None:
+                both = good[i] & good[base]
+                values = _MM * study[TARGET].sel(cycle=cycle).values
+                changes = (values[i] - values[base])[both]
+                change = errors.mean_of(changes) if changes.size > 1 else _UNKNOWN
+                row |= estimate_columns(CHANGE, change)
             shown = (row[f"{TARGET}_mean_mm"], row[f"{TARGET}_mean_mm_standard_error"])
             rows.append(row | {"max_closure_shown": errors.rounded(*shown)})
     return pd.DataFrame(rows)
+
+
+def _paired_with(study: xr.Dataset, place: int) -> int | None:
+    """Return the place of the base case of a case, if both were closed on the same surfaces."""
+    rock = str(study.rock.values[place])
+    if study.parameter.values[place] == BASE or not same_surfaces(study, rock):
+        return None
+    return int(np.flatnonzero((study.rock == rock).values & (study.parameter == BASE).values)[0])
 
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """Figures of a study: closures, apertures, measured curves, trends, intervals, predictions."""
 
 import itertools
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
+from jointclosure.joint.curves import branch_of, read_along, seat_of
 from jointclosure.joint.laws import CYCLES, UNCHECKED, barton_bandis, law_holds
-from jointclosure.joint.protocol import UNLOADING
+from jointclosure.joint.protocol import LOADING, TARGET_JUMPED, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import PROPERTIES
@@ -25,8 +26,9 @@ from jointclosure.statistics.standard_errors import percent
 from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
-from studies.paper.closures import FIT_COLUMNS, best_fits
-from studies.paper.layout import UNPAIRED_TEST, roughness_title, test_name
+from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
+from studies.paper.histories import history_of
+from studies.paper.layout import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
@@ -107,9 +109,13 @@ def measured_handles(measured: Measurements) -> list:
     return [key(color="0.1", lw=1.6, label="measured curve"), *fits] if measured.curves else []
 
 
-def _surfaces(study: xr.Dataset) -> str:
-    number = study.sizes["realization"]
-    return "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
+def _surfaces(study: xr.Dataset, seating_stress: float | None) -> str:
+    """Describe the thin lines, which are stored at some stresses only."""
+    number, lowest = study.sizes["realization"], 1e-6 * float(study.stress[1])
+    every = "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
+    if seating_stress is None:
+        every += f" from {lowest:.2g} MPa,\nand ticks where it starts and ends at zero stress"
+    return every
 
 
 @styled
@@ -149,7 +155,7 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     for axes, name in zip(panels, titles, strict=True):
         axes.set_title(name)
         axes.label_outer()
-    figure.suptitle(title)
+    figure.suptitle(title, parse_math=False)  # a title is no formula
     return figure
 
 
@@ -176,8 +182,13 @@ def closure_figure(
     seating_stress: float | None,
     strength_ratio: float,
     measured: Measurements = Measurements(),
+    history: Callable[[xr.Dataset, str, int], xr.Dataset | None] = history_of,
 ) -> Figure:
-    """Draw closure curves of each rock's base case, gross as the paper or net since seating."""
+    """Draw closure curves of each rock's base case, gross as the paper or net since seating.
+
+    The surface closest to the mean is drawn by its steps, of its ``history``; the others at the
+    stored stresses.
+    """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
     cycles = [int(c) for c in study.cycle.values]
@@ -198,7 +209,7 @@ def closure_figure(
         for part, shown in enumerate(split):
             axes = panels[row, column * len(split) + part]
             title = _draw_rock(
-                axes, study, name, rock, shown, seating_stress, strength_ratio, measured
+                axes, study, name, rock, shown, seating_stress, strength_ratio, measured, history
             )
             axes.set_title(title if part == 0 else _cycles_in_words(shown))
             if part:
@@ -206,9 +217,9 @@ def closure_figure(
             axes.tick_params(labelleft=part == 0)
     handles: list[Artist] = [key(f"cycle {c}", color=f"C{c - 1}", lw=2) for c in cycles]
     handles += [
-        key(color="0.5", lw=2, label="surface closest to the mean, loading"),
+        key(color="0.5", lw=2, label="surface closest to the mean, all steps of loading"),
         key(color="0.5", lw=2, ls="--", label="the same, unloading"),
-        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
+        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study, seating_stress)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if any(map(_lawful, rocks.values())):
@@ -234,13 +245,15 @@ def _lawful(rock: StudyRock) -> bool:
 def _draw_rock(
     axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
     seating_stress: float | None, strength_ratio: float, measured: Measurements,
+    history: Callable[[xr.Dataset, str, int], xr.Dataset | None],
 ) -> str:  # fmt: skip
     """Draw some cycles of a rock's base case in a panel, and return its title."""
     case = study.case[(study.rock == name) & (study.parameter == "base")].item()
     chosen = closest_to_mean(study, case, seating_stress)
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
+    steps = history(study, case, chosen)
     for cycle in cycles:
-        _draw_cycle(axes, base, cycle, chosen, seating_stress)
+        _draw_cycle(axes, base, cycle, chosen, seating_stress, steps)
     if _lawful(rock):
         first = seating_stress or 0.0
         stress = np.linspace(first, max(first, float(study.stress.max())), _LAW_POINTS)
@@ -258,35 +271,98 @@ def _draw_rock(
     assumed = ""
     if rock.max_normal_stress_is_assumed:
         assumed = f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
-    return f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{assumed}{fitted}"
+    title = f"{figure_text(rock.title)}, {roughness_title(rock)}"
+    return f"{title}, {_cycles_in_words(cycles)}{assumed}{fitted}"
 
 
 def _cycles_in_words(cycles: list[int]) -> str:
     return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
 
 
+class _Branches(NamedTuple):
+    """Closures of each surface (n, points) on a branch [mm], and stresses (points,) [MPa]."""
+
+    closures: np.ndarray
+    stresses: np.ndarray
+
+
+def _stored(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | None) -> _Branches:
+    """Return a branch from its stored stresses, with the ends of the cycle.
+
+    Below the first stored stress a gross closure rises by half of its maximum: no line joins it to
+    its end at zero stress, from which it is separated by a NaN.
+    """
+    curves = 1e3 * _curves(base, seating_stress).sel(cycle=cycle, branch=branch)
+    first, stress = seating_stress or 0.0, base.stress.values
+    shown = (stress > first) & np.isfinite(curves.values).any(axis=0)
+    columns, stresses = [curves.values[:, shown]], [stress[shown]]
+    end, gap = _end_of(base, cycle, branch, seating_stress), np.full((len(curves), 1), np.nan)
+    low = [1e3 * end[:, None], *([gap] if seating_stress is None else [])]
+    maximum = float(base.max_normal_stress)
+    top = base["max_closure" if seating_stress is None else "max_closure_seated_net"]
+    reached = ((base.status.fillna(0).astype(int) & TARGET_JUMPED) == 0).values
+    high = np.where(reached, 1e3 * top.sel(cycle=cycle).values, np.nan)[:, None]
+    if not np.isclose(stress, maximum).any():  # the maximum is between the stored stresses
+        columns, stresses = [*columns, high], [*stresses, [maximum]]
+    columns, stresses = [*low, *columns], [[first] * len(low), *stresses]
+    return _Branches(np.column_stack(columns), 1e-6 * np.concatenate(stresses))
+
+
+def _end_of(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | None) -> np.ndarray:
+    """Return the closure of each surface (n,) [m] at the least stress of a branch."""
+    if branch == LOADING:
+        return 0.0 * base.residual_closure.sel(cycle=cycle).values  # NaN of joints that failed
+    if seating_stress is not None:
+        return base.residual_closure_seated_net.sel(cycle=cycle).values
+    start = base.residual_closure.shift(cycle=1, fill_value=0.0)
+    return (base.residual_closure - start).sel(cycle=cycle).values
+
+
+def _by_steps(
+    history: xr.Dataset, cycle: int, branch: str, seating_stress: float | None
+) -> _Branches:
+    """Return a branch of one joint by all of its steps."""
+    here = branch_of(history, cycle, branch)
+    stress = history.normal_stress.values[here]
+    if seating_stress is None:
+        start = branch_of(history, cycle, LOADING)[0]
+        closure = history.closure.values[here] - float(history.closure[start])
+    else:  # from the first step above the seating stress, or to the last one
+        seat, end = (seat_of(history, cycle, name) for name in (LOADING, branch))
+        above = np.flatnonzero(stress > seating_stress)
+        above = np.arange(above[0], here.size) if branch == LOADING else np.arange(above[-1] + 1)
+        place = 0 if branch == LOADING else above.size
+        closure = np.insert(read_along(history)[here[above]], place, end) - seat
+        stress = np.insert(stress[above], place, seating_stress)
+    upwards = slice(None, None, 1 if branch == LOADING else -1)
+    return _Branches(1e3 * closure[None, upwards], 1e-6 * stress[upwards])
+
+
 def _draw_cycle(
-    axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None
-) -> None:
-    """Draw every surface, the band, and the surface closest to the mean."""
+    axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None,
+    history: xr.Dataset | None,
+) -> None:  # fmt: skip
+    """Draw every surface, the band, and the surface closest to the mean by its steps."""
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
-    stress = 1e-6 * base.stress.values
-    curves, first = _curves(base, seating_stress).sel(cycle=cycle), seating_stress or 0.0
     colour = f"C{cycle - 1}"
-    left = base["residual_closure" if seating_stress is None else "residual_closure_seated_net"]
-    ends = {"loading": 0.0 * left, "unloading": left}  # loading starts without closure
-    for branch, end in ends.items():
-        every = 1e3 * curves.sel(branch=branch)
-        shown = (stress > 1e-6 * first) & np.isfinite(every.values).any(axis=0)
-        at_end = 1e3 * end.sel(cycle=cycle).values
-        x = np.column_stack([at_end, every.values[:, shown]])
-        y = np.append(1e-6 * first, stress[shown])
-        if branch == "loading":
-            mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
-            axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
-        axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
-        line = x[int(np.flatnonzero(base.realization.values == chosen)[0])]
-        axes.plot(line, y, color=colour, lw=2.0, ls=BRANCH_LINES[branch], path_effects=_OUTLINE)
+    for branch, line in BRANCH_LINES.items():
+        x, y = _stored(base, cycle, branch, seating_stress)
+        if branch == LOADING:
+            known = np.isfinite(x).any(axis=0)
+            mean = np.nanmean(x[:, known], axis=0)
+            spread = np.nanstd(x[:, known], axis=0, ddof=1)
+            along = y[known]
+            if seating_stress is None:  # as no line joins it to zero stress
+                mean, spread, along = mean[1:], spread[1:], along[1:]
+            axes.fill_betweenx(along, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
+        mark: dict[str, Any] = {"marker": "|", "ms": 6, "mew": 0.6, "markevery": [0]}
+        axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint, **mark)
+        one = int(np.flatnonzero(base.realization.values == chosen)[0])
+        bold = _Branches(x[one : one + 1], y)
+        if history is not None:
+            bold = _by_steps(history, cycle, branch, seating_stress)
+        thick: dict[str, Any] = {"color": colour, "lw": 2.0, "ls": line}
+        axes.plot(bold.closures[0], bold.stresses, path_effects=_OUTLINE, **thick)
 
 
 _QUANTITIES = {
@@ -307,8 +383,9 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
         for axes, (quantity, direction) in zip(row, kinds, strict=True):
             _draw(axes, rows[rows.direction == direction], quantity)
             axes.set(
-                title=f"{rock.title}, flow along {direction}", xlabel="normal stress (MPa)",
-                ylabel=_QUANTITIES[quantity][1], xlim=(0.0, 1e-6 * rock.max_normal_stress),
+                title=f"{figure_text(rock.title)}, flow along {direction}",
+                xlabel="normal stress (MPa)", ylabel=_QUANTITIES[quantity][1],
+                xlim=(0.0, 1e-6 * rock.max_normal_stress),
             )  # fmt: skip
         for pair in (row[: len(directions)], row[len(directions) :]):
             top = max(axes.get_ylim()[1] for axes in pair)
@@ -368,7 +445,9 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     for (cycle, parameter), axes in panels.items():
         part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
         _draw_intervals(axes, part.reindex(names))
-        axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
+        axes.set_xticks(
+            range(len(names)), [figure_text(rocks[n].title) for n in names], rotation=35
+        )
         axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
     handles: list[Artist] = [
         point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
@@ -413,11 +492,15 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 @styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw mean maximum closure over each parameter, relative to the base case."""
+    """Draw mean maximum closure over each parameter, relative to the base case.
+
+    On common surfaces the errors are those of changes: what surfaces have in common cancels.
+    """
     parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
     figure, panels = _panels(parameters, cycles, (3.1, 2.8), sharex="col", sharey="row")
     values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
+    paired = CHANGE in closures
     for (cycle, parameter), axes in panels.items():
         here = (closures.cycle == cycle) & closures.parameter.isin([parameter, "base"])
         for i, (name, rock) in enumerate(rocks.items()):
@@ -425,19 +508,36 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
             if len(part) < 2:
                 continue
             part = part.assign(at=part.case.map(values[parameter])).sort_values("at")
-            at = part["at"] / part["at"][part.parameter == "base"].iloc[0]
-            mean, label = part.max_closure_mean_mm, f"{rock.title}, ± standard error"
-            error, style = part.max_closure_mean_mm_standard_error, {"color": f"C{i}"}
-            axes.errorbar(at, mean, error, fmt="o-", ms=4, capsize=2, label=label, **style)
-            axes.plot(at, part.max_closure_net_mean_mm, "--", lw=1.0, **style)
+            base = part[part.parameter == "base"].iloc[0]
+            mean, error = part.max_closure_mean_mm, part.max_closure_mean_mm_standard_error
+            if paired:  # the change from the base case, which itself has no error of a change
+                mean = base.max_closure_mean_mm + part[CHANGE].where(part.parameter != "base", 0.0)
+                error = part[f"{CHANGE}_standard_error"].where(part.parameter != "base", 0.0)
+            style, label = {"color": f"C{i}"}, figure_text(rock.title)
+            axes.errorbar(
+                part["at"] / base["at"],
+                mean,
+                error,
+                fmt="o-",
+                ms=4,
+                capsize=2,
+                label=label,
+                **style,
+            )
+            axes.plot(part["at"] / base["at"], part.max_closure_net_mean_mm, "--", lw=1.0, **style)
         if cycle == cycles[-1]:
             axes.set_xlabel("value / the rock's value")
         if parameter == parameters[0]:
             axes.set_ylabel("mean maximum closure (mm)")
-    net = key("net of bulk indentation", color="0.4", ls="--", lw=1.0)
-    legend_below(
-        figure, [*keys_of([panels[cycles[0], parameters[0]]]), net], max(1, len(parameters))
-    )
+    bar = "bar: ± standard error"
+    if paired:
+        bar += " of the change from\nthe rock's value, on the same surfaces"
+    handles = [
+        *keys_of([panels[cycles[0], parameters[0]]]),
+        key("net of bulk indentation", color="0.4", ls="--", lw=1.0),
+        point_key(bar, "|", color="0.4", ms=9),
+    ]
+    legend_below(figure, handles, max(1, len(parameters)))
     sns.despine(figure)
     return figure
 
@@ -477,7 +577,9 @@ def predictive_figure(
                     if entry in published.index:
                         _draw_published(axes, -place, float(published[entry]))
             axes.set_title(f"{PROPERTIES[parameter].title}, cycle {cycle}", fontsize=10)
-            axes.set_yticks([-i for i in range(len(names))], [rocks[n].title for n in names])
+            axes.set_yticks(
+                [-i for i in range(len(names))], [figure_text(rocks[n].title) for n in names]
+            )
             axes.tick_params(axis="y", length=0)
             axes.set_ylim(-len(names) + 0.38, 0.62)
             _scale(axes)
@@ -537,3 +639,45 @@ def _handles(draws: int, compared: bool) -> list:
     text = "column –: no real root (share in this study)"
     handles.append(key(text, ls="", color=_OURS))
     return handles
+
+
+def study_figures(
+    study: xr.Dataset,
+    surfaces: xr.Dataset,
+    intervals: pd.DataFrame,
+    closures: pd.DataFrame,
+    rocks: dict[str, StudyRock],
+    seating_stress: float,
+    wall_strength_ratio: float,
+    *,
+    curves: Mapping[str, MeasuredCurve] = MappingProxyType({}),
+    fits: pd.DataFrame | None = None,
+    flow: pd.DataFrame | None = None,
+    report: Callable[[str], object] = lambda line: None,
+) -> dict[str, Figure]:
+    """Draw the figures of a study by name; ``surfaces`` are those of its first case.
+
+    ``curves`` are the measured ones of rocks, ``fits`` the table of joints that fit them best, and
+    ``flow`` the table of apertures.
+    """
+    measured = Measurements() if fits is None else Measurements(curves, fits)
+    drawn = np.union1d(study.realization.values[:MOST_DRAWN], measured.best)
+    shown = study.sel(realization=drawn.astype(int)).load()
+    report(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
+    first, walls = next(iter(rocks.values())), surfaces.isel(realization=0)
+    title = f"{first.title}, {roughness_title(first)}, realisation 0"
+    pair = walls.upper.values, walls.lower.values, surfaces.attrs["spacing_m"]
+    figures = {
+        "fig_3_equivalent_stress": equivalent_stress(),
+        "fig_5_closure": closure_figure(shown, rocks, None, wall_strength_ratio),
+        "closure_since_seating": closure_figure(
+            shown, rocks, seating_stress, wall_strength_ratio, measured
+        ),
+        "wall_pair": wall_pair_figure(*pair, title),
+    }
+    if flow is not None:
+        figures["hydraulic_aperture"] = flow_figure(flow, rocks, seating_stress)
+    if any(rock.levels for rock in rocks.values()):
+        figures["table_3_intervals"] = interval_figure(intervals, rocks)
+        figures["trends_max_closure"] = trend_figure(closures, shown, rocks)
+    return figures

@@ -23,7 +23,16 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, Estimate, Limits, confidence_limits
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, frequency
 from studies.paper import claims as stated
-from studies.paper.claims import CLAIMS, EXCESS, LOOP, NET, TARGET, Claim, Findings
+from studies.paper.claims import (
+    CLAIMS,
+    EXCESS,
+    LOOP,
+    NET,
+    TARGET,
+    Claim,
+    Findings,
+    smoothed_by_all_levels,
+)
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 
 COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark", "found_here"]
@@ -107,18 +116,15 @@ def _samples(dataset: xr.Dataset) -> list[RockSample]:
 
 def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return `LOOP` and `EXCESS` of each case, at the stored stress next to half the maximum."""
-    parts = []
-    for case in dataset.case.values:
-        one = dataset.sel(case=[case])
-        most = float(one.max_normal_stress[0])
-        half = one.closure.sel(stress=0.5 * most, method="nearest")
-        stress, half = float(half.stress), half.drop_vars("stress")
-        up, down = (half.sel(branch=name, drop=True) for name in ("loading", "unloading"))
-        start = one.closure.isel(stress=0, drop=True).sel(branch="loading", drop=True)
-        excess = up - start - stress / most * one[TARGET]
-        parts.append(xr.Dataset({LOOP: loop_between(up, down), EXCESS: excess}))
-    joined = xr.concat(parts, "case", coords="minimal", compat="override")
-    return {name: joined[name] for name in (LOOP, EXCESS)}
+    most = dataset.max_normal_stress
+    place = dataset.get_index("stress").get_indexer(0.5 * most.values, method="nearest")
+    cases = xr.DataArray(np.arange(most.size), dims="case")
+    half = dataset.closure.isel(case=cases, stress=xr.DataArray(place, dims="case"))
+    stress, half = half.stress.drop_vars("stress"), half.drop_vars("stress")
+    up, down = (half.sel(branch=name, drop=True) for name in ("loading", "unloading"))
+    start = dataset.closure.isel(stress=0, drop=True).sel(branch="loading", drop=True)
+    excess = up - start - stress / most * dataset[TARGET]
+    return {LOOP: loop_between(up, down), EXCESS: excess}
 
 
 def _with_squares(sample: RockSample) -> RockSample:
@@ -249,8 +255,8 @@ class ClosedModel(NamedTuple):
         return self._fit(parameter, cycle, variable).elasticity()
 
     def slopes(self, parameter: str, cycle: int, variable: str) -> list[float]:
-        """Return the elasticities between neighbouring levels, about their middle."""
-        levels, means, _ = self._means(parameter, cycle, variable)
+        """Return the elasticities of both halves of the levels, each about its middle."""
+        levels, means = smoothed_by_all_levels(*self._means(parameter, cycle, variable))
         changes = np.diff(means) / (means[1:] + means[:-1])
         return (changes * (levels[1:] + levels[:-1]) / np.diff(levels)).tolist()
 

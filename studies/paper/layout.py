@@ -13,6 +13,9 @@ from studies.frame.cases import level_names
 from studies.frame.rocks import StudyRock
 from studies.frame.settings import BASE, SIDES
 
+LONGEST_TITLE = 40
+"""Largest number of letters of a title in a figure; of a longer one the first are shown."""
+
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
     """Make the paper's Table 1, with maximum stresses and mean closures [mm] of every cycle."""
@@ -196,6 +199,15 @@ def heading_of(parameter: str) -> str:
 def _plain_markdown(title: str) -> str:
     """Escape a title for a cell of a Markdown table."""
     return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
+
+
+def figure_text(title: str) -> str:
+    """Return a title as a text of a figure: no formula, no hidden entry of a legend, not long."""
+    shown = _one_line(title)
+    if len(shown) > LONGEST_TITLE:
+        shown = f"{shown[: LONGEST_TITLE - 1]}…"
+    shown = shown.replace("$", r"\$")  # two would begin and end a formula
+    return f" {shown}" if shown.startswith("_") else shown  # left out of legends
 
 
 def _plain_csv(cell):

@@ -175,45 +175,84 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
         for entry, length in _published(paper).items()
         if entry in lengths_of_studies.bases
     }
-    rows = []
-    for group, chosen in _groups(list(published)).items():
-        observed = np.array([published[entry] for entry in chosen])
-        row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
-        model, null, _, _, twice, same = lengths_of_studies
-        for prefix, *drawn in (("", model, twice, same), ("null_", null, [], [])):
-            (lengths, *resampled), further, again = (_tables(sets, chosen) for sets in drawn)
-            if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
-                continue
-            test = repeated.joint_test(lengths, observed)
-            shares, twice_p = (_p_of_tables(sets, observed) for sets in (resampled, further))
-            times = len(resampled[0]) if resampled else 0
-            of_pool = float(repeated.pool_error(shares, times, twice_p)) if len(shares) > 1 else 0.0
-            of_repetitions = _error_of_repetitions(test.p, len(lengths), again, observed)
-            error = float(np.hypot(of_repetitions, of_pool))
-            numbers = (test.log_likelihood, test.standard_error, test.p, error, of_pool)
-            row |= {f"{prefix}{name}": x for name, x in zip(_TEST, numbers, strict=True)}
-        rows.append(row)
     columns = ["entries", "number", "dashes", *_TEST, *(f"null_{name}" for name in _TEST)]
+    if not published:
+        return pd.DataFrame(columns=columns)
+    entries = list(published)
+    observed = np.array([published[entry] for entry in entries])
+    model, null, _, _, twice, same = lengths_of_studies
+    evaluated = {
+        "": _evaluated(model, twice, same, entries, observed),
+        "null_": _evaluated(null, [], [], entries, observed),
+    }
+    rows = []
+    for group, chosen in _groups(entries).items():
+        places = [entries.index(entry) for entry in chosen]
+        dashes = int(np.isnan(observed[places]).sum())
+        row = {"entries": group, "number": len(chosen), "dashes": dashes}
+        for prefix, likelihoods in evaluated.items():
+            row |= {f"{prefix}{name}": x for name, x in likelihoods.test(places).items()}
+        rows.append(row)
     return pd.DataFrame(rows, columns=columns)
 
 
-def _tables(drawn: list[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
-    return [np.stack([lengths[entry] for entry in chosen], axis=1) for lengths in drawn]
+class _Evaluated(NamedTuple):
+    """Log-likelihoods by entry, computed once for all groups: of the pool, of resampled pools.
+
+    ``same``: of sets from the pool itself, joined to as many repetitions as the first set.
+    """
+
+    jackknifed: repeated.JackknifedLikelihood
+    crossed: repeated.CrossedLikelihoods
+    resampled: list[repeated.CrossedLikelihoods]
+    further: list[repeated.CrossedLikelihoods]
+    same: list[repeated.CrossedLikelihoods]
+    sizes: tuple[int, int]
+
+    def test(self, places: list[int]) -> dict[str, float]:
+        """Return the test of some entries; empty where a closure without scatter has none."""
+        log_likelihood, standard_error, p = self.jackknifed.of(places).test(self.crossed.of(places))
+        if np.isnan(p):
+            return {}
+        shares, twice_p, again = (
+            [crossed.of(places).p() for crossed in sets]
+            for sets in (self.resampled, self.further, self.same)
+        )
+        repetitions, times = self.sizes
+        of_pool = float(repeated.pool_error(shares, times, twice_p)) if len(shares) > 1 else 0.0
+        of_repetitions = _error(p, repetitions)
+        if again:
+            of_repetitions = float(np.nanstd([p, *again], ddof=1))
+        error = float(np.hypot(of_repetitions, of_pool))
+        numbers = (log_likelihood, standard_error, p, error, of_pool)
+        return dict(zip(_TEST, numbers, strict=True))
 
 
-def _p_of_tables(sets: list[np.ndarray], observed: np.ndarray) -> list[float]:
-    return [np.nan if np.any(each == 0.0) else repeated.p_of_table(each, observed) for each in sets]
+def _evaluated(
+    drawn: list[Lengths],
+    twice: list[Lengths],
+    same: list[Lengths],
+    entries: list[Entry],
+    observed: np.ndarray,
+) -> _Evaluated:
+    """Evaluate the published entries with all sets of repetitions."""
+    (lengths, *resampled), further, again = (
+        _tables(sets, entries) for sets in (drawn, twice, same)
+    )
+    joined = max(len(lengths) // max(len(again[0]), 1), 1) if again else 1
+    whole = [np.concatenate(again[i : i + joined]) for i in range(0, len(again), joined)]
+    crossed, of_resampled, of_further, of_same = (
+        [repeated.crossed_likelihoods(one, observed) for one in sets]
+        for sets in ([lengths], resampled, further, whole)
+    )
+    jackknifed = repeated.jackknifed_likelihood(lengths, observed)
+    sizes = len(lengths), len(resampled[0]) if resampled else 0
+    return _Evaluated(jackknifed, crossed[0], of_resampled, of_further, of_same, sizes)
 
 
-def _error_of_repetitions(
-    p: float, repetitions: int, same: list[np.ndarray], observed: np.ndarray
-) -> float:
-    """Return the standard deviation of p over sets of so many repetitions of one pool."""
-    if not same:
-        return _error(p, repetitions)
-    joined = max(repetitions // len(same[0]), 1)
-    whole = [np.concatenate(same[i : i + joined]) for i in range(0, len(same), joined)]
-    return float(np.nanstd([p, *_p_of_tables(whole, observed)], ddof=1))
+def _tables(drawn: list[Lengths], entries: list[Entry]) -> list[np.ndarray]:
+    """Return tables (R, entries) of lengths [SI]."""
+    return [np.array([lengths[entry] for entry in entries]).T for lengths in drawn]
 
 
 def _groups(published: list[Entry]) -> dict[str, list[Entry]]:

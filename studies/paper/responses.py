@@ -21,9 +21,9 @@ from jointclosure.statistics.indifference import (
 )
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
+from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
-from studies.frame.keys import Grid, Surface
-from studies.frame.settings import BASE, walls_of_seed
+from studies.frame.settings import BASE, JointGrid, Synthesis, walls_of_seed
 from studies.frame.tables import succeeded
 
 OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)
@@ -61,7 +61,7 @@ def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.nd
     return np.array([*depths, excess]) / z2
 
 
-def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.ndarray:
+def measure_covariates(study: xr.Dataset, grid: JointGrid, surface: Synthesis) -> np.ndarray:
     """Compute covariates (case, realization, covariate) of all surfaces of a study from seeds."""
     values = np.full((*study.seed.shape, len(COVARIATES)), np.nan)
     for i, jrc in enumerate(study.jrc.values.tolist()):
@@ -75,14 +75,14 @@ def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.nd
     return values
 
 
-def known_covariates(surfaces: int, root_seed: int, grid: Grid, surface: Surface) -> Known:
+def known_covariates(surfaces: int, root_seed: int, grid: JointGrid, surface: Synthesis) -> Known:
     """Estimate the means of the covariates from separate surfaces that belong to no study."""
     seeds = [seed_of(root_seed, "covariates", number) for number in range(surfaces)]
     values = _of_surfaces(seeds, _REFERENCE_JRC, grid, surface)
     return Known(values.mean(axis=0), np.cov(values.T), surfaces)
 
 
-def _of_surfaces(seeds: list[int], jrc: float, grid: Grid, surface: Surface) -> np.ndarray:
+def _of_surfaces(seeds: list[int], jrc: float, grid: JointGrid, surface: Synthesis) -> np.ndarray:
     z2 = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
     pairs = (walls_of_seed(seed, jrc, grid, surface) for seed in seeds)
     return np.array([covariates_of_pair(upper, lower, z2) for upper, lower in pairs])
@@ -112,6 +112,11 @@ def from_dataset(dataset: xr.Dataset) -> Covariates:
     means, covariance = dataset.known_mean.values, dataset.known_covariance.values
     known = Known(means, covariance, int(dataset.attrs["surfaces"]))
     return Covariates(dataset.covariate_value.values, known)
+
+
+def read_covariates(file: str) -> Covariates | None:
+    """Read the covariates of a file of `as_dataset`; None if there is no file."""
+    return from_dataset(read_netcdf(file)) if file else None
 
 
 class Response(NamedTuple):

@@ -1,16 +1,28 @@
-"""Flow in the results of a study: its curves, its table and its checks."""
+"""Closed joints of a study: flow in its curves, table and checks; steps that figures draw."""
+
+import json
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.curves import crossing
-from studies.frame.closing import Ensemble, close_block
+from jointclosure.engine.quantities import names_of_case
+from jointclosure.joint.curves import branch_of, crossing
+from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
+from studies.frame.cases import block_settings, cases_of, closed_keys
+from studies.frame.closing import close_joints
+from studies.frame.datasets import of_case
+from studies.frame.points import case_point
 from studies.frame.settings import walls_of
-from studies.frame.tables import join_cases
-from studies.paper.checks import check_results, flow_table
-from tests.studied import study_of
+from studies.frame.tables import join_cases, since_seating
+from studies.frame.test_closing import NAMES, point_of
+from studies.paper import figures
+from studies.paper.checks import check_results, flow_table, remarked_joints
+from studies.paper.closures import max_closure_table
+from studies.paper.histories import history_of
+from studies.paper.report.content import outcome
+from tests.studied import keys_of, study_of
 
 TINY = {
     "study": {"rocks": ["slate"], "realizations": 3},
@@ -22,10 +34,13 @@ TINY = {
 
 def tiny_study(flow: bool) -> xr.Dataset:
     """A study of the first two cases, put together."""
-    ensemble = Ensemble(study_of(TINY, {"flow": flow}))
-    first = list(ensemble.cases.values())[:2]
-    closed = [close_block(ensemble.settings(case.label, range(3))) for case in first]
-    return join_cases(first, closed).assign_coords(scene=("case", ["all"] * 2))
+    study = study_of(TINY, {"flow": flow})
+    first, names = cases_of(study)[:2], names_of_case(flow)
+    points = [case_point(study, case, range(3)) for case in first]
+    closed = [of_case(close_joints(point, point.walls(), names)) for point in points]
+    scenes = [part.attrs["scene"] for part in closed]
+    joined = join_cases(first, closed).assign_coords(scene=("case", scenes))
+    return joined.assign_attrs(configuration=json.dumps(closed_keys(keys_of(TINY, {"flow": flow}))))
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +50,8 @@ def studies():
 
 @pytest.mark.parametrize("direction", ["x", "y"])
 def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
-    settings = Ensemble(study_of(TINY)).settings("slate-base", range(1))
+    study = study_of(TINY)
+    settings = block_settings(study, cases_of(study)[0], range(1))
     walls = next(iter(walls_of(settings)))
     closed = jc.simulate(*walls, **settings.conditions._asdict() | {"flow": True})
     here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
@@ -53,6 +69,7 @@ def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(stud
     keys = ["case", "cycle", "branch", "direction", "stress_MPa"]
     rows = flow_table(study).set_index(keys).loc["slate-base", 1, "loading", "x"]
     assert list(rows.samples)[:4] == [2, 2, 2, 1]
+    assert list(rows.unknown)[:4] == [0, 0, 0, 1]  # reached, without a known flow
     both = study.sel(case="slate-base", cycle=1, branch="loading", direction="x")
     at = both.isel(stress=2, realization=[0, 2])
     mean = 1e3 * float(at.hydraulic_aperture.mean())
@@ -72,3 +89,127 @@ def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
     row = checks.loc["largest sum of the cells' mass balances in a flow, relative"]
     assert row.passed == balanced
     assert not any("flow" in check for check in check_results(studies[False], numerics, 3).check)
+
+
+@pytest.fixture
+def with_remarks(studies):
+    """Closures of 1, 2 and 6 mm in the first case, of which the last is outside of the range."""
+    study = studies[False].copy(deep=True)
+    study["max_closure"][0] = np.array([[1e-3, 2e-3, 6e-3]] * 2).T
+    study["status"][0] = [0, 0, OUTSIDE_MODEL_RANGE | TARGET_JUMPED]
+    study["status"][1] = OUTSIDE_MODEL_RANGE
+    return study
+
+
+def test_joints_outside_of_the_range_are_counted_by_case_with_the_means_without_them(with_remarks):
+    table = remarked_joints(with_remarks).set_index(["remark", "case", "cycle"])
+    first = table.loc["outside_model_range", "slate-base", 1]
+    assert (first.joints, first.samples) == (1, 3)
+    assert (first.max_closure_mean_mm, first.mean_without_mm) == pytest.approx((3.0, 1.5))
+    assert first.change_percent == pytest.approx(-50.0)
+    # a third of the difference of the means, 4.5 mm, whose variance is 0.5 mm2 times (1/2 + 1/1)
+    error = np.sqrt(0.5 * 1.5) / 3.0
+    assert first.change_percent_standard_error == pytest.approx(100.0 * error / 3.0)
+    assert table.loc["target_jumped", "slate-base", 1].joints == 1
+    none_left = table.loc["outside_model_range", str(with_remarks.case.values[1]), 1]
+    assert (none_left.joints, np.isnan(none_left.change_percent)) == (3, True)
+
+
+def test_joints_that_failed_are_no_joints_with_a_remark(with_remarks):
+    with_remarks["status"][1] = OUTSIDE_MODEL_RANGE | FAILURE
+    assert set(remarked_joints(with_remarks).case) == {"slate-base"}
+
+
+def test_checks_say_which_cases_lie_outside_of_the_range_and_what_that_does(with_remarks):
+    found = check_results(with_remarks, study_of(TINY).numerics, 3).set_index("check").found
+    name = "simulations flagged outside_model_range"
+    assert found[name] == "4 of 6, in 2 cases"
+    assert found[f"{name} of slate-base"].startswith("1 of 3; mean maximum closure without them: ")
+    assert "cycle 1: -50 ± 10 %" in found[f"{name} of slate-base"]
+    assert "no joint is left" in found[f"{name} of {with_remarks.case.values[1]}"]
+    largest = found[f"largest change of a mean maximum closure without {name}"]
+    assert largest == "-50 ± 10 % (slate-base, cycle 1)"
+
+
+def test_the_report_counts_joints_outside_of_the_range_among_those_used(with_remarks):
+    with_remarks["status"][1] = OUTSIDE_MODEL_RANGE | FAILURE
+    outside = outcome(with_remarks)["remarks"]["outside_model_range"]
+    assert (outside["joints"], outside["cases"]) == (1, 1)
+    assert "-50 ± 10 % (slate-base, cycle 1)" in outside["change"]
+
+
+@pytest.mark.parametrize("seating", [None, 5e5])
+def test_the_surface_closest_to_the_mean_is_drawn_by_its_steps_which_are_the_stored_ones(
+    studies, seating
+):
+    study = studies[False]
+    configuration = study_of(TINY)
+    figure = figures.closure_figure(study, configuration.rocks, seating, 1.5)
+    chosen = figures.closest_to_mean(study, "slate-base", seating)
+    history = history_of(study, "slate-base", chosen)
+    gross = study.closure - study.residual_closure.shift(cycle=1, fill_value=0.0)
+    stored = gross if seating is None else since_seating(study)
+    for cycle, axes in enumerate(figure.axes, start=1):
+        bold = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 2.0]
+        for line, branch in zip(bold, ("loading", "unloading"), strict=True):
+            if seating is None:
+                assert len(line) == branch_of(history, cycle, branch).size
+            at = {"case": "slate-base", "realization": chosen, "cycle": cycle, "branch": branch}
+            curve = stored.sel(at)
+            curve = curve[(curve.stress >= (seating or 0.0)).values]
+            for stress, closure in zip(curve.stress.values, curve.values, strict=True):
+                read = crossing(line[:, 1], line[:, 0], 1e-6 * stress * (1.0 - 1e-9))
+                np.testing.assert_allclose(read, 1e3 * closure, rtol=1e-6, atol=1e-9)
+
+
+def test_a_realisation_that_fails_is_named_and_left_out():
+    """Flat walls without substrate: a contact that nothing can carry."""
+    changes = {"effects": {"substrate": False, "interaction": False}}
+    point = point_of("slate-base", range(4), changes)
+    pairs = list(point.walls())
+    for wall in pairs[2]:
+        wall[:] = 0.0
+    lines = []
+    repeat = "python -m studies repeat r slate-base"
+    closed = close_joints(point, pairs, NAMES, report=lines.append, repeat=repeat)
+    assert closed.status.values.tolist() == [0, 0, 64, 0]
+    for name, values in closed.isel(joint=2).data_vars.items():
+        counted = name == "timing_simulation" or values.dtype.kind == "i"
+        assert np.isfinite(values).all() if counted else np.isnan(values).all()
+    assert "failed; to repeat it: python -m studies repeat r slate-base 2" in lines[2]
+    assert not any("failed" in line for line in lines[:2] + lines[3:])
+    study = join_cases([point.settings.case], [of_case(closed)])
+    table = max_closure_table(study)
+    good = closed.max_closure.values[[0, 1, 3]]
+    assert table.samples.tolist() == [3, 3]
+    np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)
+
+
+RESIDUAL, VOLUME = "largest_residual", "volume_error"
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        (RESIDUAL, 1e-5, 1.1e-5),  # of a force tolerance of 1e-5
+        (VOLUME, 0.9e-12, 1.1e-12),
+        ("largest_flow_imbalance", 0.9e-6, 1.1e-6),
+        ("least_force", 0.0, -1e-12),
+        ("max_closure", 1e-12, 0.0),
+        ("max_closure", 1e-12, np.nan),
+    ],
+)
+def test_one_joint_beyond_a_limit_fails_one_check_unless_the_joint_failed(studies, name, good, bad):
+    numerics, failed = study_of(TINY).numerics, {}
+    for value in (good, bad):
+        study = studies[True].copy(deep=True)
+        cycle = {"cycle": 0} if "cycle" in study[name].dims else {}
+        study[name][{"case": 1, "realization": 2} | cycle] = value
+        checks = check_results(study, numerics, 3)
+        failed[value] = checks[~checks.passed].check.tolist()
+        study["status"][1, 2] = 16
+        checks = check_results(study, numerics, 3)
+        count = ["simulations in a status of success"]
+        assert checks[~checks.passed].check.tolist() == count
+    assert failed[good] == []
+    assert len(failed[bad]) == 1

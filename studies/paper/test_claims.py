@@ -4,11 +4,21 @@ import numpy as np
 import pytest
 
 from jointclosure.joint.protocol import FAILURE
-from jointclosure.statistics.repetitions import Design
+from jointclosure.statistics.repetitions import Design, DrawnResponse
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import pool_of
 from studies.frame.yaml_files import PAPER_TABLE_3
-from studies.paper.claims import HERTZ_EXCESS, NEGLIGIBLE, TOLERANCE
+from studies.paper.claims import (
+    E_MOST,
+    HERTZ_EXCESS,
+    NEGLIGIBLE,
+    NU_LEAST,
+    STRENGTH_NEXT,
+    TARGET,
+    TOLERANCE,
+    Findings,
+    smoothed_by_all_levels,
+)
 from studies.paper.judged_claims import Evidence, judge_claims
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
@@ -112,6 +122,31 @@ def test_a_study_finds_what_is_plainly_true(of_true, number, stated):
     assert of_true[0].found_share[number] < 0.9
 
 
+@pytest.mark.parametrize(
+    ("lengths", "found"),
+    [  # of nu, E, sigma_c, JRC in percent of the rock's value, by the claims that they confirm
+        ((9.0, 1.0, 2.0, 3.0), {"1a", "2a", "3"}),
+        ((np.inf, 1.0, np.inf, np.inf), {"1a", "2a"}),  # nothing is next
+        ((np.inf, 1.0, 2.0, np.inf), {"1a", "2a", "3"}),
+        ((np.inf, np.inf, 2.0, np.inf), {"1a"}),  # and E is not the most sensitive
+        ((np.inf,) * 4, set()),  # without any significant change nothing is ranked
+        ((9.0, 1.0, 1.0, 3.0), {"1a", "2a"}),
+        ((2.0, 1.0, 1.5, 9.0), {"2a", "3"}),
+    ],
+)
+def test_lengths_without_an_end_rank_nothing_before_those_with_one(lengths, found):
+    levels, none = np.array([0.5, 1.0, 1.5]), np.full((1, 1, 3), np.nan)
+    names = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
+    drawn = {
+        ("slate", name): DrawnResponse(levels, 1.0, none, none, np.array([[0.01 * length]]))
+        for name, length in zip(names, lengths, strict=True)
+    }
+    studies = Findings(drawn, ((TARGET, 2),))
+    ranked = {"1a": NU_LEAST, "2a": E_MOST, "3": STRENGTH_NEXT}
+    confirmed = {name for name, one in ranked.items() if one.finds(studies, "slate", 2, TARGET)[0]}
+    assert confirmed == found
+
+
 def test_the_papers_own_table_is_judged_by_the_same_rules():
     table = judged(study_of({"study": {"pool": 4}}))
     found = table.paper_finds.dropna()
@@ -121,6 +156,71 @@ def test_the_papers_own_table_is_judged_by_the_same_rules():
     assert set(found[no]) == {"no"}
     assert set(found.drop(no)) == {"yes"}
     assert "slate 3.18 (49 %)" in table.paper["4"]
+
+
+NO_RANK = {"poisson_ratio": None, "jrc": None}  # no claims on all four properties
+THREE_LEVELS = {
+    "study": {"rocks": ["dolerite"], "pool": None, "realizations": 20},
+    "rocks": {"dolerite": {"levels": NO_RANK}},
+}
+MANY_LEVELS = {
+    "study": THREE_LEVELS["study"],
+    "rocks": {
+        "dolerite": {
+            "levels": {
+                "youngs_modulus_GPa": [70, 72, 74, 76, 79, 80, 82, 84, 85],
+                "compressive_strength_MPa": [150, 154, 158, 162, 168, 170, 172, 176, 180],
+                **NO_RANK,
+            }
+        }
+    },
+}
+TRENDS = ["5a", "5a, net", "5b"]
+
+
+def test_with_ten_levels_a_trend_is_found_more_often_than_with_three():
+    common = {"study": {"draws": "common"}}  # so that the pools have the same trends
+    three, ten = study_of(THREE_LEVELS, common), study_of(MANY_LEVELS, common)
+    assert len(ten.rocks["dolerite"].levels["youngs_modulus"]) == 10
+    tables = [both_tables(world(c), world(c))[0] for c in (three, ten)]
+    fewer, more = (table.found_share[TRENDS] for table in tables)
+    assert (more >= fewer).all()
+    assert more.min() > fewer.min()
+    assert tables[1].found_here[TRENDS].tolist() == ["yes"] * 3
+
+
+def test_ten_levels_of_few_surfaces_show_a_trend_with_less_error_than_three():
+    errors = []
+    for configuration in (study_of(THREE_LEVELS), study_of(MANY_LEVELS)):
+        dataset = world(configuration)
+        table, margins = both_tables(dataset, dataset, 1)
+        rows = margins[margins.number.isin(TRENDS)]
+        errors.append(rows.set_index(["number", "quantity"]).standard_error)
+        assert "falls" not in set(table.verdict[TRENDS])
+    assert (errors[1] < errors[0]).all()
+    common = study_of(MANY_LEVELS, {"study": {"draws": "common"}})
+    dataset = world(common, irregular=0.03)  # single steps of the levels turn
+    assert set(both_tables(dataset, dataset, 1)[0].verdict[["5a", "5a, net"]]) == {"stands"}
+
+
+def test_a_response_that_turns_within_the_levels_is_no_trend():
+    dataset = world(study_of(MANY_LEVELS, {"study": {"draws": "common"}}))
+    stiffer = np.maximum(dataset.youngs_modulus / 78e9, 1.0)
+    for name in ("max_closure", "max_closure_net"):
+        dataset[name] = dataset[name] * stiffer**3  # 2 instead of -1 above the rock's value
+    table, margins = both_tables(dataset, dataset, 1)
+    assert set(table.verdict[["5a", "5a, net"]]) == {"falls"}
+    assert table.found_here["5a"] == "no"
+    values = margins[margins.number == "5a"].set_index("quantity").value
+    assert values["fall with E, lower half of the levels"] > 0.5
+    assert values["fall with E, upper half of the levels"] < -1.0
+
+
+def test_three_levels_are_judged_by_their_own_means():
+    levels, means = np.array([1.0, 3.0, 4.0]), np.array([[0.1, 0.3, 0.7]])
+    three, smoothed = smoothed_by_all_levels(levels, means, 3.0)
+    np.testing.assert_array_equal(three, levels)
+    np.testing.assert_array_equal(smoothed, means)
 
 
 def test_failed_realisations_never_enter(true_world):

@@ -116,9 +116,9 @@ def test_a_negated_claim_holds_where_its_statement_does_not(monkeypatch):
 
 def test_stored_evidence_gives_the_published_conclusions_and_none_leaves_them_empty():
     """Readings and the range of JRC are finished inquiries: their stored tables are the input."""
-    stored = ROOT / "studies/paper/results"
+    stored = ROOT / "studies/paper/published"
     claims = read_csv(stored / "paper/claims.csv")
-    sampled = ROOT / "studies/global_sensitivity/results/global_sensitivity"
+    sampled = ROOT / "studies/global_sensitivity/published/global_sensitivity"
     files = [stored / "jrc_range/jrc_range_claims.csv", stored / "conclusions/earlier_readings.csv"]
     files += [sampled / f"global_sensitivity_{name}.csv" for name in ("conclusions", "margins")]
     published = read_csv(stored / "paper/conclusions.csv").set_index("number")

@@ -14,8 +14,15 @@ from jointclosure.statistics.repetitions import Design
 from jointclosure.statistics.two_level import t_interval
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.frame.cases import cases_of, closed_keys, ensembles_of, pool_of, wall_name
-from studies.frame.closing import Ensemble
+from studies.frame.cases import (
+    block_settings,
+    blocks_of,
+    cases_of,
+    closed_keys,
+    ensembles_of,
+    pool_of,
+    wall_name,
+)
 from studies.frame.keys import Accuracy
 from studies.frame.yaml_files import PAPER_TABLE_3
 from studies.paper import closures
@@ -155,6 +162,7 @@ def study(status=(0, 0, 0)):
             "closure": ((*dimensions, "branch", "stress"), (closure + bulk)[None]),
             "bulk_indentation": ((*dimensions, "branch", "stress"), bulk[None]),
             "status": (dimensions[:2], np.array([status], dtype=np.int16)),
+            "max_closure": (dimensions, (maximum + 3e-5)[None]),
             "max_closure_net": (dimensions, maximum[None]),
             "max_closure_seated_net": (dimensions, (maximum - seat)[None]),
             "residual_closure": (dimensions, (end + start)[None]),
@@ -162,8 +170,8 @@ def study(status=(0, 0, 0)):
         },
         coords={
             "case": ["one-base"], "rock": ("case", ["one"]), "parameter": ("case", ["base"]),
-            "realization": [10, 11, 12], "cycle": [1, 2], "branch": ["loading", "unloading"],
-            "stress": stress,
+            "max_normal_stress": ("case", [2e6]), "realization": [10, 11, 12], "cycle": [1, 2],
+            "branch": ["loading", "unloading"], "stress": stress,
         },
     )  # fmt: skip
 
@@ -345,12 +353,19 @@ def test_a_mean_stiffness_is_harmonic_and_its_interval_in_order():
 def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     study = {"rocks": ["slate"], "realizations": 25, "pool": None, "accuracy": {"within": 0.1}}
     whole = study_of({"study": study, "effects": {"auto": 0.05}, "flow": True})
-    cases, finest = (Ensemble(whole, name) for name in ("cases", "finest"))
-    assert [*map(len, cases.blocks), *map(len, finest.blocks)] == [10, 10, 5, 4, 4]
-    one, other = (part.settings("slate-jrc-low", range(2)) for part in (cases, finest))
+    ensembles = ensembles_of(whole)
+    assert list(ensembles) == ["cases", "finest"]
+    blocks = [blocks_of(part, part.study.realizations) for part in ensembles.values()]
+    assert [[len(block) for block in part] for part in blocks] == [[10, 10, 5], [4, 4]]
+    one, other = (
+        block_settings(part, case, range(2))
+        for part in ensembles.values()
+        for case in cases_of(part)
+        if case.label == "slate-jrc-low"
+    )
     assert other._replace(case=one.case, effects_chosen_to=one.effects_chosen_to) == one
     assert other.conditions.numerics == FINEST != one.conditions.numerics
-    assert ([*cases.pilots()], finest.pilots()) == (["slate"], {})
+    assert [part.effects.auto for part in ensembles.values()] == [0.05, None]
     plain = study_of({"study": study | {"accuracy": None}})
     assert closed_keys(whole.stated)["study"].keys() == plain.stated["study"].keys() - {"accuracy"}
-    assert len(Ensemble(plain).blocks) == 1
+    assert len(blocks_of(plain)) == 1

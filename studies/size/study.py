@@ -7,7 +7,7 @@ are products of powers, by which closures and stiffness of one size predict anot
 
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,14 +23,12 @@ from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.experiments import Experiment, settings_of
 from studies.frame.keys import Grid
 from studies.frame.panels import Column, Row, panels
-from studies.frame.points import Joints, Point, gridded
-from studies.frame.products import product
-from studies.frame.rocks import StudyRock
-from studies.frame.settings import ClosureSettings, walls_of
-from studies.size.section import Size, SizeSpectrum
+from studies.frame.points import Experiment, Tables, settings_of
+from studies.frame.settings import ClosureSettings, Point, walls_of
+from studies.frame.tables import gridded
+from studies.size.section import Size
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""
@@ -427,32 +425,49 @@ def law_of_size(
     return barton_bandis(jrc, strength, strength / wall_strength, cycle).results(stress)
 
 
-@product(
-    *("tables/size.csv", "tables/size_exponents.csv"),
-    *("tables/size_collapse.csv", "tables/size_barton_bandis.csv"),
-)
-def tabulate_size(
-    joints: Joints,
-    grid: Grid,
-    spectra: Mapping[str, SizeSpectrum],
-    rocks: Mapping[str, StudyRock],
-    wall_strength_ratio: float,
-) -> tuple:
-    """Return means, exponents, scalings, and the law of Barton and Bandis."""
-    runs, base = runs_of(joints, list(spectra)), base_of(grid)
-    roll_offs = {name: spectrum.roll_off for name, spectrum in spectra.items()}
-    of_law = {
-        name: (rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress)
-        for name, rock in rocks.items()
+def _runs(joints: pd.DataFrame, settings: Mapping[str, Any]) -> dict[str, xr.Dataset]:
+    return runs_of(joints, list(settings["roll_offs"]))
+
+
+def tabulate_size(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compute geometric means at each size, and their ratios to those of the base."""
+    return size_table(_runs(joints, settings), settings["base"])
+
+
+def tabulate_exponents(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Fit the powers of patch length and spacing."""
+    return exponent_table(_runs(joints, settings), settings["base"])
+
+
+def tabulate_collapse(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compute by how much each scaling reduces the spread between sizes."""
+    return collapse_table(_runs(joints, settings), settings["roll_offs"])
+
+
+def tabulate_laws(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
+    """Compare ratios of sizes with the law of Barton and Bandis."""
+    ratio = settings["wall_strength_ratio"]
+    return barton_bandis_table(_runs(joints, settings), settings["base"], settings["rocks"], ratio)
+
+
+def settings_of_tables(study: Configuration) -> dict[str, Any]:
+    """Return what the tables and the figure read of a study [SI]."""
+    spectra = study.section(Size).spectra
+    return {
+        "base": base_of(study.grid),
+        "hursts": {name: spectrum.hurst for name, spectrum in spectra.items()},
+        "rocks": {
+            name: (rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress)
+            for name, rock in study.rocks.items()
+        },
+        "roll_offs": {name: spectrum.roll_off for name, spectrum in spectra.items()},
+        "wall_strength_ratio": study.output.wall_strength_ratio,
     }
-    laws = barton_bandis_table(runs, base, of_law, wall_strength_ratio)
-    table, exponents = size_table(runs, base), exponent_table(runs, base)
-    return table, exponents, collapse_table(runs, roll_offs), laws
 
 
-@product(figures=["size"])
-def draw_size(sizes: pd.DataFrame, grid: Grid, spectra: Mapping[str, SizeSpectrum]) -> Figure:
+def draw_size(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw ratios of the first rock to the joints of the base; a power law is a straight line."""
+    sizes = tables["size"]
     table = sizes[sizes.rock == sizes.rock.iloc[0]]
     rows = [
         Row(f"ratio of {title}", part, f"{column}_ratio", f"{column}_error", {"yscale": "log"})
@@ -461,16 +476,16 @@ def draw_size(sizes: pd.DataFrame, grid: Grid, spectra: Mapping[str, SizeSpectru
     ]
     side, spacing = (
         table[name].iloc[(table[name] - 1e3 * length).abs().argmin()]
-        for name, length in zip(("patch_mm", "spacing_mm"), base_of(grid), strict=True)
+        for name, length in zip(("patch_mm", "spacing_mm"), settings["base"], strict=True)
     )
     columns = [
         Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
         Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
     ]
     titles = {}
-    for name, spectrum in spectra.items():
-        wave = f"roll-off {1e3 * spectrum.roll_off:g} mm" if spectrum.roll_off else "no roll-off"
-        titles[name] = f"H {spectrum.hurst:g}, {wave}"
+    for name, roll_off in settings["roll_offs"].items():
+        wave = f"roll-off {1e3 * roll_off:g} mm" if roll_off else "no roll-off"
+        titles[name] = f"H {settings['hursts'][name]:g}, {wave}"
     return panels(rows, columns, {"spectrum": titles}, reference=1.0)
 
 
@@ -483,4 +498,12 @@ EXPERIMENT = Experiment(
     title="effects of patch length and grid spacing",
     quantities=(*READ, *GEOMETRY),
     jobs=size_jobs,
+    tables={
+        "size.csv": tabulate_size,
+        "size_exponents.csv": tabulate_exponents,
+        "size_collapse.csv": tabulate_collapse,
+        "size_barton_bandis.csv": tabulate_laws,
+    },
+    figures={"size": draw_size},
+    settings=settings_of_tables,
 )

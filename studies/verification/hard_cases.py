@@ -5,9 +5,11 @@ closes its joint with a solver that passes every state at rest to the oracle
 (`jointclosure.engine.oracle`), and lists every requirement that does not hold.
 """
 
+import faulthandler
 import json
 import math
 import operator
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
@@ -29,6 +31,7 @@ from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
+from jointclosure.storage.provenance import commit, processor, versions_of
 from studies.frame.keys import validated
 from studies.frame.yaml_files import merged
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
@@ -407,3 +410,39 @@ def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
                     f"({stored['processor']}, {stored['versions']})"
                 )
     return grown
+
+
+PATIENCE = 10.0
+"""Multiple of its budget after which a case counts as endless: the job ends with a traceback."""
+
+
+def close_hard_cases(
+    cases: dict[str, dict], group: str, log: Callable[[str], None]
+) -> pd.DataFrame:
+    """Close and judge the hard cases of a group; return their rows."""
+    rows = []
+    for name, case in cases.items():
+        if case["group"] != group:
+            continue
+        faulthandler.dump_traceback_later(PATIENCE * case["seconds"], exit=True, file=sys.stderr)
+        outcome = run_case(case)
+        failed = failed_requirements(outcome, cases)
+        faulthandler.cancel_dump_traceback_later()
+        rows.append(row_of(outcome, failed) | features_of_case(case))
+        log(f"{name}: {outcome.status}, {outcome.seconds:.2f} s, {'; '.join(failed) or 'holds'}")
+    return pd.DataFrame(rows)
+
+
+def present_hard_cases(
+    tables: list[pd.DataFrame], order: list[str]
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Join the groups of hard cases in one table; return it, its errors, and its features."""
+    table = pd.concat(tables).set_index("name").loc[order].reset_index()
+    versions = versions_of("numpy", "scipy", "numba").items()
+    origin = {
+        "processor": processor(),
+        "versions": " ".join(f"{package} {version}" for package, version in versions),
+        "commit": commit(),
+    }
+    features = table[["name", "hard", *FEATURES]].dropna(subset="contacts_at_max")
+    return table, error_table(table, origin), features

@@ -21,7 +21,7 @@ from studies.verification.hard_cases import (
 HERE = Path(__file__).parent
 STUDY = read_plain(HERE / "hard_cases.yaml")
 CASES = merged_cases(STUDY)
-STORED = read_csv(HERE / "results/hard_cases/hard_case_errors.csv").set_index("name")
+STORED = read_csv(HERE / "published/hard_cases/hard_case_errors.csv").set_index("name")
 SLOW = {name for name, case in CASES.items() if case["slow"]}
 # cases of resolved breakage that are dear, and of which that by fixed steps is quick
 SLOW |= {f"{name}_resolved" for name in ("crushed_shut", "strip_1000_x_7")}
@@ -40,7 +40,7 @@ def test_a_hard_case_holds(name):
 
 
 def test_the_hard_cases_of_the_library_are_the_stored_ones():
-    stored = HERE / "results/hard_cases/hard_case_features.csv"
+    stored = HERE / "published/hard_cases/hard_case_features.csv"
     assert HARD_CASES.read_bytes() == stored.read_bytes()
     table = read_csv(stored).set_index("name").drop(columns="hard")
     assert set(table.index) <= set(CASES)

@@ -1,5 +1,6 @@
 """Runs of the workflow for tests, in folders of their own."""
 
+import hashlib
 import os
 import re
 import shutil
@@ -7,9 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
+import yaml
+
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "tests/workflow"
-TINY = HERE / "tiny.yaml"
+CONFIGURATIONS = ("tiny.yaml", "smallest.yaml")
 STAMP = ".venv/jointclosure-is-set-up"
 NEEDED = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock")
 """Files that `make setup` reads before there is an environment."""
@@ -20,11 +24,22 @@ def checkout(folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("Snakefile", "Makefile"):
         shutil.copy(ROOT / name, folder)
-    for name in ("workflow", "config"):
+    for name in ("workflow", "config", "profiles"):
         shutil.copytree(ROOT / name, folder / name)
-    shutil.copy(TINY, folder)
+    for name in CONFIGURATIONS:
+        shutil.copy(HERE / name, folder)
+    (folder / "studies").symlink_to(ROOT / "studies")
     (folder / ".venv").symlink_to(sys.prefix)
     return folder
+
+
+def add_code(folder: Path) -> dict[str, str]:
+    """Copy the code of the project to a folder, to be edited there; variables that have it used."""
+    (folder / "studies").unlink()
+    without = shutil.ignore_patterns("__pycache__", "compiled")
+    for name in ("studies", "src"):
+        shutil.copytree(ROOT / name, folder / name, ignore=without)
+    return {"PYTHONPATH": f"{folder}/src:{folder}"}
 
 
 def answer(command, folder: Path, **settings) -> subprocess.CompletedProcess:
@@ -33,30 +48,91 @@ def answer(command, folder: Path, **settings) -> subprocess.CompletedProcess:
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, **settings)
 
 
-def snakemake(
+def run_snakemake(
     folder: Path,
     *words: str,
     cores: int = 2,
     config: str = "tiny.yaml",
-    profile: str = "workflow/profiles/default",
     python: str = sys.executable,
-    fails: bool = False,
     **environment: str,
-) -> str:
-    """Run the project's Snakefile in a folder; what it prints."""
-    given = ["--workflow-profile", profile, "--configfile", config, "--cores", cores, *words]
+) -> subprocess.CompletedProcess:
+    """Run the project's Snakefile in a folder, with the profile that Snakemake finds there."""
+    given = ["--configfile", config, "--cores", cores, *words]
     variables = os.environ | {"OMP_NUM_THREADS": "1"} | environment
-    done = answer([python, "-m", "snakemake", *given], folder, env=variables)
-    assert (done.returncode != 0) == fails, done.stdout + done.stderr
+    return answer([python, "-m", "snakemake", *given], folder, env=variables)
+
+
+def snakemake(folder: Path, *words: str, **settings) -> str:
+    """Run the project's Snakefile, which must succeed; what it prints."""
+    done = run_snakemake(folder, *words, **settings)
+    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
-def planned(folder: Path, *targets: str, **settings) -> dict[str, int]:
-    """Jobs that a dry run would do, by rule."""
-    listing = snakemake(folder, "--dry-run", *targets, **settings)
+def jobs_in(listing: str) -> dict[str, int]:
+    """Jobs by rule in what a dry run prints, without `all`."""
+    if "Nothing to be done" in listing:
+        return {}
     table = re.search(r"job\s+count\n[-\s]+\n(.*?)\n\n", listing, re.S)
-    rows = [line.split() for line in table.group(1).splitlines()] if table else []
-    return {name: int(count) for name, count in rows if name not in ("total", "all", *targets)}
+    assert table, listing
+    rows = [line.split() for line in table.group(1).splitlines()]
+    return {name: int(count) for name, count in rows if name not in ("total", "all")}
+
+
+def planned(folder: Path, *words: str, **settings) -> dict[str, int]:
+    """Jobs that a dry run would do, by rule."""
+    return jobs_in(snakemake(folder, "--dry-run", *words, **settings))
+
+
+def pretend(folder: Path, *words: str, **settings) -> None:
+    """Have Snakemake take a study as finished: its files are there, and empty but for a heading.
+
+    What Snakemake plans depends on names, times, inputs, scripts and params, and on no content.
+    """
+    for line in snakemake(folder, "--summary", *words, **settings).splitlines():
+        if line.startswith("results/"):
+            file = folder / line.split("\t")[0]
+            file.parent.mkdir(parents=True, exist_ok=True)
+            # the end of a run shows the closures of this table
+            file.write_text("rock,parameter\n" if file.name == "max_closure.csv" else "")
+    snakemake(folder, "--touch", "--forceall", *words, **settings)
+
+
+def changed(folder: Path, name: str, *places_and_values: tuple[str, object]) -> str:
+    """Write tiny.yaml with other values at places ("surface.hurst") to a file; its name."""
+    keys = yaml.safe_load((folder / "tiny.yaml").read_text())
+    for place, value in places_and_values:
+        *sections, key = place.split(".")
+        part = keys
+        for section in sections:
+            part = part.setdefault(section, {})
+        part[key] = value
+    (folder / name).write_text(yaml.safe_dump(keys, sort_keys=False))
+    return name
+
+
+def state_of(folder: Path) -> dict[str, tuple[int, str]]:
+    """Times and digests of all files in the results of a folder."""
+    return {
+        path.relative_to(folder).as_posix(): (
+            path.stat().st_mtime_ns,
+            hashlib.sha256(path.read_bytes()).hexdigest(),
+        )
+        for path in sorted((folder / "results").rglob("*"))
+        if path.is_file()
+    }
+
+
+def processes_in(folder: Path) -> list[psutil.Process]:
+    """Processes that work in a folder."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process)
+        except psutil.Error:
+            continue
+    return found
 
 
 def studies_command(*words) -> subprocess.CompletedProcess:

@@ -10,10 +10,14 @@ import yaml
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
+from jointclosure.engine.quantities import names_of_case
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.cases import block_settings, cases_of
-from studies.frame.closing import close_block
+from studies.frame.cases import cases_of
+from studies.frame.closing import close_joints
 from studies.frame.configuration import merged, written_out
+from studies.frame.datasets import of_case
+from studies.frame.points import case_point
+from studies.frame.settings import surface_settings, walls_of
 from studies.frame.tables import join_cases
 from tests.joints import COARSE
 from tests.studied import DEFAULT, ROOT, study_of
@@ -54,10 +58,12 @@ def smoke_study(project):
              "seating_stress_MPa": 0.1}  # fmt: skip
     study = study_of(small)
     case = cases_of(study)[0]
-    closed = close_block(block_settings(study, case, range(2)))
+    point = case_point(study, case, range(2))
+    walls = walls_of(surface_settings(point.settings))
+    closed = close_joints(point, walls, names_of_case(study.flow))
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
-    write_netcdf(join_cases([case], [closed]), folder / "study.nc")
+    write_netcdf(join_cases([case], [of_case(closed)]), folder / "study.nc")
 
 
 @pytest.mark.parametrize("codes", samples("python"))
@@ -86,6 +92,11 @@ def test_yaml_samples_are_valid_studies(codes):
 @pytest.mark.parametrize("codes", samples("(?:bash|sh)"))
 def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, capsys):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)
+    rules = re.findall(
+        r"^(?: {4})?(?:rule|checkpoint) (\w+):",
+        "\n".join(file.read_text() for file in (ROOT / "workflow/rules").glob("*.smk")),
+        re.M,
+    )
     lines = [shlex.split(line, comments=True) for code in codes for line in code.splitlines()]
     for program, *words in filter(None, lines):
         program = program.removeprefix(".venv/bin/")
@@ -93,8 +104,11 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, 
             assert words[0] in targets
             for word in words[1:]:
                 key, _, value = word.partition("=")
-                assert key in ("CONFIG", "CORES", "PYTHON")
+                assert key in ("CONFIG", "CORES", "PROFILE", "PYTHON")
                 assert key != "CONFIG" or (ROOT / value).is_file()
+        elif program == "snakemake":
+            for word in words:
+                assert word.startswith(("-", "results/")) or word in rules or (ROOT / word).exists()
         elif program == "jointclosure":
             arguments = cli.parser(words).parse_args(words)
             if words[0] == "simulate":

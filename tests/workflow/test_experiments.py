@@ -1,5 +1,6 @@
-"""Every experiment as a study of seconds: its files are there, and nothing is done twice."""
+"""Every experiment as a study of seconds: what is planned, its files, and nothing is done twice."""
 
+import re
 import shutil
 
 import pytest
@@ -7,51 +8,97 @@ import pytest
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
-from studies.frame.experiments import cached, experiment_named
-from studies.frame.points import as_table, joints_of
-from studies.frame.products import products_of
+from studies.frame.points import experiment_named
+from studies.frame.tables import as_table
 from tests.studied import ROOT, study_of, tiny
-from tests.workflow.runs import checkout, planned, snakemake
+from tests.workflow.runs import checkout, planned, pretend, run_snakemake, snakemake
+
+
+def experiment(folder, name: str):
+    """A checkout with the small configuration of an experiment; its file and its results."""
+    shutil.copy(ROOT / f"studies/{name}/tiny_{name}.yaml", checkout(folder))
+    return f"tiny_{name}.yaml", folder / "results" / tiny(name)["study"]["name"]
+
+
+def files_of(results, name: str) -> list:
+    """Files of the joints of an experiment, its tables, and its figures."""
+    study, of = study_of(tiny(name)), experiment_named(name)
+    return [
+        *(results / name / f"{job}.nc" for job in of.jobs(study)),
+        *(results / "tables" / table for table in of.tables),
+        *(
+            results / "figures" / f"{figure}.{form}"
+            for figure in of.figures
+            for form in ("png", "pdf")
+        ),
+    ]
+
+
+def test_an_experiment_is_planned_by_jobs_tables_and_figures_and_what_is_lost_alone(tmp_path):
+    """A wavelength more is one job more, and all tables of it."""
+    config, results = experiment(tmp_path / "planned", "mismatch")
+    folder, settings = tmp_path / "planned", {"config": config}
+    pretend(folder, "mismatch", **settings)
+    jobs, tables, figures = (
+        [file for file in files_of(results, "mismatch") if file.suffix in kind]
+        for kind in ((".nc",), (".csv", ".md"), (".png",))
+    )
+    assert all(file.is_file() for file in (*jobs, *tables, *figures))
+    tables[0].unlink()
+    lost = planned(folder, "mismatch", **settings)
+    assert (lost["tabulate_experiment"], "close_points" in lost) == (1, False)
+    jobs[0].unlink()
+    assert planned(folder, "mismatch", **settings)["close_points"] == 1
+    text = (folder / config).read_text()
+    (folder / config).write_text(text.replace("[3, 1]", "[3, 2, 1]"))
+    assert planned(folder, "mismatch", **settings)["close_points"] == 2
+    assert len(re.findall(r"\w+um", " ".join(file.name for file in jobs))) == 2
+
+
+def test_a_section_that_the_configuration_lacks_is_refused_in_a_line(tmp_path):
+    refused = run_snakemake(checkout(tmp_path / "lacks"), "mismatch")
+    assert refused.returncode != 0
+    printed = refused.stdout + refused.stderr
+    assert "mismatch: the configuration has no section of this name" in printed
+    assert "Traceback (most recent call last)" not in printed
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sections())
-def test_an_experiment_has_all_its_files_and_what_is_lost_alone_is_made_again(name, tmp_path):
-    folder, config = checkout(tmp_path / name), f"tiny_{name}.yaml"
-    shutil.copy(ROOT / "studies" / name / config, folder)
-    study = study_of(tiny(name))
-    design = experiment_named(name).design(study)
-    joints = joints_of(design.points())
-    assert f"{joints} joints will take about" in snakemake(folder, name, config=config)
-    results = folder / f"results/tiny_{name}"
-    dataset = read_netcdf(results / f"{name}.nc")
-    assert "configuration" in dataset.attrs
-    points = design.points()
-    rows = sum(joints_of([point]) * point.settings.conditions.cycle_count for point in points)
-    assert len(as_table(dataset)) == rows
-    made = [results / f for one in products_of(name).values() for f in one.files(study)]
-    for file in made:
+def test_an_experiment_has_all_its_files_and_is_done_once(name, tmp_path):
+    config, results = experiment(tmp_path / name, name)
+    folder, study = tmp_path / name, study_of(tiny(name))
+    snakemake(folder, name, config=config)
+    for file in files_of(results, name):
         if file.suffix == ".md":
             assert file.read_text().count("|") > 10
         elif file.suffix == ".csv":
             assert len(read_csv(file)) > 0
+        elif file.suffix == ".nc":
+            joints = read_netcdf(file)
+            assert "configuration" in joints.attrs
+            points = experiment_named(name).jobs(study)[file.stem]
+            rows = (p.settings.realizations * p.settings.conditions.cycle_count for p in points)
+            assert len(as_table([joints])) == sum(rows)
         else:
             assert file.stat().st_size > 10000
     assert planned(folder, name, config=config) == {}
-    for job in design.jobs():
-        assert (results / f"{name}/{job}.nc").exists()
-    made[0].unlink()
-    assert f"close_{name}" not in planned(folder, name, config=config)
-    (results / f"{name}.nc").unlink()
-    assert planned(folder, name, config=config)[f"close_{name}"] == 1
 
 
-def test_rows_that_are_added_close_no_others():
-    section = "global_sensitivity"
-    keys = tiny(section)
+@pytest.mark.slow
+def test_an_estimate_closes_a_few_joints_and_states_the_time_of_all(tmp_path):
+    config, results = experiment(tmp_path / "estimate", "mismatch")
+    printed = snakemake(tmp_path / "estimate", "estimate", config=config)
+    assert re.search(r"joints will take about", printed)
+    assert len(read_csv(results / "tables/mismatch_estimate.csv")) > 0
+    assert not (results / "mismatch").exists()
+
+
+def test_a_row_more_of_a_sample_closes_no_former_joint():
+    name = "global_sensitivity"
     few, many = (
-        {name: entry.key for name, entry in cached(study_of(keys, more), section).items()}
-        for more in ({}, {section: {"rows": 32}})
+        {job: repr(points) for job, points in experiment_named(name).jobs(study).items()}
+        for study in (study_of(tiny(name)), study_of(tiny(name), {name: {"rows": 32}}))
     )
-    assert len(many) - len(few) == 4  # two new blocks of each rock
     assert few.items() <= many.items()
+    assert len(many) - len(few) == 4  # two new blocks of each rock

@@ -11,9 +11,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING
-from tests.workflow.runs import checkout, planned, snakemake
-
-pytestmark = pytest.mark.slow
+from tests.workflow.runs import checkout, planned, pretend, run_snakemake, snakemake
 
 CURVE = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.05,1\n0.8,0.07,1\n0.4,0.065,1\n"
 
@@ -37,16 +35,22 @@ def scanned(folder, seed):
     np.savez(folder / "scans/lower.npz", Z_mm=wall, spacing_mm=1e3 * SPACING)
 
 
-@pytest.fixture(scope="module")
-def mine(tmp_path_factory):
-    folder = checkout(tmp_path_factory.mktemp("mine") / "checkout")
-    scanned(folder, 1)
+def own_study(folder):
+    """A checkout with a scan, a curve, and a configuration of them."""
+    scanned(checkout(folder), 1)
     (folder / "measured.csv").write_text(CURVE)
     (folder / "mine.yaml").write_text(STUDY)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory):
+    folder = own_study(tmp_path_factory.mktemp("mine") / "checkout")
     snakemake(folder, config="mine.yaml")
     return folder
 
 
+@pytest.mark.slow
 def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(mine):
     tables, dataset = mine / "results/mine/tables", read_netcdf(mine / "results/mine/study.nc")
     assert np.isnan(dataset.jrc.values).all()
@@ -66,16 +70,32 @@ def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(min
     }  # fmt: skip
 
 
-def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(mine):
-    scan, curve = mine / "scans/lower.npz", mine / "measured.csv"
-    whole = scan.read_bytes()
+def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(tmp_path):
+    folder, settings = own_study(tmp_path / "mine"), {"config": "mine.yaml"}
+    pretend(folder, **settings)
+    scan, curve = folder / "scans/lower.npz", folder / "measured.csv"
     os.utime(scan)
-    assert planned(mine, config="mine.yaml") == {}
-    scanned(mine, 2)
-    os.utime(scan, (1e9, 1e9))  # older than the results: its contents count all the same
-    jobs = planned(mine, config="mine.yaml")
-    assert (jobs["prepare_walls_granite"], jobs["close_study"]) == (1, 1)
-    scan.write_bytes(whole)
-    assert planned(mine, config="mine.yaml") == {}
+    os.utime(curve)
+    assert planned(folder, **settings) == {}
     curve.write_text(CURVE.replace("0.07", "0.08"))
-    assert planned(mine, config="mine.yaml") == {"fit_measured": 1, "draw_figures": 1}
+    jobs = planned(folder, **settings)
+    assert {"fit_measured", "draw_figures"} <= set(jobs)
+    assert not {"prepare_walls", "cut_windows", "close_joints", "aggregate"} & set(jobs)
+    curve.write_text(CURVE)
+    scanned(folder, 2)
+    os.utime(scan, (1e9, 1e9))  # older than the results: its contents count all the same
+    jobs = planned(folder, **settings)
+    # walls, windows and joints of the only case
+    assert [jobs[name] for name in ("prepare_walls", "cut_windows", "close_joints")] == [1, 1, 1]
+
+
+@pytest.mark.parametrize("gone", ["scans/lower.npz", "measured.csv"])
+def test_a_file_that_is_not_there_is_named_before_any_job(tmp_path, gone):
+    folder = own_study(tmp_path / "mine")
+    (folder / gone).unlink()
+    refused = run_snakemake(folder, config="mine.yaml")
+    assert refused.returncode != 0
+    printed = refused.stdout + refused.stderr
+    assert gone in printed
+    assert "Traceback" not in printed
+    assert not (folder / "results").exists()

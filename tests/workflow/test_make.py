@@ -1,18 +1,28 @@
-"""`make`: what a user tells it is data, and what it says is what matters."""
+"""`make` and `snakemake`: what a user tells them is data, and both run the same study."""
 
-import os
-import resource
+import fcntl
+import json
+import re
 import shutil
-import signal
 import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from jointclosure.storage.files import read_csv
-from tests.workflow.runs import NEEDED, ROOT, STAMP, answer, checkout, snakemake
+from tests.workflow.runs import (
+    NEEDED,
+    ROOT,
+    STAMP,
+    answer,
+    changed,
+    checkout,
+    planned,
+    run_snakemake,
+    snakemake,
+    state_of,
+)
 
 
 @pytest.fixture(scope="module")
@@ -53,123 +63,126 @@ def test_set_up_is_refused_where_it_would_harm_or_fail(new, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("key", "name"),
-    [("CONFIG", "`touch X`.yaml"), ("PROFILE", "$(shell touch X)"), ("CORES", "a;touch X")],
+    ("key", "value"),
+    [
+        ("CONFIG", "`touch X`.yaml"),
+        ("CONFIG", "$(shell touch X)"),
+        ("CONFIG", "-n"),
+        ("PROFILE", "$(shell touch X)"),
+        ("PROFILE", "-n"),
+        ("CORES", "a;touch X"),
+        ("CORES", "--unlock"),
+        ("CORES", "-n"),
+    ],
 )
-def test_what_make_gets_is_never_run(project, key, name):
-    refused = make(project, "study", f"{key}={name}")
+def test_what_make_gets_is_no_command_and_no_option(project, key, value):
+    refused = make(project, "study", f"{key}={value}")
     assert refused.returncode != 0
-    assert f"{key}={name}: " in refused.stderr
+    assert f"{value}: " in refused.stderr
     assert not list(project.rglob("X*"))
+    assert not (project / "results").exists()
 
 
-FAKE = """import sys, time
-print("jointclosure: about 2 core-hours", flush=True)
-for number in (1, 2, 3):
-    print(f"Finished jobid: {number} (Rule: close)", flush=True)
-    print(f"{number} of 3 steps (33%) done", flush=True)
-"""
-FAILED = "close failed: InputError: grid.cells_x = 2; its log is job.log"
-FAILS = f"{FAKE}print('jointclosure: {FAILED}', flush=True); sys.exit(7)"
-SILENT = f"{FAKE}print('returned non-zero exit status 137.'); sys.exit(7)"
-KILLED = f"{FAKE}import os; os.kill(os.getpid(), 9)"
-WAITS = f"{FAKE}time.sleep(600)"
-FOLLOW = """import sys
-from pathlib import Path
-sys.path.insert(0, sys.argv[1])
-from following import follow
-from process_group import EndRequest
-with open('run.log', 'a') as stream:
-    command = [sys.executable, '-c', sys.argv[2]]
-    sys.exit(follow(command, stream, Path('run.log'), EndRequest()))
-"""
+def test_a_variable_that_make_does_not_have_is_refused(project):
+    refused = make(project, "study", "CONFIGURATION=tiny.yaml")
+    assert refused.returncode != 0
+    assert "CONFIGURATION: not a variable of this Makefile" in refused.stderr
 
 
-def follow(folder: Path, program: str) -> subprocess.Popen:
-    """The runner over a program that speaks as Snakemake does."""
-    (folder / "run.log").write_text("")
-    command = [sys.executable, "-c", FOLLOW, str(ROOT / "workflow/scripts"), program]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen(command, cwd=folder, start_new_session=True, **pipes)
+def outputs_in(summary: str) -> list[str]:
+    """Files, their rules and what is planned for them, in what `--summary` prints."""
+    return sorted(line for line in summary.splitlines() if line.startswith("results/"))
 
 
-@pytest.fixture
-def waiting(tmp_path):
-    """A run whose program has done its steps, and waits."""
-
-    def started(program: str = WAITS) -> subprocess.Popen:
-        run = follow(tmp_path, program)
-        while "3 of 3 steps" not in run.stdout.readline():
-            assert run.poll() is None
-        return run
-
-    return started
-
-
-@pytest.mark.parametrize(
-    ("program", "status", "words"),
-    [
-        (FAKE, 0, ()),
-        (FAILS, 7, (FAILED, "run.log")),
-        (SILENT, 7, ("out of memory", "CORES=1")),
-        (KILLED, 128 + 9, ("out of memory", "CORES=1")),
-    ],
-    ids=["done", "failed", "job killed", "snakemake killed"],
-)
-def test_a_run_shows_how_far_it_is_and_why_it_failed_and_keeps_the_status(
-    tmp_path, program, status, words
-):
-    run = follow(tmp_path, program)
-    printed, wrong = run.communicate()
-    assert run.returncode == status, wrong
-    assert all(word in wrong for word in words)
-    assert {"about 2 core-hours", "3 of 3 steps (33%) done"} <= set(printed.splitlines())
-    assert "Finished jobid" not in printed
-    assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
+def test_make_and_snakemake_plan_the_same_files_by_the_same_rules(project):
+    """Make has no option to look: a profile has it. The configuration's name has odd signs."""
+    keys = yaml.safe_load((ROOT / "profiles/default/config.yaml").read_text())
+    (project / "look at it").mkdir()
+    (project / "look at it/config.yaml").write_text(yaml.safe_dump(keys | {"summary": True}))
+    name = "a $b `c` \"d\" 'e'.yaml"
+    shutil.copy(project / "tiny.yaml", project / name)
+    made = make(project, "study", f"CONFIG={name}", "PROFILE=look at it", "CORES=1")
+    assert made.returncode == 0, made.stderr
+    listed = outputs_in(made.stdout)
+    assert len([line for line in listed if "close_joints" in line]) == 12
+    assert listed == outputs_in(snakemake(project, "--summary"))
+    assert not (project / "results").exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_run_that_is_asked_to_end_says_how_it_goes_on(waiting, number):
-    run = waiting()
-    os.killpg(run.pid, number)
-    printed, wrong = run.communicate()
-    assert run.returncode == 128 + number
-    assert "the same command goes on from there" in printed
-    assert "Traceback" not in wrong
+WRONG = [("grid.cells_x", 2), ("study.colour", "red"), ("rocks.slate.jrc", "high")]
 
 
-def test_a_second_request_kills_what_heeds_no_interrupt(waiting):
-    run = waiting("import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + WAITS)
-    os.kill(run.pid, signal.SIGINT)
-    time.sleep(1.5)
-    assert run.poll() is None  # within its grace period
-    os.kill(run.pid, signal.SIGINT)
-    run.communicate(timeout=5)
-    assert run.returncode == 128 + signal.SIGINT
+def test_a_wrong_configuration_is_refused_in_one_line_a_key_by_snakemake_and_by_make(project):
+    name = changed(project, "wrong.yaml", *WRONG)
+    direct = run_snakemake(project, config=name)
+    made = make(project, "study", f"CONFIG={name}")
+    for refused in (direct, made):
+        assert refused.returncode != 0
+        lines = (refused.stdout + refused.stderr).splitlines()
+        for place, value in WRONG:
+            assert len([line for line in lines if place in line and str(value) in line]) == 1
+        assert not [line for line in lines if line.startswith(("Traceback", "rule "))]
+    assert not (project / "results").exists()
 
 
-@pytest.mark.parametrize(
-    ("limit", "most", "printed"),
-    [
-        (resource.RLIMIT_NOFILE, 20, "ulimit -n = 20: must be at least"),
-        (resource.RLIMIT_FSIZE, 20_000, "make_study.log: could not be written"),  # as a full disk
-    ],
-    ids=["open files", "room"],
-)
-def test_a_run_without_open_files_or_room_is_refused_in_a_line(project, limit, most, printed):
-    limited = {"preexec_fn": lambda: resource.setrlimit(limit, (most, most))}
-    done = make(project, "study", "CONFIG=tiny.yaml", **limited)
-    assert done.returncode != 0
-    first, last = done.stderr.splitlines()
-    assert (printed in first, "Error" in last) == (True, True)
+def test_a_file_that_is_no_yaml_is_refused_in_a_line(project):
+    (project / "broken.yaml").write_text("study: {name: broken\n")
+    for refused in (
+        run_snakemake(project, config="broken.yaml"),
+        make(project, "study", "CONFIG=broken.yaml"),
+    ):
+        assert refused.returncode != 0
+        printed = refused.stdout + refused.stderr
+        assert "YAML" in printed
+        assert "Traceback" not in printed
 
 
 def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
     folder = tmp_path / "a'b \"c $d `e` & (f)\n*;"
-    shutil.copytree(project, folder, symlinks=True, ignore=shutil.ignore_patterns(".snakemake"))
+    kept = shutil.ignore_patterns(".snakemake", "results")
+    shutil.copytree(project, folder, symlinks=True, ignore=kept)
     table = "results/tiny/tables/configuration.json"
     snakemake(folder, "--", table, python=str(folder / ".venv/bin/python"))
     assert (folder / table).is_file()
+
+
+@pytest.fixture
+def at_work(project):
+    """The lock of a study that is at work, as another process holds it."""
+    results = project / "results/tiny"
+    results.mkdir(parents=True)
+    with open(results / ".lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield project
+    shutil.rmtree(project / "results")
+
+
+def test_a_second_run_of_a_study_is_refused_and_looking_is_allowed(at_work):
+    before = state_of(at_work)
+    refused = run_snakemake(at_work)
+    assert refused.returncode != 0
+    printed = refused.stdout + refused.stderr
+    assert "another run of the study tiny is at work here" in printed
+    assert "Traceback" not in printed
+    assert "--unlock" not in printed
+    assert planned(at_work)["close_joints"] == 12
+    assert state_of(at_work) == before
+
+
+def test_another_study_runs_beside_one_that_is_at_work(at_work):
+    table = "results/smallest/tables/configuration.json"
+    snakemake(at_work, "--", table, config="smallest.yaml")
+    assert (at_work / table).is_file()
+
+
+@pytest.mark.slow
+def test_a_run_shows_how_far_it_is_its_closures_and_where_its_results_are(study):
+    printed = (study / "printed.txt").read_text()
+    assert re.search(r"^\d+ of 40 jobs are done, about .* left$", printed, re.M)
+    assert re.search(r"^slate: mean net closure since seating .* mm on cycle 1", printed, re.M)
+    assert "Results are in results/tiny/" in printed
+    done = make(study, "study", "CONFIG=tiny.yaml")
+    assert (done.returncode, "Nothing to be done" in done.stdout + done.stderr) == (0, True)
 
 
 ONE_CASE = """study: {name: NAME, rocks: [slate], pool: null, REQUEST}
@@ -177,29 +190,52 @@ grid: {cells_x: 12, cells_y: 12}
 rocks:
   slate:
     max_normal_stress_MPa: 1
-    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: null}
+    levels:
+      {poisson_ratio: null, youngs_modulus_GPa: null, compressive_strength_MPa: null, jrc: null}
 statistics: {bootstrap_resamples: 10, repetitions: 100, control_variates: 500}
 output: {stress_points: 5}
 """
 
 
-def request(project: Path, name: str, asked: str) -> subprocess.CompletedProcess:
+def request(folder: Path, name: str, asked: str) -> str:
+    """Write a study of one case with an accuracy; its file."""
     text = ONE_CASE.replace("NAME", name).replace("REQUEST", f"accuracy: {{{asked}}}")
-    (project / f"{name}.yaml").write_text(text)
-    return make(project, "study", f"CONFIG={name}.yaml")
+    (folder / f"{name}.yaml").write_text(text)
+    return f"{name}.yaml"
+
+
+def rounds_of(folder: Path) -> list[dict]:
+    """Plans of all rounds of a study whose accuracy was requested."""
+    plans = (folder / "results/accurate/accuracy").glob("round_*.json")
+    return sorted((json.loads(plan.read_text()) for plan in plans), key=lambda p: p["round"])
 
 
 @pytest.mark.slow
-def test_a_study_adds_surfaces_until_its_accuracy_is_reached(project):
-    done = request(project, "accurate", "within: 0.25, most: 400")
+def test_surfaces_are_added_until_an_accuracy_is_reached_the_same_by_make_and_snakemake(tmp_path):
+    by_make, direct = (checkout(tmp_path / name) for name in ("make", "direct"))
+    config = [
+        request(folder, "accurate", "within: 0.25, most: 400") for folder in (by_make, direct)
+    ]
+    done = make(by_make, "study", f"CONFIG={config[0]}")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "accuracy: continues with 20 surfaces" in done.stdout
-    assert "accuracy: mean within 25 % reached" in done.stdout
-    table = read_csv(project / "results/accurate/tables/accuracy_reached.csv")
+    assert "accuracy: mean within 25 % reached" in done.stdout + done.stderr
+    rounds = rounds_of(by_make)
+    assert rounds[-1]["ended"]
+    assert len(rounds) > 2, "no surface was added"
+    table = read_csv(by_make / "results/accurate/tables/accuracy_reached.csv")
     assert table.met.all()
-    assert (table.surfaces >= 20).all()
-    again = make(project, "study", "CONFIG=accurate.yaml")
-    assert "nothing was left to do" in again.stdout
-    refused = request(project, "little", "within: 0.01, budget_core_minutes: 1.0e-6")
-    assert refused.returncode != 0
-    assert "must be at least" in refused.stderr
+    assert (table.surfaces == rounds[-1]["cases"]).all()
+    snakemake(direct, config=config)
+    assert rounds_of(direct) == rounds
+    assert planned(direct, config=config) == planned(by_make, config=config) == {}
+
+
+@pytest.mark.slow
+def test_an_accuracy_that_its_budget_cannot_pay_is_refused(project):
+    config = request(project, "little", "within: 0.01, budget_core_minutes: 1.0e-6")
+    for refused in (
+        make(project, "study", f"CONFIG={config}"),
+        run_snakemake(project, config=config),
+    ):
+        assert refused.returncode != 0
+        assert "must be at least" in refused.stdout + refused.stderr

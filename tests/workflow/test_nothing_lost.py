@@ -1,4 +1,4 @@
-"""Runs and jobs that are ended or killed, and files that are not what they should be: all is made.
+"""Runs that are ended or killed lose nothing, and files that are not of a study become no table.
 
 `JOINTCLOSURE_KILLS=20 pytest -m slow tests/workflow/test_nothing_lost.py` kills twenty times.
 """
@@ -15,23 +15,24 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.engine.test_forks import processes_in
 from tests.workflow import runs
 
 RESULTS = "results/tiny"
-STUDY = ["make", "-o", runs.STAMP, "study", "CONFIG=tiny.yaml", "CORES=2"]
 HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
-SECONDS = 30.0
-"""Within which all must have ended."""
+SECONDS = {signal.SIGKILL: 2.0, signal.SIGTERM: 30.0, signal.SIGINT: 30.0}
+"""Within which all must have ended: this is what is promised."""
 STRIKES = [
-    (signal.SIGKILL, "jobs", 1), (signal.SIGKILL, "snakemake", 1), (signal.SIGKILL, "group", 1),
-    (signal.SIGTERM, "make", 1), (signal.SIGINT, "make", 2),
-    (signal.SIGTERM, "group", 2), (signal.SIGINT, "group", 1),
+    (signal.SIGKILL, "make", 1), (signal.SIGTERM, "make", 1), (signal.SIGINT, "group", 1),
+    (signal.SIGKILL, "group", 1), (signal.SIGTERM, "group", 1), (signal.SIGINT, "group", 2),
+    (signal.SIGKILL, "snakemake", 1), (signal.SIGTERM, "make", 2), (signal.SIGKILL, "a job", 1),
+    (signal.SIGTERM, "group", 2),
 ]  # fmt: skip
 """Signals, to whom, and how often; make's group is signalled by a terminal and by `timeout`."""
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", f"{len(STRIKES)}"))
 
-pytestmark = pytest.mark.slow
+
+def make(config: str = "smallest.yaml") -> list[str]:
+    return ["make", "-o", runs.STAMP, "study", f"CONFIG={config}", "CORES=2"]
 
 
 def started(folder: Path, command: list[str]) -> subprocess.Popen:
@@ -47,110 +48,225 @@ def strike(run: subprocess.Popen, number: int, whom: str) -> bool:
         if whom in ("make", "group"):
             (os.killpg if whom == "group" else os.kill)(run.pid, number)
             return True
-        words = {"jobs": ".snakemake/scripts", "snakemake": "-m snakemake"}[whom]
+        words = {"a job": ".snakemake/scripts", "snakemake": "bin/snakemake"}[whom]
         below = psutil.Process(run.pid).children(recursive=True)
         victims = [process for process in below if words in " ".join(process.cmdline())]
-        for victim in victims[:1]:
+        for victim in victims[-1:]:  # `timeout` has the words of Snakemake too, and precedes it
             victim.send_signal(number)
         return bool(victims)
     except (psutil.NoSuchProcess, ProcessLookupError):
         return False
 
 
-def wait_for_the_end(folder: Path, run: subprocess.Popen) -> str:
+def wait_for_the_end(folder: Path, run: subprocess.Popen, seconds: float) -> str:
     """Wait until nothing works in a folder; what was printed."""
-    start = time.monotonic()
-    while run.poll() is None or processes_in(folder):
-        working = [process.cmdline() for process in processes_in(folder)]
-        assert time.monotonic() - start < SECONDS, working
+    deadline = time.monotonic() + seconds
+    while run.poll() is None or runs.processes_in(folder):
+        assert time.monotonic() < deadline, runs.processes_in(folder)
         time.sleep(0.1)
     return (folder / "output.txt").read_text()
+
+
+PROGRAM = """#!{python}
+import pathlib, signal, subprocess, time
+{before}
+subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "sleep", "600"])
+pathlib.Path("ready").touch()
+time.sleep(600)
+"""
+HEEDLESS = "for number in (2, 15): signal.signal(number, signal.SIG_IGN)"
+
+
+def waiting_make(folder: Path, before: str) -> subprocess.Popen:
+    """`make` whose program in the place of Snakemake has started a job, and waits."""
+    for name in ("Makefile", "tiny.yaml"):
+        shutil.copy(runs.ROOT / name if name == "Makefile" else runs.HERE / name, folder)
+    program = folder / ".venv/bin/snakemake"
+    program.parent.mkdir(parents=True)
+    program.write_text(PROGRAM.format(python=sys.executable, before=before))
+    checker = program.with_name("python")  # which make asks whether the configuration is plain
+    checker.write_text("#!/bin/sh\nexit 0\n")
+    for file in (program, checker):
+        file.chmod(0o755)
+    run = started(folder, make("tiny.yaml"))
+    while not (folder / "ready").exists():
+        assert run.poll() is None, (folder / "output.txt").read_text()
+        time.sleep(0.05)
+    # make, timeout, the program, and its job
+    assert len(runs.processes_in(folder)) == 4
+    return run
+
+
+needs_linux = pytest.mark.skipif(not shutil.which("setpriv"), reason="no setpriv, thus no Linux")
+
+
+@needs_linux
+@pytest.mark.parametrize("whom", ["make", "group", "snakemake"])
+def test_nothing_is_left_of_a_make_that_is_killed(tmp_path, whom):
+    run = waiting_make(tmp_path, HEEDLESS)
+    assert strike(run, signal.SIGKILL, whom)
+    wait_for_the_end(tmp_path, run, SECONDS[signal.SIGKILL])
+    assert run.returncode != 0
+
+
+@needs_linux
+@pytest.mark.parametrize("before", ["", HEEDLESS], ids=["heeded", "not heeded"])
+@pytest.mark.parametrize(
+    ("number", "whom"),
+    [(signal.SIGTERM, "make"), (signal.SIGTERM, "group"), (signal.SIGINT, "group")],
+)
+def test_a_make_that_is_asked_to_end_ends_with_all_below_it(tmp_path, number, whom, before):
+    """What heeds no signal is killed 15 seconds later."""
+    run = waiting_make(tmp_path, before)
+    assert strike(run, number, whom)
+    wait_for_the_end(tmp_path, run, SECONDS[number])
+    assert run.returncode != 0
 
 
 def files_in(folder: Path) -> int:
     return sum(path.is_file() for path in (folder / "results").rglob("*"))
 
 
-def finished(folder: Path) -> str:
-    done = runs.answer(STUDY, folder)
+def finished(folder: Path, config: str = "smallest.yaml") -> str:
+    done = runs.answer(make(config), folder)
     assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(KILLS))
-def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(study, tmp_path, number):
+def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(smallest, tmp_path, number):
     """Moments are drawn as a number of files written: how busy the machine is does not count."""
     folder, chance = runs.checkout(tmp_path / "killed"), random.Random(number)
     signal_number, whom, times = STRIKES[number % len(STRIKES)]
-    moment = chance.randrange(int(0.95 * files_in(study)))
-    run = started(folder, STUDY)
+    moment = chance.randrange(int(0.9 * files_in(smallest)))
+    run = started(folder, make())
     time.sleep(chance.uniform(0.0, 5.0))  # of the start and the plan
     while files_in(folder) < moment or not strike(run, signal_number, whom):
-        assert run.poll() is None, "the run ended before it was killed"
+        assert run.poll() is None, "the run ended before it was struck"
         time.sleep(chance.uniform(0.0, 0.1))
     for _ in range(times - 1):
         time.sleep(chance.choice([0.0, 0.01, 0.5, 2.0]))
         strike(run, signal_number, whom)
-    if whom in ("make", "group"):
-        printed = wait_for_the_end(folder, run)
-        assert "Traceback" not in printed
-        ended = ("the same command goes on from there", "Results are in")
-        assert signal_number == signal.SIGKILL or any(words in printed for words in ended)
+    if whom != "a job":
+        wait_for_the_end(folder, run, SECONDS[signal_number])
     run.wait()
-    finished(folder)
-    assert processes_in(folder) == []
-    runs.assert_same(folder / RESULTS, study / RESULTS)
-    assert [path for path in (folder / "results").rglob(".*") if path.is_file()] == []
+    assert run.returncode != 0
+    printed = finished(folder)  # the same command, with nothing unlocked by anybody
+    assert "unlock" not in printed
+    assert runs.processes_in(folder) == []
+    runs.assert_same(folder / "results/smallest", smallest / "results/smallest")
+    assert runs.planned(folder, config="smallest.yaml") == {}
 
 
+@pytest.mark.slow
+def test_of_two_runs_of_a_study_one_is_refused_and_another_study_runs_beside(smallest, tmp_path):
+    folder = runs.checkout(tmp_path / "two")
+    text = (folder / "smallest.yaml").read_text()
+    (folder / "other.yaml").write_text(text.replace("name: smallest", "name: other"))
+    first, beside = started(folder, make()), started(folder, make("other.yaml"))
+    while not (folder / "results/smallest/logs").exists():
+        assert first.poll() is None
+        time.sleep(0.1)
+    refused = runs.answer(make(), folder)
+    assert refused.returncode != 0
+    assert "another run of the study smallest is at work here" in refused.stdout + refused.stderr
+    assert "close_joints" in runs.planned(folder, config="other.yaml") or beside.poll() == 0
+    assert (first.wait(), beside.wait()) == (0, 0), (folder / "output.txt").read_text()
+    runs.assert_same(folder / "results/smallest", smallest / "results/smallest")
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("whom", ["make", "group"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
     tmp_path, number, whom
 ):
-    for name in (*runs.NEEDED, "workflow/scripts/process_group.py"):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    if (number, whom) == (signal.SIGINT, "make"):
+        pytest.skip("make hands an interrupt on to nobody: a terminal signals the group")
+    for name in runs.NEEDED:
         shutil.copy(runs.ROOT / name, tmp_path / name)
     run = started(tmp_path, ["make", "setup"])
     time.sleep(random.Random(number).uniform(0.5, 10.0))
     strike(run, number, whom)
-    wait_for_the_end(tmp_path, run)
+    wait_for_the_end(tmp_path, run, SECONDS[number])
     assert run.returncode != 0
     assert not (tmp_path / runs.STAMP).exists()
 
 
-def case(number: int) -> str:
-    return f"cases/slate-jrc-level_{number}.0.nc"
+# Files that are damaged, changed or foreign
 
 
-def test_files_that_are_damaged_changed_or_foreign_are_made_again(study, copied):
-    mine, intact = copied / RESULTS, study / RESULTS
-    data = bytearray((mine / case(1)).read_bytes())
-    data[random.Random(1).randrange(len(data))] ^= 4
-    (mine / case(1)).write_bytes(data)
-    (mine / case(3)).write_bytes((mine / case(3)).read_bytes()[:-1000])
-    shutil.copy(mine / case(1), mine / case(4))
-    times = (mine / "study.nc").stat()
-    shutil.copy(mine / "pool.nc", mine / "study.nc")
-    os.utime(mine / "study.nc", ns=(times.st_atime_ns, times.st_mtime_ns))
-    claims = mine / "tables/claims.csv"
-    claims.write_text(claims.read_text().replace("undecided", "stands"))
-    (mine / "tables/table_3_indifference.csv").write_text("")
-    shutil.copy2(mine / "figures/wall_pair.png", mine / "figures/fig_5_closure.png")
-    (mine / "tables/max_closure.csv").unlink()
-    refused = runs.studies_command("report", mine, "--output", copied / "page.html")
-    assert (refused.returncode, len(refused.stderr.splitlines())) == (2, 1)
-    assert not (copied / "page.html").exists()
-    printed = finished(copied)
-    assert "3 files are of other settings or code, or damaged" in printed
-    assert (
-        "results/tiny/study.nc: the file is not as jointclosure wrote it"
-        in (mine / "logs/make_study.log").read_text()
-    )
-    runs.assert_same(mine, intact, "figures")
+CASE, OTHER = "cases/slate-jrc-level_1.0-2.nc", "cases/slate-jrc-level_3.0-2.nc"
+
+
+def truncated(results: Path, name: str) -> None:
+    (results / name).write_bytes((results / name).read_bytes()[:-1000])
+
+
+def flipped(results: Path, name: str) -> None:
+    data = bytearray((results / name).read_bytes())
+    data[len(data) // 2] ^= 4
+    (results / name).write_bytes(data)
+
+
+def foreign(results: Path, name: str) -> None:
+    """Another whole file of the same kind."""
+    shutil.copy(results / {CASE: OTHER, "study.nc": "pool.nc"}[name], results / name)
+
+
+def emptied(results: Path, name: str) -> None:
+    (results / name).write_bytes(b"")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spoil", [truncated, flipped, foreign, emptied])
+@pytest.mark.parametrize("name", [CASE, "study.nc"])
+@pytest.mark.parametrize("kept", [True, False], ids=["times kept", "new times"])
+def test_a_spoilt_dataset_is_an_error_that_names_it_and_becomes_no_table(copied, name, spoil, kept):
+    """Snakemake does not see such files where their times are kept: their readers do."""
+    results = copied / RESULTS
+    before = (results / name).stat()
+    spoil(results, name)
+    if kept:
+        os.utime(results / name, ns=(before.st_atime_ns, before.st_mtime_ns))
+    if name == CASE:
+        (results / "study.nc").unlink()
+    tables = [results / "tables" / f"{table}.csv" for table in ("correlations", "claims")]
+    for table in tables:
+        table.unlink()
+    spoilt = (results / name).read_bytes()
+    refused = runs.run_snakemake(copied)
+    assert refused.returncode != 0
+    lines = (refused.stdout + refused.stderr).splitlines()
+    found = [line for line in lines if f"{RESULTS}/{name}: " in line and "delete it" in line]
+    assert found, "\n".join(lines)
+    assert not any(table.exists() for table in tables)
+    assert (results / name).read_bytes() == spoilt  # no file is taken away
+
+
+@pytest.mark.slow
+def test_a_spoilt_dataset_that_is_deleted_is_made_again_to_the_same_bits(study, copied):
+    results = copied / RESULTS
+    truncated(results, CASE)
+    for name in (CASE, "study.nc", "tables/max_closure.csv"):
+        (results / name).unlink()
+    finished(copied, "tiny.yaml")
+    runs.assert_same(results, study / RESULTS)
     assert runs.planned(copied) == {}
 
 
+@pytest.mark.slow
+def test_a_report_of_a_spoilt_dataset_is_refused_in_a_line(copied):
+    flipped(copied / RESULTS, "study.nc")
+    page = copied / "page.html"
+    refused = runs.studies_command("report", copied / RESULTS, "--output", page)
+    assert (refused.returncode, len(refused.stderr.splitlines())) == (2, 1)
+    assert "study.nc: " in refused.stderr
+    assert not page.exists()
+
+
+@pytest.mark.slow
 def test_any_realisation_is_repeated_by_one_command(copied):
     results = copied / RESULTS
     again = runs.studies_command("repeat", results, "slate-jrc-level_1", 2)

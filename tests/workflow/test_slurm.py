@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.workflow.runs import ROOT, checkout, snakemake, studies_command
+from tests.workflow.runs import ROOT, assert_same, changed, checkout, snakemake
 
-PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
+PROFILE = ROOT / "profiles/slurm/config.yaml"
 
 pytestmark = pytest.mark.slow
 
@@ -32,7 +32,7 @@ def on_slurm(folder: Path) -> str:
         profile |= {"slurm-no-account": True, "slurm-status-command": "squeue"}
     (folder / "profile").mkdir()
     (folder / "profile/config.yaml").write_text(yaml.safe_dump(profile))
-    return snakemake(folder, profile="profile")
+    return snakemake(folder, "--workflow-profile", "profile")
 
 
 @pytest.mark.skipif(not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it")
@@ -40,14 +40,10 @@ def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     here, there = tmp_path / "here", tmp_path / "there"
     for folder in (here, there):
         checkout(folder)
-    text = (there / "tiny.yaml").read_text()
-    (there / "tiny.yaml").write_text(
-        text.replace("  realizations: 3\n", "  realizations: 3\n  realizations_per_job: 2\n")
-    )
+        changed(folder, "tiny.yaml", ("study.realizations_per_job", 2))
     snakemake(here)
     printed = on_slurm(there)
-    found = studies_command("compare", "--exact", here / "results/tiny", there / "results/tiny")
-    assert found.returncode == 0, found.stdout + found.stderr
-    # blocks in components of 4, the kernels, and what follows
+    assert_same(here / "results/tiny", there / "results/tiny")
+    # surfaces and blocks in components of 4, the kernels, and what follows
     submitted = printed.count("SLURM jobid")
-    assert 0 < submitted <= 12, printed
+    assert 0 < submitted <= 30, printed

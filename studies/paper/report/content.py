@@ -10,7 +10,6 @@ import xarray as xr
 
 from jointclosure.cli.report import provenance_rows
 from jointclosure.engine.progress import duration
-from jointclosure.joint.protocol import FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
     Estimate,
@@ -22,6 +21,13 @@ from jointclosure.statistics.standard_errors import (
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.tables import succeeded
+from studies.paper.checks import (
+    REMARKS,
+    REPORTED,
+    change_in_words,
+    most_changed,
+    remarked_joints,
+)
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.layout import test_name
@@ -65,6 +71,7 @@ def content(material: Material) -> dict:
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": departures(rows),
         "failed_checks": int((~known["checks"].passed).sum()),
+        "limited_checks": int((known["checks"].required != REPORTED).sum()),
         "pictures": material.pictures,
         "provenance": provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
@@ -74,17 +81,32 @@ def content(material: Material) -> dict:
 
 
 def outcome(study: xr.Dataset) -> dict:
-    """Count simulations: all, used, failed, and those with each remark or failure."""
+    """Count simulations: all, used, failed, and those that are used with a remark.
+
+    ``remarks`` has, by remark: the number of joints, of their cases, and the largest change of a
+    mean closure where they are left out, with its case and cycle.
+    """
     good = succeeded(study)
     used = good.sum("realization")
-    counts = {name: int(((study.status & mask) > 0).sum()) for mask, name in FLAGS.items()}
+    remarked, remarks = remarked_joints(study), {}
+    for name in REMARKS.values():
+        rows = remarked[remarked.remark == name]
+        of_cases, most = rows.drop_duplicates("case"), most_changed(rows)
+        change = "no joint is left without them"
+        if most is not None:
+            where = f"{most.case}, cycle {most.cycle}"
+            change = (
+                f"mean closures without them change at most by {change_in_words(most)} ({where})"
+            )
+        joints, cases = int(of_cases.joints.sum()), len(of_cases)
+        remarks[name] = {"joints": joints, "cases": cases, "change": change}
     return {
         "simulations": good.size,
         "used": int(good.sum()),
         "failed": int((~good).sum()),
         "least_used": int(used.min()),
         "most_used": int(used.max()),
-        "flags": counts,
+        "remarks": remarks,
     }
 
 

@@ -15,6 +15,7 @@ from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
 from studies.frame.tables import succeeded
+from studies.paper.checks import REPORTED, change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
@@ -158,8 +159,7 @@ def tested(joint: pd.DataFrame) -> pd.DataFrame:
 def checked(checks: pd.DataFrame) -> pd.DataFrame:
     """Checks of the results, with verdicts."""
     verdict = np.where(checks.passed, "passed", "FAILED")
-    reported = checks.required == "reported only"
-    return checks.assign(verdict=np.where(reported, "reported only", verdict))
+    return checks.assign(verdict=np.where(checks.required == REPORTED, REPORTED, verdict))
 
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:
@@ -201,6 +201,25 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
     return frame.assign(**{"Effects that act": study.scene.values})
 
 
+def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
+    """Joints with a remark in each case that has some, and means without them."""
+    rows = []
+    for (remark, _), part in remarked_joints(study).groupby(["remark", "case"], sort=False):
+        first = part.iloc[0]
+        row: dict[str, object] = {
+            "Rock": about.titles[first.rock],
+            "Changed": _PROPERTY.get(first.parameter, "as it is"),
+            "Level": first.level,
+            "Remark": in_words(str(remark)),
+            "Joints": first.joints,
+            "Of used (n)": first.samples,
+        }
+        for line in part.itertuples():
+            row[f"Change of mean closure without them, cycle {line.cycle}"] = change_in_words(line)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
 def failures(study: xr.Dataset) -> pd.DataFrame:
     """Failed simulations, with the seeds of their walls."""
     rows = []
@@ -235,6 +254,8 @@ def frames_of(
     """Return tables of the page by name; a study need not have all that they are made of."""
     known = {name: table for name, table in known.items() if len(table)}
     frames = {"statuses": statuses(study, about), "failures": failures(study)}
+    if len(with_remarks := remarks(study, about)):
+        frames["remarks"] = with_remarks
     if "claim_margins" in known:
         frames["evidence"] = evidence(known["claims"], known["claim_margins"], about)
     if "percent" in known.get("table_3_indifference", ()):

@@ -1,0 +1,211 @@
+"""Datasets of a study: all cases of an ensemble joined, and checks of what is read of them."""
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.inputs import InputError
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
+from studies.frame.settings import Case, Point
+from studies.frame.tables import join_cases
+
+ROWS = 256
+"""Realisations in memory at a time, and compressed together."""
+CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
+"""Curves over stress: nine tenths of the numbers of a study."""
+_AGAIN = "delete it and start again; missing files are made again"
+
+
+class ForeignFileError(InputError):
+    """Error for a file that is whole, but not of this study."""
+
+
+def joints_key(point: Point, code: str) -> str:
+    """Return the digest of all that the joints of a point depend on, whatever their number.
+
+    ``code`` is the digest of the code that closes them.
+    """
+    settings = point.settings._replace(first_realization=0, realizations=0)
+    return digest(point._replace(settings=settings), code)
+
+
+def digest(*parts: object) -> str:
+    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@contextlib.contextmanager
+def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
+    """Open a file of this study, whose values are read when they are used.
+
+    Raises
+    ------
+    DamagedFileError
+        If the file is not as it was written.
+    ForeignFileError
+        If it was made with other settings or by other code; ``key`` is that of its attributes.
+    """
+    with reading_netcdf(path) as stored:
+        if stored.attrs.get("key") != key:
+            raise _foreign(path)
+        yield stored
+
+
+def _foreign(path: str | Path) -> ForeignFileError:
+    return ForeignFileError(
+        f"{path}: is not of this study (other settings, surfaces or code): {_AGAIN}"
+    )
+
+
+def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
+    """Read a file of this study without some variables; errors as for `reading_checked`."""
+    with reading_checked(path, key) as stored:
+        return stored.drop_vars(without, errors="ignore").load()
+
+
+def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> str:
+    """Return the case of joints in a file by their key; ``keys`` are those of `joints_key`.
+
+    Raises
+    ------
+    ForeignFileError
+        If they are of no case of this study.
+    """
+    for label, key in keys.items():
+        if joints.attrs.get("key") == key:
+            return label
+    raise _foreign(path)
+
+
+def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence[int]]) -> int:
+    """Return the number of realisations, from 0, if each case has each of them in one file.
+
+    Parameters
+    ----------
+    files : mapping
+        Case of each file.
+    realizations : mapping
+        Realisations in each file.
+
+    Raises
+    ------
+    ForeignFileError
+        If a case lacks a realisation that others have, or has one in two files.
+    """
+    holders: dict[tuple[str, int], str] = {}
+    for file, numbers in realizations.items():
+        for number in numbers:
+            other = holders.setdefault((files[file], number), file)
+            if other != file:
+                raise ForeignFileError(
+                    f"{file}: has realisation {number} of {files[file]}, as {other} has: delete "
+                    "both and start again; missing files are made again"
+                )
+    count = max(number for _, number in holders) + 1
+    for label in set(files.values()):
+        for number in range(count):
+            if (label, number) not in holders:
+                raise ForeignFileError(
+                    f"{label}: no file of joints has its realisation {number}: delete its files "
+                    "and start again; missing files are made again"
+                )
+    return count
+
+
+def of_case(joints: xr.Dataset) -> xr.Dataset:
+    """Return joints of one case over their realisations."""
+    joints = joints.drop_vars(["case", "rock", "parameter", "level", "value", "cycles"])
+    return joints.swap_dims(joint="realization")
+
+
+def write_ensemble(
+    files: Sequence[str],
+    keys: Mapping[str, str],
+    cases: Sequence[Case],
+    attributes: Mapping[str, str],
+    output: str | Path,
+    report: Callable[[str], None],
+) -> None:
+    """Write all cases of an ensemble as one dataset (case, realization, ...), few rows at a time.
+
+    Parameters
+    ----------
+    files : sequence of str
+        Files of `close_joints`, of all cases and all blocks of their realisations.
+    keys : mapping
+        `joints_key` of each case, by its label.
+    cases : sequence of Case
+        Cases in the order of the dataset.
+    attributes : mapping
+        Attributes of the dataset.
+    output : path
+        File to write.
+    report : callable
+        Called with a line for each file.
+
+    Raises
+    ------
+    ForeignFileError
+        If a file is not of this study, or if the cases do not have the same realisations.
+    """
+    places = {case.label: place for place, case in enumerate(cases)}
+    scenes, labels, realizations = [""] * len(cases), {}, {}
+    for file in files:
+        with reading_netcdf(file) as joints:
+            labels[file] = case_in(file, joints, keys)
+            scenes[places[labels[file]]] = joints.attrs["scene"]
+            realizations[file] = joints.realization.values.tolist()
+    count = check_complete(labels, realizations)
+    with reading_checked(files[0], keys[labels[files[0]]]) as joints:
+        row = of_case(joints.isel(joint=slice(0, 1)).load())
+    frame = join_cases(list(cases), [row] * len(cases))
+    about = {"long_name": "effects that were simulated"}
+    frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
+    frame.attrs = dict(attributes)
+
+    def regions() -> Iterator[tuple[dict, xr.Dataset]]:
+        for file in files:
+            with reading_checked(file, keys[labels[file]]) as joints:
+                used, rows = int((joints.status < FAILURE).sum()), joints.sizes["joint"]
+                report(f"{Path(file).stem}: {used} of {rows} realisations are used")
+                for start in range(0, rows, ROWS):
+                    part = of_case(joints.isel(joint=slice(start, start + ROWS)).load())
+                    first, last = part.realization.values[[0, -1]].tolist()
+                    at = {"case": places[labels[file]], "realization": slice(first, last + 1)}
+                    yield at, part
+
+    chunks = {"case": 1, "realization": min(ROWS, count)}
+    write_netcdf(frame, output, regions(), "realization", chunks)
+
+
+def chosen_effects(files: Iterable[str]) -> str:
+    """Return JSON of the effects that were chosen, by rock, of files of `choose_effects`."""
+    chosen = {}
+    for file in files:
+        pilot = read_netcdf(file)
+        chosen[str(pilot.rock.values[0])] = json.loads(pilot.attrs["chosen"])
+    return json.dumps(chosen)
+
+
+def read_joints(files: Iterable[str], keys: Mapping[str, str], cases: Sequence[Case]) -> xr.Dataset:
+    """Read closed joints of all cases as one dataset (case, realization, ...), without curves.
+
+    Arguments and errors are as for `write_ensemble`.
+    """
+    blocks: dict[str, list[xr.Dataset]] = {case.label: [] for case in cases}
+    labels, realizations = {}, {}
+    for file in files:
+        joints = read_netcdf(file, without=CURVES)
+        labels[file] = case_in(file, joints, keys)
+        blocks[labels[file]].append(of_case(joints))
+        realizations[file] = joints.realization.values.tolist()
+    check_complete(labels, realizations)
+    joined = [xr.concat(parts, "realization") for parts in blocks.values()]
+    return join_cases(list(cases), joined)

@@ -1,0 +1,97 @@
+"""Joints that are closed before a study: to choose the effects of a rock, and to estimate times."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.joints import read_joint
+from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among
+from jointclosure.walls import Walls
+from studies.frame.closing import Report, close_points, joined_rows, reading_of
+from studies.frame.settings import BASE, Point, joints_of
+
+TRIED = 3
+"""Alike points of which one joint is closed to estimate the time of all."""
+
+
+class Choice(NamedTuple):
+    """Case on which the effects of a rock are chosen, and the joints of all its cases."""
+
+    point: Point
+    cases: int
+    joints: int
+
+
+def examined(points: Mapping[str, Point]) -> Choice:
+    """Return the choice for all cases of a rock (points by label), where effects matter most."""
+
+    def order(label: str) -> tuple[float, bool]:
+        case = points[label].settings.case  # of the largest stress over the strength
+        ratio = case.max_normal_stress / case.number("compressive_strength")
+        return (-round(ratio, 12), case.parameter != BASE)
+
+    return Choice(points[min(points, key=order)], len(points), joints_of(points.values()))
+
+
+def choose_effects(
+    choice: Choice,
+    walls: Iterable[Walls],
+    names: Iterable[str],
+    report: Report = lambda line: None,
+) -> xr.Dataset:
+    """Select the effects that a rock's cases call for, to the tolerance of the configuration.
+
+    Joints closed with these effects are returned as by `close_joints`, with attributes ``case``
+    and ``chosen`` (JSON).
+    """
+    (point, cases, joints), settings = choice, choice.point.settings
+    label = settings.case.label
+    report(f"{label}, for {cases} cases of {joints} joints together:")
+    pilot = Pilot(list(islice(walls, MOST_PAIRS)), settings.conditions.checked(), joints)
+    selected = choose_among(pilot, settings.effects_chosen_to or 0.0, report)
+    reading = reading_of(settings.under(effects=selected.effects), names)
+    stored = (replace(one, stresses=reading.stresses) for one in selected.closed)
+    rows = [read_joint(one, reading.names) for one in stored]
+    about = {"effects": selected.effects._asdict(), "error": selected.error}
+    details = {"reasons": selected.reasons, "changes": selected.changes.to_dict("records")}
+    chosen = about | {"cases": {label: about | details}}
+    under = point._replace(settings=settings.under(effects=selected.effects))
+    return joined_rows(rows, under, reading).assign_attrs(case=label, chosen=json.dumps(chosen))
+
+
+def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
+    """Return a few of the points of each rock, grid and model, and the joints of all these."""
+    alike: dict[tuple, list[Point]] = {}
+    for point in points:
+        settings, model = point.settings, point.settings.conditions
+        kind = settings.case.rock, model.effects, model.numerics, settings.grid, *point.options
+        alike.setdefault(kind, []).append(point)
+    return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
+
+
+def estimate_time(groups: Iterable[tuple[Sequence[Point], int]], report: Report) -> pd.DataFrame:
+    """Estimate the processor time of groups of points (`tried`), with standard errors [s]."""
+    rows = []
+    for points, joints in groups:
+        first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]
+        times = close_points(first, ()).timing_simulation.to_series()
+        rock, grid = points[0].settings.case.rock, points[0].settings.grid
+        row = {"rock": rock, "cells": grid.cells_x * grid.cells_y, "joints": joints}
+        rows.append(row | {"seconds": joints * times.mean(), "error": joints * times.sem()})
+        report(f"{rock}, {row['cells']} cells: about {rows[-1]['seconds']:.0f} s")
+    return pd.DataFrame(rows)
+
+
+def described_time(estimate: pd.DataFrame) -> str:
+    """Describe a table of `estimate_time` in a sentence."""
+    minutes, error = estimate.seconds.sum() / 60, math.hypot(*estimate.error) / 60
+    known = f" ± {error:.0f}" if math.isfinite(error) else ""
+    return (
+        f"{estimate.joints.sum()} joints will take about {minutes:.2g}{known} minutes on one core"
+    )

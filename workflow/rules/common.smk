@@ -1,0 +1,352 @@
+# What the rules share: the checked configuration, its cases and their settings. No rules here.
+#
+# Snakemake makes a file again when its inputs, its script or its `params` change. It does not see
+# modules that a script imports, so `params` have a digest of that code, `code(...)`. They also have
+# the part of the configuration that a rule reads, as plain values in a fixed order.
+import json
+import os
+from functools import cache, partial
+
+from snakemake.exceptions import WorkflowError
+
+from jointclosure.compilation.kernels import cache_folder
+from jointclosure.compilation.sources import code_digest
+from jointclosure.engine.selection import possible_scenes
+from jointclosure.inputs import InputError
+from jointclosure.joint.warmup import kernels_of
+from jointclosure.walls.scans import file_digest, files_of
+from studies.frame.cases import (
+    blocks_of,
+    cases_of,
+    closed_keys,
+    ensembles_of,
+    first_with_surfaces,
+    joint_grid,
+    synthesis,
+    wall_digests,
+)
+from studies.frame.configuration import configured
+from studies.frame.datasets import digest, joints_key
+from studies.frame.pilots import examined, tried
+from studies.frame.points import case_point, experiment_named
+from studies.frame.rocks import check_files, wall_files
+from studies.frame.settings import joints_of, surface_settings
+from studies.frame.yaml_files import configuration_text, read_plain
+from studies.paper.measured import curve_settings, measured_curves
+from studies.paper.report.page import template_digest
+from studies.verification.hard_cases import kernels_of_cases as kernels_of_hard_cases
+from studies.verification.hard_cases import merged_cases
+
+try:  # one line for each wrong key or file, before any job
+    for file in workflow.configfiles:
+        read_plain(file)
+    STUDY = configured(config)
+    check_files(STUDY.rocks)
+    measured_curves(curve_settings(STUDY))
+except InputError as error:
+    raise WorkflowError(str(error)) from None
+config.update(STUDY.stated)
+
+RESULTS = f"results/{STUDY.study.name}"
+PAPER_TABLE_3 = "studies/paper/paper_table_3.csv"
+ENVIRONMENT = "../envs/jointclosure.yaml"
+
+# Rocks whose walls are made from a JRC, and rocks whose walls were scanned
+SYNTHETIC = [name for name, rock in STUDY.rocks.items() if not rock.walls]
+SCANNED = [name for name, rock in STUDY.rocks.items() if rock.walls]
+
+# Ensembles of joints, and the names of their datasets
+#   cases:  every case of the study, on its surfaces
+#   pool:   every case on further surfaces, which all cases of a rock share
+#   finest: some joints of the cases again, by the finest numerics (study.accuracy)
+ENSEMBLES = ensembles_of(STUDY)
+CASES = {name: {c.label: c for c in cases_of(of)} for name, of in ENSEMBLES.items()}
+DATASETS = {"study": "cases"} | {name: name for name in ENSEMBLES if name == "pool"}
+
+VARIED = any(rock.levels for rock in STUDY.rocks.values())  # is a property varied?
+POOL = (
+    "pool" if "pool" in ENSEMBLES else "study"
+)  # dataset by which the model is judged
+# are means adjusted by covariates of the walls? Those of scanned walls are not known.
+ADJUSTED = STUDY.statistics.control_variates is not None and SYNTHETIC != []
+MEASURED = curve_settings(STUDY)  # measured curves of rocks, by rock
+CHOSEN = STUDY.effects.auto is not None  # are effects chosen, rock by rock?
+
+# Tables and figures of this study
+TABLES = [
+    "configuration.json",
+    "table_1_rocks.csv",
+    "table_2_cases.csv",
+    "table_3_indifference.csv",
+    "table_3_indifference.md",
+    "table_3_predictive.csv",
+    "table_3_joint_tests.csv",
+    "correlations.csv",
+    "max_closure.csv",
+    "elasticities.csv",
+    "claims.csv",
+    "claim_margins.csv",
+    "checks.csv",
+]
+TABLES += ["measured_fit.csv"] if MEASURED else []
+TABLES += ["hydraulic_aperture.csv"] if STUDY.flow else []
+TABLES += ["accuracy_reached.csv"] if STUDY.study.accuracy else []
+FIGURES_OF_STUDY = [
+    "fig_3_equivalent_stress",
+    "fig_5_closure",
+    "closure_since_seating",
+    "wall_pair",
+]
+FIGURES_OF_STUDY += ["hydraulic_aperture"] if STUDY.flow else []
+FIGURES_OF_STUDY += ["table_3_intervals", "trends_max_closure"] if VARIED else []
+FIGURES = FIGURES_OF_STUDY + (["table_3_predictive"] if VARIED else [])
+CHECKED = DATASETS | ({"finest": "finest"} if STUDY.study.accuracy else {})
+
+# The paper's study, beside which tables of other studies are put
+IS_PAPER = STUDY.study.name == read_plain("config/default.yaml")["study"]["name"]
+SENSITIVITY = [
+    "results/global_sensitivity/tables/global_sensitivity",
+    "studies/global_sensitivity/published/global_sensitivity/global_sensitivity",
+]
+
+
+wildcard_constraints:
+    ensemble="cases|pool|finest",
+    rock="[a-z][a-z0-9_]*",
+    scene="[a-z_-]+",
+    change="[a-z0-9_]+(-[a-z0-9_]+)?",
+    first="[0-9]+",
+    last="[0-9]+",
+
+
+def code(script, *functions, titles=True):
+    """Digest of a script, and of functions (module:function), with all that they import.
+
+    Without ``titles`` those of quantities do not count: no joint is closed again for a word.
+    """
+    return code_digest(f"workflow/scripts/{script}", *functions, titles=titles)
+
+
+def case_of(wildcards):
+    """Case of a rock and a change of it, in an ensemble."""
+    return CASES[wildcards.ensemble][f"{wildcards.rock}-{wildcards.change}"]
+
+
+def point_of(wildcards):
+    """Settings of the joints of a case, for a block of its realisations."""
+    block = range(int(wildcards.first), int(wildcards.last) + 1)
+    return case_point(ENSEMBLES[wildcards.ensemble], case_of(wildcards), block)
+
+
+def keys_of(ensemble):
+    """Digests of all that the joints of each case depend on, by case."""
+    closing = code("close_joints.py", titles=False)
+    return {
+        label: joints_key(case_point(ENSEMBLES[ensemble], case, range(0)), closing)
+        for label, case in sorted(CASES[ensemble].items())
+    }
+
+
+def dataset_key(ensemble):
+    """Digest of all that a dataset depends on; a file with another one is not read."""
+    return digest(ensemble, sorted(keys_of(ensemble).items()))
+
+
+KEYS = {dataset: dataset_key(ensemble) for dataset, ensemble in DATASETS.items()}
+
+# Cases with equal settings of surfaces share these: the first such case, by ensemble and case
+SHARED = {name: first_with_surfaces(of, CASES[name]) for name, of in ENSEMBLES.items()}
+
+
+def surfaces_of(ensemble, case, first, last):
+    """File of the surfaces of a case, for a block of its realisations."""
+    return f"{RESULTS}/surfaces/{ensemble}/{SHARED[ensemble][case]}.{first}-{last}.nc"
+
+
+def blocks(ensemble):
+    """Blocks of realisations, each closed by one job, as far as the study goes at present."""
+    counts = planned_counts()  # of a requested accuracy
+    if counts is None or ensemble == "pool":
+        return blocks_of(ENSEMBLES[ensemble])
+    return blocks_of(ENSEMBLES[ensemble], counts[ensemble])
+
+
+def closed_joints(ensemble, of=None):
+    """Files of the joints of all cases of an ensemble, for some blocks or all."""
+    return [
+        f"{RESULTS}/{ensemble}/{case}.{block.start}-{block.stop - 1}.nc"
+        for case in CASES[ensemble]
+        for block in (blocks(ensemble) if of is None else of)
+    ]
+
+
+def closed_surfaces(ensemble, case):
+    """Files of the surfaces of a case, for all blocks."""
+    return [
+        surfaces_of(ensemble, case, block.start, block.stop - 1)
+        for block in blocks(ensemble)
+    ]
+
+
+# Scanned walls
+
+
+def scan_files(rock):
+    """Files of the scanned walls of a rock."""
+    return [
+        str(file)
+        for scan in wall_files(STUDY.rocks[rock].walls).values()
+        for file in files_of(scan)
+    ]
+
+
+def scan_settings(rock):
+    """How the scanned walls of a rock are read, by the arguments of `prepare_walls`."""
+    walls = STUDY.rocks[rock].walls
+    return {
+        "walls": walls,
+        "digests": wall_digests(walls),
+        "grid": STUDY.grid,
+        "jrc_relation": STUDY.surface.jrc_relation,
+        "unusual_values": STUDY.study.unusual_values == "allow",
+        "realizations": max(of.study.realizations for of in ENSEMBLES.values()),
+    }
+
+
+# Kernels, and effects that are chosen
+
+
+def kernel_files(points, chosen=False):
+    """Files of the kernels that the joints of points need, also where effects are chosen.
+
+    They are no `ancient` input: Snakemake looks for no change of params or code in jobs below one
+    that is run, and an ancient input does not run them either.
+    """
+    models = [point.settings.conditions.model for point in points]
+    kernels = kernels_of(
+        (scene, *model[1:])
+        for model in models
+        for scene in possible_scenes(model[0], chosen=chosen)
+    )
+    return [f"{RESULTS}/kernels/{'.'.join(kernel)}.txt" for kernel in kernels]
+
+
+def choice_of(rock):
+    """Case of a rock on which its effects are chosen, with the number of joints of all its cases."""
+    block = range(STUDY.study.realizations)
+    of_rock = {
+        label: case_point(STUDY, case, block)
+        for label, case in CASES["cases"].items()
+        if case.rock == rock
+    }
+    return examined(of_rock)
+
+
+def surfaces_of_choice(rock):
+    """Surfaces of the case on which the effects of a rock are chosen."""
+    label = choice_of(rock).point.settings.case.label
+    return [
+        surfaces_of("cases", label, block.start, block.stop - 1)
+        for block in blocks_of(STUDY)
+    ]
+
+
+# Rounds of a requested accuracy (accuracy.smk)
+
+
+def planned_counts():
+    """Surfaces of a case by ensemble when the requested accuracy is reached; None without one."""
+    if STUDY.study.accuracy is None:
+        return None
+    number, plan = 0, read_plan(0)
+    while not plan["ended"]:
+        number += 1
+        plan = read_plan(number)
+    return plan
+
+
+def read_plan(number):
+    """Plan of a round; until its checkpoint is done, Snakemake knows of no job after it."""
+    with open(checkpoints.plan_accuracy.get(round=number).output.plan) as file:
+        return json.load(file)
+
+
+def reached_plan():
+    """File of the last plan, which states the numbers of surfaces; none without a request."""
+    counts = planned_counts()
+    return [] if counts is None else f"{RESULTS}/accuracy/round_{counts['round']}.json"
+
+
+def joints_of_round(ensemble, number):
+    """Files of the joints that the plan of a round asks for; none before the first round."""
+    if number < 0:
+        return []
+    count = read_plan(number)[ensemble]
+    return closed_joints(ensemble, blocks_of(ENSEMBLES[ensemble], count))
+
+
+def first_points(ensemble):
+    """First joint of the base case of each rock, with all effects that may be chosen."""
+    return [
+        case_point(ENSEMBLES[ensemble], case, range(1))
+        for case in CASES[ensemble].values()
+        if case.parameter == "base"
+    ]
+
+
+# Experiments (experiments.smk)
+
+
+EXPERIMENTS = {name: experiment_named(name) for name in STUDY.study_sections}
+POINTS = {name: cache(partial(of.jobs, STUDY)) for name, of in EXPERIMENTS.items()}
+TABLE_OF = {table: name for name, of in EXPERIMENTS.items() for table in of.tables}
+FIGURE_OF = {figure: name for name, of in EXPERIMENTS.items() for figure in of.figures}
+
+if workflow.is_main_process:
+    try:
+        for experiment in EXPERIMENTS.values():
+            experiment.check(STUDY)
+    except InputError as error:
+        raise WorkflowError(str(error)) from None
+
+
+def name_of(function):
+    """Module and name of a function, by which the digest of its code is found."""
+    return f"{function.__module__}:{function.__name__}"
+
+
+@cache
+def points_key(experiment, job):
+    """Digest of all that the joints of a job of an experiment depend on."""
+    closing = code("close_points.py", *makers(experiment, job), titles=False)
+    return digest(
+        POINTS[experiment]()[job], EXPERIMENTS[experiment].quantities, closing
+    )
+
+
+def makers(experiment, job):
+    """Functions that make the walls of a job."""
+    return sorted({point.maker for point in POINTS[experiment]()[job] if point.maker})
+
+
+def files_of_experiment(experiment):
+    """Tables and figures of an experiment, whose section must be in the configuration."""
+    if experiment not in EXPERIMENTS:
+        raise InputError(
+            f"{experiment}: the configuration has no section of this name "
+            f"(studies/{experiment}/{experiment}.yaml has one)"
+        )
+    of = EXPERIMENTS[experiment]
+    tables = [f"{RESULTS}/tables/{table}" for table in of.tables]
+    figures = collect(
+        f"{RESULTS}/figures/{{figure}}.{{form}}", figure=of.figures, form=["png", "pdf"]
+    )
+    return tables + figures
+
+
+# Tables of other studies (report.smk)
+
+
+def existing(*files):
+    """First of some files that exists, as a list; of the paper's study only."""
+    return [file for file in files if IS_PAPER and os.path.exists(file)][:1]

@@ -1,0 +1,68 @@
+# Joints that are hard on a solver, closed and judged by an independent oracle. They depend on no
+# configuration, and no other rule depends on them.
+HARD_CASES = merged_cases(read_plain("studies/verification/hard_cases.yaml"))
+GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
+
+
+use rule compile_kernels as compile_hard_cases with:
+    output:
+        "results/hard_cases/kernels/{scene}.{peaks}.{bound}.{solver}.{breakage}.txt",
+    log:
+        "results/hard_cases/logs/compile/{scene}.{peaks}.{bound}.{solver}.{breakage}.log",
+
+
+rule close_hard_cases:
+    input:
+        kernels=[
+            f"results/hard_cases/kernels/{'.'.join(kernel)}.txt"
+            for kernel in kernels_of_hard_cases(HARD_CASES.values())
+        ],
+    output:
+        "results/hard_cases/cases/{group}.csv",
+    log:
+        "results/hard_cases/logs/close_hard_cases/{group}.log",
+    conda:
+        ENVIRONMENT
+    params:
+        cases={name: HARD_CASES[name] for name in sorted(HARD_CASES)},
+        code=code("close_hard_cases.py", titles=False),
+    message:
+        "Close and judge the hard cases of the group {wildcards.group}"
+    script:
+        "../scripts/close_hard_cases.py"
+
+
+rule tabulate_hard_cases:
+    input:
+        collect("results/hard_cases/cases/{group}.csv", group=GROUPS),
+    output:
+        cases="results/hard_cases/tables/hard_cases.csv",
+        errors="results/hard_cases/tables/hard_case_errors.csv",
+        features="results/hard_cases/tables/hard_case_features.csv",
+    log:
+        "results/hard_cases/logs/tabulate_hard_cases.log",
+    conda:
+        ENVIRONMENT
+    params:
+        order=list(HARD_CASES),
+        code=code("tabulate_hard_cases.py"),
+    message:
+        "Join the groups of hard cases in one table, and tabulate their errors"
+    script:
+        "../scripts/tabulate_hard_cases.py"
+
+
+# after the table, which stays to be read where a case does not hold
+rule hard_cases:
+    input:
+        rules.tabulate_hard_cases.output.cases,
+    output:
+        "results/hard_cases/logs/all_hold.txt",
+    log:
+        "results/hard_cases/logs/hard_cases.log",
+    conda:
+        ENVIRONMENT
+    message:
+        "Fail if a hard case does not hold"
+    script:
+        "../scripts/require_hard_cases.py"

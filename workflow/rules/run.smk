@@ -1,0 +1,126 @@
+# How a run starts and ends, and what it shows. No rules here.
+import fcntl
+import logging
+import re
+import shutil
+import sys
+import time
+
+from snakemake.logging import logger
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from jointclosure.engine.progress import duration
+from jointclosure.storage.files import read_csv
+from studies.frame.cases import expected_seconds
+from studies.paper.layout import closure_lines
+
+HELD = []  # the locked file of a run, open until this process ends
+OTHER_SECONDS = 3.0  # roughly, of a job that closes no joints
+
+
+class RunMessages(logging.Handler):
+    """Shows how long a run will still take, from the jobs that have ended, and why a job failed.
+
+    Jobs count by the expected time of their joints.
+    """
+
+    def __init__(self, dag):
+        super().__init__()
+        self.dag, self.start, self.shown = dag, time.monotonic(), 0.0
+        self.costs, self.ended = {}, set()
+        self.plan()
+
+    def plan(self):
+        """Add the jobs of the present plan: a checkpoint adds some, and ended ones leave it."""
+        self.costs |= {job.jobid: self.cost(job) for job in self.dag.needrun_jobs()}
+
+    def emit(self, record):
+        event = getattr(record, "event", None)
+        if event == LogEvent.JOB_ERROR:
+            for log in record.log:
+                print(
+                    f"{record.rule_name} failed: {last_line(log)}; its log is {log}",
+                    file=sys.stderr,
+                )
+        # where Snakemake is quiet about its progress, it tells of jobs that start only
+        if event == LogEvent.JOB_STARTED:
+            self.ended |= {job.jobid for job in self.dag.finished_jobs}
+            self.show_remaining()
+
+    def show_remaining(self):
+        """Show the remaining time, every ten seconds at most."""
+        now = time.monotonic() - self.start
+        if now - self.shown < 10.0:
+            return
+        self.plan()
+        done = sum(cost for jobid, cost in self.costs.items() if jobid in self.ended)
+        left = sum(self.costs.values()) - done
+        if done > 0.0 and left > 0.0:
+            self.shown = now
+            jobs = f"{len(self.ended)} of {len(self.costs)} jobs are done"
+            print(
+                f"{jobs}, about {duration(now * left / done)} left",
+                file=sys.stderr,
+                flush=True,
+            )
+
+    @staticmethod
+    def cost(job):
+        """Expected processor time of a job [s]."""
+        if job.rule.name == "close_joints":
+            joints = int(job.wildcards.last) - int(job.wildcards.first) + 1
+            return joints * expected_seconds(ENSEMBLES[job.wildcards.ensemble])
+        if job.rule.name == "close_points":
+            points = POINTS[job.wildcards.experiment]()[job.wildcards.job]
+            return joints_of(points) * expected_seconds(STUDY)
+        return OTHER_SECONDS
+
+
+def last_line(log):
+    """Last line of the log of a job, which states the reason of a failure."""
+    if not os.path.exists(log):
+        return "it ended before its log began"
+    with open(log, errors="replace") as file:
+        lines = file.read().split("\n")
+    return next(
+        (line for line in reversed(lines) if line.strip()), "killed"
+    ).removeprefix("failed: ")
+
+
+onstart:
+    # Two runs of one study at once are refused. The kernel ends the lock with this process,
+    # whatever ends it, so that no run ever needs to be unlocked.
+    os.makedirs(RESULTS, exist_ok=True)
+    HELD.append(open(f"{RESULTS}/.lock", "a"))
+    try:
+        fcntl.flock(HELD[-1], fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise WorkflowError(
+            f"another run of the study {STUDY.study.name} is at work here"
+        )
+    # Snakemake gives the path of Python to a shell without quotes, whatever this folder is named.
+    sys.executable = os.path.relpath(sys.executable)
+    # A job replaces its shell; on Linux it ends with Snakemake, whatever ends that.
+    ends = "setpriv --pdeathsig KILL " if shutil.which("setpriv") else ""
+    shell.prefix(f"set -euo pipefail; exec {ends}")
+    # jobs are announced by their rules; that some are selected is of no interest
+    selecting = re.compile(r"Select jobs to execute|Execute \d+ jobs")
+    for handler in logger.handlers:
+        handler.addFilter(lambda record: not selecting.match(record.getMessage()))
+    logger.addHandler(RunMessages(workflow.dag))
+
+
+onsuccess:
+    rules_of_run = {job.rule.name for job in workflow.dag.jobs}
+    if "fit_correlations" in rules_of_run:
+        closures = read_csv(f"{RESULTS}/tables/max_closure.csv")
+        print("\n".join(closure_lines(closures)), file=sys.stderr)
+    if "hard_cases" not in rules_of_run:
+        print(f"Results are in {RESULTS}/", file=sys.stderr)
+
+
+onerror:
+    print(
+        "The run failed or was ended. What is finished stays; the same command goes on from there.",
+        file=sys.stderr,
+    )

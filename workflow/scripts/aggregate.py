@@ -1,0 +1,34 @@
+"""Join all cases of an ensemble in one dataset, few realisations at a time."""
+
+import json
+from pathlib import Path
+
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import read_netcdf
+from studies.frame.datasets import chosen_effects, write_ensemble
+from studies.frame.walls import described
+from studies.frame.yaml_files import provenance
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        stated = json.loads(snakemake.params.stated)
+        attributes = {
+            "title": f"closure of rough joints, study {stated['study']['name']}",
+            "ensemble": snakemake.params.ensemble,
+            "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock "
+            "Fracture Surfaces Under Quasi-static Normal Load Cycles",
+            "key": snakemake.params.key,
+        } | provenance(stated)
+        if snakemake.input.effects:
+            attributes["effects_chosen"] = chosen_effects(snakemake.input.effects)
+        if snakemake.input.walls:
+            walls = {Path(file).stem: read_netcdf(file) for file in snakemake.input.walls}
+            attributes["walls"] = described(walls)
+        write_ensemble(
+            snakemake.input.joints,
+            snakemake.params.key_of,
+            snakemake.params.cases,
+            attributes,
+            snakemake.output[0],
+            log,
+        )

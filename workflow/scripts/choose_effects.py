@@ -1,0 +1,14 @@
+"""Choose the effects that the cases of a rock call for, on the surfaces of one of them."""
+
+from jointclosure.engine.quantities import names_of_case
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.pilots import choose_effects
+from studies.frame.settings import walls_in
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        walls = walls_in(snakemake.input.surfaces)
+        names = names_of_case(snakemake.params.flow)
+        chosen = choose_effects(snakemake.params.choice, walls, names, log)
+        write_netcdf(chosen, snakemake.output[0])

@@ -1,0 +1,25 @@
+"""Close the joints of a case, or of a block of its realisations, over their load cycles."""
+
+from jointclosure.engine.quantities import names_of_case
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from studies.frame.closing import close_joints, under_chosen
+from studies.frame.settings import walls_in
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        point, closed = snakemake.params.point, {}
+        ensemble, study = snakemake.wildcards.ensemble, snakemake.config["study"]["name"]
+        other = "" if ensemble == "cases" else f"--{ensemble} "
+        label = point.settings.case.label
+        if snakemake.input.effects:
+            point, closed = under_chosen(point, read_netcdf(snakemake.input.effects))
+        joints = close_joints(
+            point,
+            walls_in([snakemake.input.surfaces]),
+            names_of_case(snakemake.params.flow),
+            report=log,
+            closed=closed,
+            repeat=f"python -m studies repeat {other}results/{study} {label}",
+        )
+        write_netcdf(joints.assign_attrs(key=snakemake.params.key), snakemake.output[0])

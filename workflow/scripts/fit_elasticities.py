@@ -1,0 +1,13 @@
+"""Fit the elasticities of the closure, of all surfaces of a study."""
+
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.logs import logging_to
+from studies.frame.datasets import CURVES, read_checked
+from studies.paper.closures import elasticity_table
+from studies.paper.responses import read_covariates
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]):
+        pool = read_checked(snakemake.input.pool, snakemake.params.key, without=CURVES)
+        covariates = read_covariates(snakemake.input.covariates)
+        write_csv(elasticity_table(pool, covariates), snakemake.output[0])

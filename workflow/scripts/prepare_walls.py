@@ -1,0 +1,9 @@
+"""Read the scanned walls of a rock, register them, and put them on the grid of its joints."""
+
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.walls import prepare_walls
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        write_netcdf(prepare_walls(**snakemake.params.settings, log=log), snakemake.output[0])

@@ -1,0 +1,21 @@
+"""Measure what a joint of each rock takes by the study's numerics and by the finest ones."""
+
+import pandas as pd
+
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.logs import logging_to
+from studies.frame.closing import close_joints
+from studies.frame.settings import walls_in
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        rows = []
+        for ensemble, points in snakemake.params.points.items():
+            for point, file in zip(points, snakemake.input.surfaces, strict=True):
+                rock, walls = point.settings.case.rock, list(walls_in([file]))
+                close_joints(point, walls, ())  # loads the kernels, whose time is no joint's
+                closed = close_joints(point, walls, (), report=log)
+                seconds = float(closed.timing_simulation.mean())
+                row = {"ensemble": ensemble, "rock": rock}
+                rows.append(row | {"cases": snakemake.params.cases[rock], "seconds": seconds})
+        write_csv(pd.DataFrame(rows), snakemake.output[0])
