@@ -260,7 +260,7 @@ def test_neighbours_lower_by_no_more_than_the_tie_receive_nothing_and_flat_walls
     falls = np.empty(8)
     for drop, lower in ((0.9e-12, False), (1.1e-12, True)):
         total, _ = drops(0.0, np.full(8, -drop), 1e-12, falls)
-        assert (total > 0.0) is lower
+        assert bool(total > 0.0) == lower
     assert upper_share(0.0, 0.0) == 0.5
     assert [upper_share(0.0, 2.0), upper_share(3.0, 1.0)] == [0.0, 0.75]
     assert [passed_share(0.3, *totals) for totals in ((0.0, 1.0), (1.0, 0.0), (1.0, 1.0))] == [

@@ -582,10 +582,19 @@ def test_one_wall_is_no_pair_of_sheets_whatever_its_heights(both_walls, tmp_path
 
 @pytest.mark.parametrize("far", [4.5e6])
 def test_a_mesh_too_far_from_its_origin_for_single_precision_is_refused(far, tmp_path):
-    ground = Ground(1e3 * jc.wall_pair(8.0, (20, 26), SPACING, seed=4)[0], corner=(far, 0.0))
-    writers.as_mesh(tmp_path / "a.stl", ground)
+    wall = 1e3 * jc.wall_pair(8.0, (20, 26), SPACING, seed=4)[0]
+    writers.as_mesh(tmp_path / "a.stl", Ground(wall, 0.26, (far, 0.0)))
     printed = "y is stored in single precision, .* too far from its origin"
     refused(printed, tmp_path / "a.stl", units="mm")
+
+
+def test_a_mesh_whose_places_are_exact_in_single_precision_is_read(tmp_path):
+    """At 450 m single precision in mm has steps of 1/32 mm, of which 0.25 mm is a multiple."""
+    wall = 1e3 * jc.wall_pair(8.0, (20, 26), SPACING, seed=4)[0]
+    writers.as_mesh(tmp_path / "a.stl", Ground(wall, 0.25, (4.5e5, 0.0)))
+    scan = read_scan(tmp_path / "a.stl", units="mm")
+    assert scan.spacing == pytest.approx((SPACING, SPACING), rel=1e-6)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
 
 
 @pytest.mark.parametrize("form", ["a.npy", "a.tif"])
