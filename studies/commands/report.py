@@ -1,5 +1,7 @@
-"""Writes report.html from the results of a study. They may be from another machine; nothing is
-computed again. Every file must be as it was written.
+"""Writes report.html from the results of a study, which may be from another machine.
+
+Nothing is computed again. The dataset must be as it was written; tables and figures are shown as
+they are in their files, also where these were edited.
 """
 
 import argparse

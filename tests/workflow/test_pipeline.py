@@ -5,6 +5,7 @@ Plans are made on a study whose files are there and empty (`runs.pretend`).
 
 import base64
 import json
+import os
 import re
 
 import numpy as np
@@ -20,6 +21,7 @@ from tests.workflow.runs import (
     changed,
     checkout,
     planned,
+    pretend,
     run_snakemake,
     snakemake,
     state_of,
@@ -177,6 +179,38 @@ def test_an_edit_of_the_solver_plans_every_joint(planning):
 def test_a_file_that_is_gone_is_planned_alone(planning):
     (planning / RESULTS / "tables/claims.csv").unlink()
     assert planned(planning) == {"judge_claims": 1}
+
+
+def test_a_report_is_planned_again_with_the_conclusions_that_it_shows(planning):
+    pretend(planning, "report", "conclusions")
+    edit(planning, "workflow/scripts/conclude.py")
+    assert planned(planning, "report") == {"conclude": 1, "write_report": 1, "report": 1}
+
+
+def test_conclusions_depend_on_the_contents_of_published_tables_and_not_on_their_times(planning):
+    config = changed(planning, "paper.yaml", ("study.name", "paper"))
+    add_code(planning)
+    pretend(planning, "conclusions", config=config)
+    published = planning / "studies/paper/published/conclusions/earlier_readings.csv"
+    os.utime(published)
+    assert planned(planning, "conclusions", config=config) == {}
+    with published.open("a") as file:
+        file.write("\n")
+    jobs = planned(planning, "conclusions", config=config)
+    assert jobs == {"conclude": 1, "conclusions": 1}
+
+
+def auto_effects_and_accuracy(folder) -> str:
+    """Write a study whose effects are chosen, with a requested accuracy; its file."""
+    asked = ("study.accuracy", {"within": 0.1, "most": 40}), ("study.pool", None), ("flow", False)
+    return changed(folder, "auto.yaml", *asked, ("study.realizations", 20), ("effects", "auto"))
+
+
+def test_effects_are_chosen_on_the_surfaces_of_blocks_that_are_closed(planning):
+    config = auto_effects_and_accuracy(planning)
+    listing = snakemake(planning, "--dry-run", "--", "results/tiny/effects/slate.nc", config=config)
+    blocks = re.findall(r"surfaces/cases/\S+\.(\d+-\d+)\.nc", listing)
+    assert set(blocks) == {"0-9", "10-19"}
 
 
 def test_a_cluster_runs_the_graph_of_a_laptop(tmp_path):

@@ -11,7 +11,7 @@ from snakemake.exceptions import WorkflowError
 
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.selection import possible_scenes
+from jointclosure.engine.selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.walls.scans import file_digest, files_of
@@ -243,11 +243,13 @@ def choice_of(rock):
 
 
 def surfaces_of_choice(rock):
-    """Surfaces of the case on which the effects of a rock are chosen."""
+    """First surfaces of the case on which the effects of a rock are chosen, as it closes them."""
     label = choice_of(rock).point.settings.case.label
+    count = STUDY.study.realizations if STUDY.study.accuracy else None
     return [
         surfaces_of("cases", label, block.start, block.stop - 1)
-        for block in blocks_of(STUDY)
+        for block in blocks_of(STUDY, count)
+        if block.start < MOST_PAIRS
     ]
 
 

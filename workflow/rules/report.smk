@@ -5,16 +5,10 @@ rule conclude:
     input:
         claims=f"{RESULTS}/tables/claims.csv",
         # tables of other studies: those that were run here, or else the published ones
-        jrc_range=ancient(
-            existing("studies/paper/published/jrc_range/jrc_range_claims.csv")
-        ),
-        readings=ancient(
-            existing("studies/paper/published/conclusions/earlier_readings.csv")
-        ),
-        choices=ancient(
-            existing(*[f"{folder}_conclusions.csv" for folder in SENSITIVITY])
-        ),
-        margins=ancient(existing(*[f"{folder}_margins.csv" for folder in SENSITIVITY])),
+        jrc_range=existing("studies/paper/published/jrc_range/jrc_range_claims.csv"),
+        readings=existing("studies/paper/published/conclusions/earlier_readings.csv"),
+        choices=existing(*[f"{folder}_conclusions.csv" for folder in SENSITIVITY]),
+        margins=existing(*[f"{folder}_margins.csv" for folder in SENSITIVITY]),
     output:
         f"{RESULTS}/tables/conclusions.csv",
     log:
@@ -41,15 +35,13 @@ rule write_report:
         study=f"{RESULTS}/study.nc",
         tables=collect(f"{RESULTS}/tables/{{table}}", table=TABLES),
         figures=collect(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
-        # of targets that were run besides
-        beside=ancient(
-            [
-                file
-                for name in ("assessment", "hardness", "conclusions")
-                for file in [f"{RESULTS}/tables/{name}.csv"]
-                if os.path.exists(file)
-            ]
-        ),
+        # tables of other targets that were run
+        beside=[
+            file
+            for name in ("assessment", "hardness", "conclusions")
+            for file in [f"{RESULTS}/tables/{name}.csv"]
+            if os.path.exists(file)
+        ],
         paper=PAPER_TABLE_3,
         default="config/default.yaml",
     output:
