@@ -45,11 +45,13 @@ def publish(results: Path, run: str, *further: str) -> Path:
 
 
 def _origin(results: Path, run: str) -> dict:
-    """What made results, from the first netCDF file; else the present commit."""
+    """What made results, by the first file of a study or experiment; else the present commit."""
     keys, made = merged_study(), None
-    for path in sorted(results.glob("*.nc")):
+    for path in (*sorted(results.glob("*.nc")), *sorted(results.glob("*/*.nc"))):
         with reading_netcdf(path) as dataset:
-            made = made or dataset.attrs
+            if "configuration" in dataset.attrs:
+                made = dataset.attrs
+                break
     stated = results / "tables/configuration.json"  # of a study: all of its keys
     if made:
         keys = json.loads(stated.read_text("utf-8") if stated.is_file() else made["configuration"])

@@ -9,9 +9,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from jointclosure.cli import main as cli
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.configuration import merged, merged_study
+from studies.frame.yaml_files import provenance
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
@@ -63,6 +67,21 @@ def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(tmp
     with pytest.raises(InputError, match=r"not complete, mismatch_shifts\.csv lacks"):
         publish.publish(run, "mismatch")
     assert (stored / "mismatch_shifts.csv").is_file()
+
+
+def test_a_stored_experiment_names_the_commit_and_the_keys_of_its_joints(tmp_path, monkeypatch):
+    """They are in a file a job, in a folder of the results."""
+    run = tmp_path / "mismatch"
+    shutil.copytree(ROOT / "studies/mismatch/published/mismatch", run / "tables")
+    keys = merged(merged_study(), {"study": {"name": "mismatch", "root_seed": 7}})
+    about = provenance(keys) | {"provenance_commit": "0123456789ab"}
+    (run / "mismatch").mkdir()
+    write_netcdf(xr.Dataset(attrs=about), run / "mismatch/slate.nc")
+    monkeypatch.setattr(templates, "ROOT", tmp_path)
+    stored = publish.publish(run, "mismatch", "mismatch.csv")
+    origin = json.loads((stored / "origin.json").read_text(encoding="utf-8"))
+    assert (origin["commit"], origin["root_seed"]) == ("0123456789ab", 7)
+    assert origin["configuration"]["differs"]["study.root_seed"] == 7
 
 
 @pytest.mark.slow
