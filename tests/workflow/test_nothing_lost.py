@@ -123,6 +123,34 @@ def test_a_make_that_is_asked_to_end_ends_with_all_below_it(tmp_path, number, wh
     assert run.returncode != 0
 
 
+SLOW_SETPRIV = """#!/bin/sh
+touch reached
+sleep 2
+exec {setpriv} "$@"
+"""
+
+
+@needs_linux
+def test_a_job_does_not_start_where_snakemake_has_ended_before_it(tmp_path):
+    """The kernel was not yet asked to end the job with Snakemake."""
+    folder, slow = runs.checkout(tmp_path / "early"), tmp_path / "slow/setpriv"
+    slow.parent.mkdir()
+    slow.write_text(SLOW_SETPRIV.format(setpriv=shutil.which("setpriv")))
+    slow.chmod(0o755)
+    table = folder / RESULTS / "tables/configuration.json"
+    words = ["-m", "snakemake", str(table.relative_to(folder)), "--configfile", "tiny.yaml"]
+    path = {"PATH": f"{slow.parent}:{os.environ['PATH']}"}
+    run = subprocess.Popen([sys.executable, *words], cwd=folder, env=os.environ | path)
+    while not (folder / "reached").exists():
+        assert run.poll() is None
+        time.sleep(0.05)
+    run.kill()
+    run.wait()
+    while runs.processes_in(folder):
+        time.sleep(0.1)
+    assert not table.exists()
+
+
 def files_in(folder: Path) -> int:
     return sum(path.is_file() for path in (folder / "results").rglob("*"))
 
@@ -157,6 +185,19 @@ def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(smallest, tmp
     assert runs.processes_in(folder) == []
     runs.assert_same(folder / "results/smallest", smallest / "results/smallest")
     assert runs.planned(folder, config="smallest.yaml") == {}
+
+
+@pytest.mark.slow
+def test_an_interrupt_of_a_run_is_stated_in_lines_without_a_traceback(tmp_path):
+    folder = runs.checkout(tmp_path / "interrupted")
+    run = started(folder, make())
+    while not list((folder / "results/smallest/logs/close_joints").rglob("*.log")):
+        assert run.poll() is None
+        time.sleep(0.05)
+    strike(run, signal.SIGINT, "group")
+    printed = wait_for_the_end(folder, run, SECONDS[signal.SIGINT])
+    assert "What is finished stays; the same command goes on from there." in printed
+    assert "Traceback" not in printed
 
 
 @pytest.mark.slow

@@ -59,8 +59,7 @@ rule close_joints:
         f"{RESULTS}/logs/close_joints/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.tsv"
-    # the pool is closed after the study, whose tables do not wait for it
-    priority: lambda w: 0 if w.ensemble == "pool" else 2
+    priority: lambda w: priority_of(w.ensemble)
     group:
         "closures"
     conda:

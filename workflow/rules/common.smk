@@ -171,6 +171,11 @@ def blocks(ensemble):
     return blocks_of(ENSEMBLES[ensemble], counts[ensemble])
 
 
+def priority_of(ensemble):
+    """Priority of jobs: the pool is closed after the study, whose tables do not wait for it."""
+    return 0 if ensemble == "pool" else 2
+
+
 def closed_joints(ensemble, of=None):
     """Files of the joints of all cases of an ensemble, for some blocks or all."""
     return [

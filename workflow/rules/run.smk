@@ -3,9 +3,11 @@ import fcntl
 import logging
 import re
 import shutil
+import signal
 import sys
 import time
 
+import psutil
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -15,6 +17,7 @@ from studies.frame.cases import expected_seconds
 from studies.paper.layout import closure_lines
 
 HELD = []  # the locked file of a run, open until this process ends
+INTERRUPTED = []  # time of the last interrupt
 OTHER_SECONDS = 3.0  # roughly, of a job that closes no joints
 
 
@@ -76,6 +79,16 @@ class RunMessages(logging.Handler):
         return OTHER_SECONDS
 
 
+def interrupt(number, frame):
+    """End the jobs and the run at an interrupt; `timeout` of the Makefile hands on a second one."""
+    former, INTERRUPTED[:] = INTERRUPTED[:], [time.monotonic()]
+    if workflow.local_exec:
+        for job in psutil.Process().children():
+            job.kill()
+    if not former or INTERRUPTED[0] - former[0] > 1.0:
+        raise KeyboardInterrupt
+
+
 def last_line(log):
     """Last line of the log of a job, which states the reason of a failure."""
     if not os.path.exists(log):
@@ -100,9 +113,13 @@ onstart:
         )
     # Snakemake gives the path of Python to a shell without quotes, whatever this folder is named.
     sys.executable = os.path.relpath(sys.executable)
-    # A job replaces its shell; on Linux it ends with Snakemake, whatever ends that.
+    # A job replaces its shell; on Linux it ends with Snakemake, whatever ends that: the kernel kills
+    # it then, and it does not start where Snakemake has ended before the kernel was asked to. It is
+    # Snakemake that ends it at an interrupt from a terminal.
     ends = "setpriv --pdeathsig KILL " if shutil.which("setpriv") else ""
-    shell.prefix(f"set -euo pipefail; exec {ends}")
+    start = """sh -c 'trap "" INT; [ $PPID = "$0" ] && exec "$@"' """
+    shell.prefix(f"set -euo pipefail; exec {ends}{start}{os.getpid()} ")
+    signal.signal(signal.SIGINT, interrupt)
     # jobs are announced by their rules; that some are selected is of no interest
     selecting = re.compile(r"Select jobs to execute|Execute \d+ jobs")
     for handler in logger.handlers:

@@ -8,6 +8,7 @@ rule make_surfaces:
         f"{RESULTS}/logs/make_surfaces/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.log",
     wildcard_constraints:
         rock="|".join(SYNTHETIC) or "none",
+    priority: lambda w: priority_of(w.ensemble)
     group:
         "closures"
     conda:
@@ -29,6 +30,7 @@ rule prepare_walls:
         f"{RESULTS}/walls/{{rock}}.nc",
     log:
         f"{RESULTS}/logs/prepare_walls/{{rock}}.log",
+    priority: 2
     conda:
         ENVIRONMENT
     params:
@@ -49,6 +51,7 @@ rule cut_windows:
         f"{RESULTS}/logs/cut_windows/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.log",
     wildcard_constraints:
         rock="|".join(SCANNED) or "none",
+    priority: lambda w: priority_of(w.ensemble)
     group:
         "closures"
     conda:
