@@ -178,7 +178,7 @@ def test_another_study_runs_beside_one_that_is_at_work(at_work):
 @pytest.mark.slow
 def test_a_run_shows_how_far_it_is_its_closures_and_where_its_results_are(study):
     printed = (study / "printed.txt").read_text()
-    assert re.search(r"^\d+ of 40 jobs are done, about .* left$", printed, re.M)
+    assert re.search(r"^\d+ of \d+ jobs are done, about .* left$", printed, re.M)
     assert re.search(r"^slate: mean net closure since seating .* mm on cycle 1", printed, re.M)
     assert "Results are in results/tiny/" in printed
     done = make(study, "study", "CONFIG=tiny.yaml")
@@ -213,10 +213,9 @@ def rounds_of(folder: Path) -> list[dict]:
 @pytest.mark.slow
 def test_surfaces_are_added_until_an_accuracy_is_reached_the_same_by_make_and_snakemake(tmp_path):
     by_make, direct = (checkout(tmp_path / name) for name in ("make", "direct"))
-    config = [
-        request(folder, "accurate", "within: 0.25, most: 400") for folder in (by_make, direct)
-    ]
-    done = make(by_make, "study", f"CONFIG={config[0]}")
+    for folder in (by_make, direct):
+        config = request(folder, "accurate", "within: 0.25, most: 400")
+    done = make(by_make, "study", f"CONFIG={config}")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "accuracy: mean within 25 % reached" in done.stdout + done.stderr
     rounds = rounds_of(by_make)
