@@ -1,8 +1,7 @@
 """Points of cases and of experiments, which are records of one kind.
 
-An experiment is
-a folder of `studies`: ``section.py`` is its section of the configuration, and ``study.py`` has a
-constant ``EXPERIMENT``.
+An experiment is a folder of `studies`: ``section.py`` is its section of the configuration, and
+``study.py`` has a constant ``EXPERIMENT``.
 """
 
 import math
