@@ -14,6 +14,7 @@ import xarray as xr
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
 from jointclosure.storage import files
+from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from tests.processes import python
 
@@ -225,3 +226,15 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
         with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
+
+
+def test_a_script_that_fails_logs_its_traceback_and_prints_none(tmp_path):
+    log = tmp_path / "logs/script.log"
+    with pytest.raises(SystemExit) as ended, logging_to(log):
+        raise InputError("heights.txt: is empty")
+    assert ended.value.code == 1
+    text = log.read_text()
+    assert "Traceback" in text
+    assert text.endswith("failed: InputError: heights.txt: is empty\n")
+    with pytest.raises(InputError, match="is empty"), logging_to(log, raised=True):
+        raise InputError("heights.txt: is empty")

@@ -120,10 +120,13 @@ onstart:
     start = """sh -c 'trap "" INT; [ $PPID = "$0" ] && exec "$@"' """
     shell.prefix(f"set -euo pipefail; exec {ends}{start}{os.getpid()} ")
     signal.signal(signal.SIGINT, interrupt)
-    # jobs are announced by their rules; that some are selected is of no interest
-    selecting = re.compile(r"Select jobs to execute|Execute \d+ jobs")
+    # Jobs are announced by their rules: that some are selected is of no interest. The command of one
+    # that failed is neither: its log, and `RunMessages`, have the reason.
+    hidden = re.compile(
+        r"Select jobs to execute|Execute \d+ jobs|RuleException:\s+CalledProcessError"
+    )
     for handler in logger.handlers:
-        handler.addFilter(lambda record: not selecting.match(record.getMessage()))
+        handler.addFilter(lambda record: not hidden.match(record.getMessage()))
     logger.addHandler(RunMessages(workflow.dag))
 
 

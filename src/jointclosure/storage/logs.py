@@ -30,10 +30,18 @@ class Logbook:
 
 
 @contextlib.contextmanager
-def logging_to(log: str | Path, benchmark: str | Path = os.devnull) -> Iterator[Logbook]:
+def logging_to(
+    log: str | Path, benchmark: str | Path = os.devnull, raised: bool = False
+) -> Iterator[Logbook]:
     """Open a logbook in a file, also for standard output; on failure it is copied to LOG.failed.
 
     Otherwise time [s], largest memory [MB] and processor time [s] are written to ``benchmark``.
+
+    Raises
+    ------
+    SystemExit
+        If it fails: the log has the traceback, and a script prints none. The error itself is
+        ``raised`` on request.
     """
     for path in (log, benchmark):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
@@ -49,7 +57,9 @@ def logging_to(log: str | Path, benchmark: str | Path = os.devnull) -> Iterator[
             traceback.print_exception(error, file=stream)
             print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
             shutil.copyfile(log, f"{log}.failed")
-            raise
+            if raised:
+                raise
+            raise SystemExit(1) from None
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     memory = most / (1e6 if sys.platform == "darwin" else 1e3)
     row = f"{time.monotonic() - start:.2f}\t{memory:.2f}\t{time.process_time() - used:.2f}"
