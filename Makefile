@@ -27,13 +27,21 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
 
 # On Linux a recipe ends with make, whatever ends that, also by kill -9. `timeout` passes a signal on,
-# and kills what has not ended 15 seconds later.
+# and kills what has not ended 15 seconds later. What was started by a process that has ended before
+# the kernel was asked to end both together goes no further: it compares the number of its parent.
 UNTIL_KILLED := $(shell command -v setpriv >/dev/null && echo setpriv --pdeathsig KILL)
+TIMEOUT := $(shell command -v timeout >/dev/null && echo timeout --foreground --kill-after=15 0)
+MAKE_PID := $(shell echo $$PPID)
 ifneq ($(UNTIL_KILLED),)
 SHELL := $(shell command -v setpriv)
 .SHELLFLAGS := --pdeathsig KILL /bin/sh -c
 endif
-WITH_MAKE := exec $(shell command -v timeout >/dev/null && echo timeout --foreground --kill-after=15 0) $(UNTIL_KILLED)
+WITH_MAKE := [ $$PPID = $(MAKE_PID) ] || exit 1; exec
+ifneq ($(and $(TIMEOUT),$(UNTIL_KILLED)),)
+WITH_MAKE += $(TIMEOUT) $(UNTIL_KILLED) /bin/sh -c '[ $$PPID = "$$0" ] && exec "$$@"' $$$$
+else
+WITH_MAKE += $(TIMEOUT)
+endif
 # What a user tells make about a study: a file of plain YAML, a folder, a number. A leading dash would
 # be read as an option.
 CHECK_GIVEN = case "$$CONFIG" in -*) CONFIG="./$$CONFIG";; esac; \
@@ -75,7 +83,7 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { printf '%s lacks venv: apt-get install python3-venv\n' "$$PYTHON"; exit 1; }
 	@"$$PYTHON" -c 'import os, sys; sys.exit("the name of this folder has a line break: no Python finds a package there" if "\n" in os.getcwd() else 0)'
 	@if [ -L $(VENV) ]; then printf '$(VENV) is a link, and set-up would empty what it leads to: remove the link\n'; exit 1; fi
-	$(WITH_MAKE) "$$PYTHON" -m venv --clear $(VENV)
+	@$(WITH_MAKE) "$$PYTHON" -m venv --clear $(VENV)
 	@$(WITH_MAKE) /bin/sh -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
 	    $(BIN)/uv pip sync --quiet --require-hashes --compile-bytecode --python $(BIN)/python requirements.lock \
 	    && $(BIN)/uv pip install --quiet --no-deps --no-build-isolation --python $(BIN)/python --editable . ; \

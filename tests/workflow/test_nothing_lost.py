@@ -18,7 +18,9 @@ import pytest
 from tests.workflow import runs
 
 RESULTS = "results/tiny"
-HEEDED = "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
+HEEDED = (
+    "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp(sys.argv[1], sys.argv[1:])"
+)
 SECONDS = {signal.SIGKILL: 2.0, signal.SIGTERM: 30.0, signal.SIGINT: 30.0}
 """Within which all must have ended: this is what is promised."""
 STRIKES = [
@@ -77,8 +79,8 @@ time.sleep(600)
 HEEDLESS = "for number in (2, 15): signal.signal(number, signal.SIG_IGN)"
 
 
-def waiting_make(folder: Path, before: str) -> subprocess.Popen:
-    """`make` whose program in the place of Snakemake has started a job, and waits."""
+def made_to_wait(folder: Path, before: str = "") -> None:
+    """A folder whose program in the place of Snakemake starts a job, and waits."""
     for name in ("Makefile", "tiny.yaml"):
         shutil.copy(runs.ROOT / name if name == "Makefile" else runs.HERE / name, folder)
     program = folder / ".venv/bin/snakemake"
@@ -88,6 +90,11 @@ def waiting_make(folder: Path, before: str) -> subprocess.Popen:
     checker.write_text("#!/bin/sh\nexit 0\n")
     for file in (program, checker):
         file.chmod(0o755)
+
+
+def waiting_make(folder: Path, before: str) -> subprocess.Popen:
+    """`make` whose program in the place of Snakemake has started a job, and waits."""
+    made_to_wait(folder, before)
     run = started(folder, make("tiny.yaml"))
     while not (folder / "ready").exists():
         assert run.poll() is None, (folder / "output.txt").read_text()
@@ -124,30 +131,55 @@ def test_a_make_that_is_asked_to_end_ends_with_all_below_it(tmp_path, number, wh
 
 
 SLOW_SETPRIV = """#!/bin/sh
-touch reached
-sleep 2
+case "$*" in *{word}*) echo $PPID >> reached; sleep 2;; esac
 exec {setpriv} "$@"
 """
 
 
-@needs_linux
-def test_a_job_does_not_start_where_snakemake_has_ended_before_it(tmp_path):
-    """The kernel was not yet asked to end the job with Snakemake."""
-    folder, slow = runs.checkout(tmp_path / "early"), tmp_path / "slow/setpriv"
-    slow.parent.mkdir()
-    slow.write_text(SLOW_SETPRIV.format(setpriv=shutil.which("setpriv")))
-    slow.chmod(0o755)
-    table = folder / RESULTS / "tables/configuration.json"
-    words = ["-m", "snakemake", str(table.relative_to(folder)), "--configfile", "tiny.yaml"]
-    path = {"PATH": f"{slow.parent}:{os.environ['PATH']}"}
-    run = subprocess.Popen([sys.executable, *words], cwd=folder, env=os.environ | path)
-    while not (folder / "reached").exists():
+@pytest.fixture
+def slow_setpriv(tmp_path, monkeypatch):
+    """A function that slows down how the kernel is asked to end what has a word in its command."""
+
+    def slow_down(word: str) -> None:
+        program = tmp_path / "slow/setpriv"
+        program.parent.mkdir()
+        program.write_text(SLOW_SETPRIV.format(word=word, setpriv=shutil.which("setpriv")))
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{program.parent}:{os.environ['PATH']}")
+
+    return slow_down
+
+
+def who_asks(folder: Path, run: subprocess.Popen, number: int) -> int:
+    """Wait for the process that starts the slow one of a number; its number."""
+    reached = folder / "reached"
+    while not reached.exists() or len(starters := reached.read_text().split()) < number:
         assert run.poll() is None
         time.sleep(0.05)
-    run.kill()
-    run.wait()
-    while runs.processes_in(folder):
-        time.sleep(0.1)
+    return int(starters[-1])
+
+
+@needs_linux
+@pytest.mark.parametrize("number", [1, 2], ids=["make", "timeout"])
+def test_nothing_starts_whose_starter_was_killed_before_it(tmp_path, slow_setpriv, number):
+    """`make` starts a shell, which is replaced by `timeout`, which starts Snakemake."""
+    made_to_wait(tmp_path)
+    slow_setpriv("bin/snakemake")
+    run = started(tmp_path, make("tiny.yaml"))
+    os.kill(who_asks(tmp_path, run, number), signal.SIGKILL)
+    wait_for_the_end(tmp_path, run, SECONDS[signal.SIGTERM])
+    assert not (tmp_path / "ready").exists()
+
+
+@needs_linux
+def test_a_job_does_not_start_where_snakemake_has_ended_before_it(tmp_path, slow_setpriv):
+    folder = runs.checkout(tmp_path / "early")
+    slow_setpriv("state_configuration")
+    table = folder / RESULTS / "tables/configuration.json"
+    words = ["-m", "snakemake", str(table.relative_to(folder)), "--configfile", "tiny.yaml"]
+    run = started(folder, [sys.executable, *words])
+    os.kill(who_asks(folder, run, 1), signal.SIGKILL)
+    wait_for_the_end(folder, run, SECONDS[signal.SIGTERM])
     assert not table.exists()
 
 
