@@ -8,7 +8,7 @@ independent draws at every level, in which the claim is true for all rocks by po
 """
 
 from collections.abc import Callable, Hashable, Mapping
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -149,7 +149,7 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estim
     ]
     whole = _with_squares(sample)
 
-    def numbers(means: np.ndarray) -> dict[tuple, float]:
+    def numbers(means: np.ndarray) -> dict[tuple, Any]:
         model = ClosedModel(whole, means, critical)
         return {
             (claim.number, name, cycle): value
@@ -244,51 +244,55 @@ Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel(NamedTuple):
-    """Mean closures (targets, cases) of a rock; ``critical``: change that is significant, in S."""
+    """Mean closures (..., targets, cases) of a rock; ``critical``: significant change, in S."""
 
     sample: RockSample
     means: np.ndarray
     critical: float
 
-    def elasticity(self, parameter: str, cycle: int, variable: str) -> float:
+    def elasticity(self, parameter: str, cycle: int, variable: str) -> Any:
         """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
         return self._fit(parameter, cycle, variable).elasticity()
 
-    def slopes(self, parameter: str, cycle: int, variable: str) -> list[float]:
+    def slopes(self, parameter: str, cycle: int, variable: str) -> list:
         """Return the elasticities of both halves of the levels, each about its middle."""
         levels, means = smoothed_by_all_levels(*self._means(parameter, cycle, variable))
-        changes = np.diff(means) / (means[1:] + means[:-1])
-        return (changes * (levels[1:] + levels[:-1]) / np.diff(levels)).tolist()
+        changes = np.diff(means) / (means[..., 1:] + means[..., :-1])
+        slopes = changes * (levels[1:] + levels[:-1]) / np.diff(levels)
+        return list(np.moveaxis(slopes, -1, 0))
 
-    def change(self, parameter: str, cycle: int, change: float) -> float:
+    def change(self, parameter: str, cycle: int, change: float) -> Any:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
-        return float(self._fit(parameter, cycle, TARGET).relative_change(change))
+        return self._fit(parameter, cycle, TARGET).relative_change(change)
 
-    def share(self, variable: str, cycle: int) -> float:
+    def share(self, variable: str, cycle: int) -> Any:
         """Return the mean of a variable over the mean closure of the base case."""
-        return float(self._at_base(variable, cycle) / self._at_base(TARGET, cycle))
+        return self._at_base(variable, cycle) / self._at_base(TARGET, cycle)
 
-    def significant(self, cycle: int) -> float:
+    def significant(self, cycle: int) -> Any:
         """Return the relative change of a mean that is significant with the scatter of the rock."""
         scatter = self.critical * np.sqrt(self._at_base(SQUARE, cycle))
-        return float(scatter / self._at_base(TARGET, cycle))
+        return scatter / self._at_base(TARGET, cycle)
 
-    def _at_base(self, variable: str, cycle: int) -> float:
-        return self.means[self.sample.target(variable, cycle), 0]
+    def _at_base(self, variable: str, cycle: int) -> Any:
+        return self.means[..., self.sample.target(variable, cycle), 0]
 
     def _means(self, parameter: str, cycle: int, variable: str) -> tuple:
-        """Return levels (k,), means (k,) of the closure there, and the rock's value."""
+        """Return levels (k,), means (..., k) of the closure there, and the rock's value."""
         levels, cases, base = self.sample.levels[parameter]
-        return levels, self.means[self.sample.target(variable, cycle), cases], base
+        return levels, self.means[..., self.sample.target(variable, cycle), :][..., cases], base
 
     def _fit(self, parameter: str, cycle: int, variable: str) -> Quadratic:
         return fit_quadratic(*self._means(parameter, cycle, variable))
 
 
 def estimated(
-    numbers: Callable[[np.ndarray], Mapping[Name, float]], sample: RockSample
+    numbers: Callable[[np.ndarray], Mapping[Name, Any]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Return numbers that depend on means, with errors to first order; what is common cancels."""
+    """Return numbers that depend on means, with errors to first order; what is common cancels.
+
+    ``numbers`` returns values (...) by name from means (..., targets, cases).
+    """
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)
     covariance = np.atleast_2d(np.cov(sample.values.reshape(targets * cases, n))) / n
@@ -298,14 +302,15 @@ def estimated(
     errors = np.sqrt(np.diag(covariance))
     values_by_name = numbers(means)
     gradients = np.zeros((len(values_by_name), errors.size))
-    for i in np.flatnonzero(errors):
-        step = np.zeros(errors.size)
-        step[i] = 0.1 * errors[i]
-        up, down = (
-            np.array(list(numbers(means + sign * step.reshape(means.shape)).values()))
-            for sign in (1.0, -1.0)
-        )
-        gradients[:, i] = (up - down) / (2.0 * step[i])
+    scattering = np.flatnonzero(errors)
+    steps = 0.1 * errors[scattering]
+    moves = np.zeros((scattering.size, errors.size))
+    moves[np.arange(scattering.size), scattering] = steps
+    moves = moves.reshape(-1, *means.shape)
+    up = numbers(means + moves)
+    down = numbers(means - moves)
+    for place, name in enumerate(values_by_name):
+        gradients[place, scattering] = (up[name] - down[name]) / (2.0 * steps)
     variances = np.einsum("qi,ij,qj->q", gradients, covariance, gradients)
     return {
         name: Estimate(float(value), float(np.sqrt(max(variance, 0.0))))

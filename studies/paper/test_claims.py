@@ -19,7 +19,8 @@ from studies.paper.claims import (
     Findings,
     smoothed_by_all_levels,
 )
-from studies.paper.judged_claims import Evidence, judge_claims
+from studies.paper.judged_claims import ClosedModel, Evidence, judge_claims
+from studies.paper.responses import Levels, RockSample
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
 
@@ -221,6 +222,30 @@ def test_three_levels_are_judged_by_their_own_means():
     three, smoothed = smoothed_by_all_levels(levels, means, 3.0)
     np.testing.assert_array_equal(three, levels)
     np.testing.assert_array_equal(smoothed, means)
+
+
+@pytest.mark.parametrize("count", [3, 10])
+def test_many_models_at_once_have_the_numbers_of_each_alone(count):
+    levels = np.linspace(0.5, 1.5, count)
+    levels[count // 2] = 1.0
+    values = np.random.default_rng(1).uniform(1.0, 2.0, (1, count, 5))
+    cases = np.roll(np.arange(count), count // 2)  # case 0 is that of the rock's value
+    sample = RockSample(
+        "rock", ((TARGET, 1),), {"youngs_modulus": Levels(levels, cases, 1.0)}, values, True
+    )
+    means = np.moveaxis(values, -1, 0)
+
+    def numbers(means):
+        model = ClosedModel(sample, means, 1.0)
+        return [
+            model.elasticity("youngs_modulus", 1, TARGET),
+            model.change("youngs_modulus", 1, 0.1),
+            model.share(TARGET, 1),
+            *model.slopes("youngs_modulus", 1, TARGET),
+        ]
+
+    alone = [numbers(one) for one in means]
+    np.testing.assert_allclose(np.transpose(numbers(means)), alone, rtol=1e-12)
 
 
 def test_failed_realisations_never_enter(true_world):

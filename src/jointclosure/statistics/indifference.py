@@ -32,6 +32,7 @@ the length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V/n).
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -361,6 +362,12 @@ def _solved(
     return mean, deviation, critical, roots
 
 
+@cache
+def critical_value(samples: int, significance: float) -> float:
+    """Return the critical value of the two-sided t test with 2 n - 2 degrees of freedom."""
+    return float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
+
+
 def _quartics(
     levels: np.ndarray,
     means: np.ndarray,
@@ -374,7 +381,7 @@ def _quartics(
         fit_quadratic(levels, values.reshape(-1, levels.size), base)
         for values in (means, deviations)
     )
-    critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
+    critical = critical_value(samples, significance)
     varies = (mean.b != 0.0) | (mean.c != 0.0)
     return mean, deviation, critical, varies, quartic(mean, deviation, samples, critical).T[varies]
 

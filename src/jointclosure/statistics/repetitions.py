@@ -92,19 +92,28 @@ def draw_studies(
     """Draw repetitions of a study with independent draws at every level."""
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
+    of_base: dict[tuple[str, tuple[int, ...], bytes], tuple[np.ndarray, np.ndarray]] = {}
     moments = []
     for sensitivity in sensitivities.values():
-        chosen = []
+        of_levels = []
         for level, pool in zip(sensitivity.levels, sensitivity.pools, strict=True):
             size, name = pool.values.shape[1], pool.surfaces
             if name not in resampled:
                 smallest = np.min_scalar_type(size)
                 resampled[name] = random.integers(size, size=(repetitions, size), dtype=smallest)
             index = random.integers(size, size=(repetitions, design.draws))
-            if level == sensitivity.base:
-                index = at_base.setdefault(name, index)
-            chosen.append(np.take_along_axis(resampled[name], index, axis=1))
-        moments.append(_moments(sensitivity, chosen))
+            if level != sensitivity.base:
+                of_levels.append(_moments(pool, resampled[name], index))
+                continue
+            # the parameters of a rock share what is drawn at its base
+            index = at_base.setdefault(name, index)
+            values = pool.values
+            key = (name, values.shape, values.tobytes())
+            if key not in of_base:
+                of_base[key] = _moments(pool, resampled[name], index)
+            of_levels.append(of_base[key])
+        means, deviations = (np.stack(part, axis=-1) for part in zip(*of_levels, strict=True))
+        moments.append(ResponseMoments(sensitivity.levels, means, deviations, sensitivity.base))
     lengths = lengths_of_responses(moments, design.draws, design.significance)
     return {
         key: DrawnResponse(
@@ -165,17 +174,14 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
 
-def _moments(sensitivity: Sensitivity, chosen: list[np.ndarray]) -> ResponseMoments:
-    """Return means and deviations (R, targets, k) of chosen surfaces (R, n) at each level."""
-    of_pools: list[tuple[np.ndarray, np.ndarray]] = []
-    for pool, index in zip(sensitivity.pools, chosen, strict=True):
-        size, centre = pool.values.shape[1], pool.values.mean(axis=1, keepdims=True)
-        values = (centre + (pool.values - centre) * (size / (size - 1)))[:, index]
-        means = values.mean(axis=-1, keepdims=True)
-        deviations = values.std(axis=-1, ddof=1, mean=means)
-        of_pools.append((means[..., 0].T, deviations.T))
-    means, deviations = (np.stack(part, axis=-1) for part in zip(*of_pools, strict=True))
-    return ResponseMoments(sensitivity.levels, means, deviations, sensitivity.base)
+def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return means and deviations (R, targets) of draws (R, n) from resampled pools (R, N)."""
+    chosen = np.take_along_axis(resampled, index, axis=1)
+    size, centre = pool.values.shape[1], pool.values.mean(axis=1, keepdims=True)
+    values = (centre + (pool.values - centre) * (size / (size - 1)))[:, chosen]
+    means = values.mean(axis=-1, keepdims=True)
+    deviations = values.std(axis=-1, ddof=1, mean=means)
+    return means[..., 0].T, deviations.T
 
 
 class LengthDistribution(NamedTuple):
