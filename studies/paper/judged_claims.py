@@ -303,14 +303,11 @@ def estimated(
     values_by_name = numbers(means)
     gradients = np.zeros((len(values_by_name), errors.size))
     scattering = np.flatnonzero(errors)
-    steps = 0.1 * errors[scattering]
-    moves = np.zeros((scattering.size, errors.size))
-    moves[np.arange(scattering.size), scattering] = steps
-    moves = moves.reshape(-1, *means.shape)
-    up = numbers(means + moves)
-    down = numbers(means - moves)
+    steps = 0.1 * errors
+    moves = np.diag(steps)[scattering].reshape(-1, *means.shape)
+    up, down = numbers(means + moves), numbers(means - moves)
     for place, name in enumerate(values_by_name):
-        gradients[place, scattering] = (up[name] - down[name]) / (2.0 * steps)
+        gradients[place, scattering] = (up[name] - down[name]) / (2.0 * steps[scattering])
     variances = np.einsum("qi,ij,qj->q", gradients, covariance, gradients)
     return {
         name: Estimate(float(value), float(np.sqrt(max(variance, 0.0))))

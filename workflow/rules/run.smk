@@ -17,7 +17,7 @@ from studies.frame.cases import expected_seconds
 from studies.paper.layout import closure_lines
 
 HELD = []  # the locked file of a run, open until this process ends
-INTERRUPTED = []  # time of the last interrupt
+INTERRUPTED = []  # times of the interrupts
 OTHER_SECONDS = 3.0  # roughly, of a job that closes no joints
 
 
@@ -81,11 +81,13 @@ class RunMessages(logging.Handler):
 
 def interrupt(number, frame):
     """End the jobs and the run at an interrupt; `timeout` of the Makefile hands on a second one."""
-    former, INTERRUPTED[:] = INTERRUPTED[:], [time.monotonic()]
+    now = time.monotonic()
+    is_first = not INTERRUPTED or now - INTERRUPTED[-1] > 1.0
+    INTERRUPTED.append(now)
     if workflow.local_exec:
         for job in psutil.Process().children():
             job.kill()
-    if not former or INTERRUPTED[0] - former[0] > 1.0:
+    if is_first:
         raise KeyboardInterrupt
 
 

@@ -20,9 +20,12 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-import scipy
 
-from jointclosure.statistics.indifference import ResponseMoments, lengths_of_responses
+from jointclosure.statistics.indifference import (
+    ResponseMoments,
+    critical_value,
+    lengths_of_responses,
+)
 from jointclosure.statistics.standard_errors import jackknife_error
 
 RESAMPLED_POOLS = 40
@@ -69,8 +72,8 @@ class Design(NamedTuple):
     @property
     def critical_change(self) -> float:
         """Smallest significant difference of two means, in standard deviations: t sqrt(2/n)."""
-        t = scipy.stats.t.ppf(1.0 - 0.5 * self.significance, 2 * self.draws - 2)
-        return float(t * np.sqrt(2.0 / self.draws))
+        critical = critical_value(self.draws, self.significance)
+        return float(critical * np.sqrt(2.0 / self.draws))
 
 
 class DrawnResponse(NamedTuple):
