@@ -10,7 +10,12 @@ from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
-from jointclosure.solvers.breakage import find_peaks, padded_cells, strength_limits
+from jointclosure.solvers.breakage import (
+    breakage_kernel,
+    find_peaks,
+    padded_cells,
+    strength_limits,
+)
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.equilibrium import solve_equilibrium
@@ -43,8 +48,38 @@ def test_resolved_breakage_does_not_depend_on_the_direction_of_a_loop(seed):
     for changed in (np.fliplr, np.flipud, np.transpose):
         copy = tuple(np.ascontiguousarray(changed(wall)) for wall in walls)
         other, _ = settled(copy)
-        np.testing.assert_allclose(other.upper, changed(one.upper), rtol=0.0, atol=1e-15)
-        np.testing.assert_allclose(other.lower, changed(one.lower), rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(other.upper, changed(one.upper), rtol=0.0, atol=1e-14)
+        np.testing.assert_allclose(other.lower, changed(one.lower), rtol=0.0, atol=1e-14)
+
+
+STEP = 150e-6
+"""Step of closure [m] that ends 0.2 mm after first touch."""
+
+
+def broken(joint, growth, short_steps, before=0.0):
+    """Break pairs along a step in which the approach grows (y, x) [m], or at a share ``before`` its
+    end; return the number of breakage steps."""
+    kernel, closure = breakage_kernel(True, False, True, True), 0.2e-3
+    return kernel(
+        joint.upper, joint.lower, closure - joint.first_touch, before * growth, joint.peaks,
+        joint.law, 5e-6, 0.04, joint.tie_tolerance, 10**9, pb.batch_memory(), growth, short_steps,
+    )[0]  # fmt: skip
+
+
+def unbroken(seed):
+    """A joint of dolerite whose approach grows unevenly in a step, and the growth (y, x) [m]."""
+    walls = pair(32, seed)
+    joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), Effects(), Choices(), Numerics())
+    return joint, STEP * np.random.default_rng(seed).uniform(0.5, 1.0, walls[0].shape)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 7])
+def test_cells_are_examined_in_time_along_a_step(seed):
+    """Examining every cell before the last short step finds next to nothing that should break."""
+    joint, growth = unbroken(seed)
+    steps = broken(joint, growth, 16)
+    assert steps > 200
+    assert broken(joint, growth, 1, before=1.0 / 16.0) <= 0.001 * steps
 
 
 def test_peaks_of_a_batch_are_those_of_the_map_of_peaks(small_joint):
@@ -55,8 +90,8 @@ def test_peaks_of_a_batch_are_those_of_the_map_of_peaks(small_joint):
     inside = np.flatnonzero(np.isfinite(cells.upper))
     memory, found = pb.batch_memory(), np.full_like(cells.kind, -1)
     for some in np.array_split(inside, -(-inside.size // pb.BATCH)):
-        stated = cells.upper, cells.lower, cells.approach, cells.stride
-        pb.gather(memory[0], some.size, some, *stated, True)
+        walls = cells.upper, cells.lower, cells.approach
+        pb.gather(memory[0], some.size, some, *walls, cells.approach, 0.0, cells.stride, True)
         find_peaks(memory[0], some.size, some, found)
     np.testing.assert_array_equal(found[inside], cells.kind[inside])
 

@@ -31,7 +31,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(mo
         joint = closed(seed, largest_radius=None, breakage="resolved", strength_bound="none")
         return int(joint.status) & protocol.TARGET_JUMPED
 
-    misled = (170, 233, 269, 297)  # of 450 seeds
+    misled = (10, 282)  # of 450 seeds
     assert not any(jumped(seed) for seed in misled)
     monkeypatch.setattr(protocol, "_MISLED", 0.0)
     assert any(jumped(seed) for seed in misled)
@@ -90,7 +90,7 @@ def test_steps_beyond_a_former_maximum_are_as_short_as_those_of_a_first_loading(
 
 
 def test_the_error_of_a_step_with_resolved_breakage_is_estimated_and_grows_with_the_step():
-    """By how much the force at rest misses that of the start, which knows of no breakage."""
+    """By how much the force at rest misses that of the first equilibrium."""
     numerics, steps = jc.Numerics(breakage="resolved"), (2e-6, 8e-6, 32e-6)
     fast, start, shares = solver_named("fast"), 60e-6, []
     for seed in range(8):
@@ -108,7 +108,7 @@ def test_the_error_of_a_step_with_resolved_breakage_is_estimated_and_grows_with_
         shares.append([each.correction / each.total_force for each in settled])
     errors = np.mean(shares, axis=0)
     assert np.min(shares) > 0.0
-    assert (np.diff(errors) > 0.5 * errors[:-1]).all()
+    assert errors[2] > 2.0 * max(errors[:2])
 
 
 @pytest.mark.parametrize("tolerance", [0.1, 0.01, 1e-3])
@@ -123,16 +123,15 @@ def test_steps_follow_their_error_and_their_change_of_force_in_proportion_to_the
         after = rest._replace(total_force=50.0 + rise, correction=missed)
         return control.following(step, 50.0, after) / step
 
-    errors = tolerance * np.array([1.0, 1e2, 3e3, 1e5])
+    errors = tolerance * np.array([1.0, 3e2, 1e4, 3e5])
     steps = [following(missed) for missed in errors]
     assert steps[0] == steps[1] == 2.0  # longer, but not by more than twice
     assert 0.25 < steps[2] < 2.0
     assert steps[3] == 0.25
     assert must_repeat(given, steps[3] * given)
     assert following(errors[2]) == pytest.approx(0.5 * following(0.5 * errors[2]))
-    changes = [
-        following(0.0, rise) for rise in min(tolerance, 0.1) * target * np.array([0.1, 2, 20])
-    ]
+    allowed = min(3.5 * tolerance, 0.1) * target
+    changes = [following(0.0, rise) for rise in allowed * np.array([0.1, 2, 20])]
     assert changes[0] == 2.0 > changes[1] > changes[2] == 0.25
     # neither longer than the largest step, nor shorter than the smallest one
     control = StepControl(numerics, given, target, 0.0)

@@ -11,8 +11,8 @@ from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
 
-_CORRECTION = 40.0  # allowed relative error of a step's predicted force, over the tolerance
-_VIRGIN, _LATER = (1.0, 7.5), (10.0, 50.0)
+_CORRECTION = 140.0  # allowed relative error of a step's predicted force, over the tolerance
+_VIRGIN, _LATER = (3.5, 26.0), (35.0, 175.0)
 """Allowed change of force beyond the former maximum, and elsewhere: over the maximum and over the
 force, both over `Numerics.tolerance`. Longer steps crush too many asperities."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01

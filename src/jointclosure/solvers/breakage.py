@@ -5,6 +5,11 @@ distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the ov
 break up to `_MOST_PASSES` steps in a row and are written back; they and overlapping neighbours then
 wait. When no pair waits, all overlapping pairs are checked again, until nothing breaks.
 
+Resolved breakage also walks through a step in short steps, with the growth of the approach known
+beforehand. A pair that holds is examined again when its overlap, which grows evenly, reaches its
+strength, or when walls within two cells of it have changed: a short step in which nothing breaks
+costs nothing. What exceeds its strength at the end of the step is left to the equilibrium there.
+
 The model does not prescribe the order of breakage (docs/decisions.md#0006-order-of-breakage).
 Resolved breakage lowers all waiting pairs from the same walls, and then adds up what each has lost
 and shed. With fixed steps pairs are coloured so that the neighbourhoods of one colour do not
@@ -32,6 +37,7 @@ from jointclosure.solvers.pair_batch import (
     fixed_losses,
     gather,
     measure_drops,
+    move_pair,
     returning_losses,
     scatter,
     share_losses,
@@ -56,6 +62,19 @@ class Cells(NamedTuple):
     kind: np.ndarray
     locked: np.ndarray
     stride: int
+
+
+class Due(NamedTuple):
+    """Cells to examine at the end of each short step, as one linked list for each of these moments.
+
+    ``moment`` is by cell, 0 for none; ``first`` is the first cell of each list, -1 for none;
+    ``after`` and ``before`` are the neighbours of a cell in its list.
+    """
+
+    moment: np.ndarray
+    first: np.ndarray
+    after: np.ndarray
+    before: np.ndarray
 
 
 class Turns(NamedTuple):
@@ -181,6 +200,88 @@ def let_neighbours_wait(cells, turns, cell, beside):
 
 
 @kernel
+def no_cells_due(cells, short_steps):
+    """Return `Due` without cells, for a number of cells and of short steps."""
+    return Due(
+        np.zeros(cells, np.int64),
+        np.full(short_steps, -1),
+        np.empty(cells, np.int64),
+        np.empty(cells, np.int64),
+    )
+
+
+@kernel
+def set_due(due, cell, moment):
+    """Examine a cell at a moment, and at no other one; from the end of the step on at none."""
+    old = due.moment[cell]
+    if old == moment:
+        return
+    if old > 0:
+        after, before = due.after[cell], due.before[cell]
+        if before < 0:
+            due.first[old] = after
+        else:
+            due.after[before] = after
+        if after >= 0:
+            due.before[after] = before
+    if moment >= due.first.size:
+        moment = 0
+    due.moment[cell] = moment
+    if moment > 0:
+        after = due.first[moment]
+        due.after[cell], due.before[cell] = after, -1
+        if after >= 0:
+            due.before[after] = cell
+        due.first[moment] = cell
+
+
+@kernel
+def let_due_wait(due, moment, turns):
+    """Make the cells wait that are due at a moment."""
+    cell = due.first[moment]
+    while cell >= 0:
+        following = due.after[cell]
+        due.moment[cell] = 0
+        colour = turns.colour[cell]
+        turns.lists[colour, turns.counts[colour]] = cell
+        turns.counts[colour] += 1
+        turns.waits[cell] = 1
+        cell = following
+    due.first[moment] = -1
+
+
+@kernel
+def foresee(batch, n, looked_at, growth, due, moment, allowed):
+    """Set when pairs (n,) that hold at a moment will exceed their strength if walls stay.
+
+    The overlap grows evenly, and the stress ratio is proportional to it.
+    """
+    last = due.first.size  # the moment at the end of the step
+    for i in range(n):
+        cell = looked_at[i]
+        if batch.breaks[i] > 0.0:
+            continue
+        rate, overlap, ratio = growth[cell] / last, batch.overlap[i], batch.stress_ratio[i]
+        following = last
+        if rate > 0.0 and overlap != 0.0 and ratio != 0.0:
+            missing = (allowed * overlap / ratio - overlap) / rate
+            if missing < last:
+                following = moment + 1 + max(int(missing), 0)
+        set_due(due, cell, following)
+
+
+@kernel
+def let_ring_be_due(cells, due, broken, ring, moment):
+    """Examine the cells two away from broken cells (n,) at the next moment, if they overlap."""
+    for cell in broken:
+        for offset in ring:
+            near = cell + offset
+            overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
+            if overlap > 0.0:
+                set_due(due, near, moment + 1)
+
+
+@kernel
 def set_laws(batch, n, some, kind, law):
     """Set the strength of the pairs at some cells (n,), which depends on soft peaks."""
     for i in range(n):
@@ -232,19 +333,33 @@ def write_back(batch, n, some, still_breaking, cells, turns, beside):
 
 
 @kernel
-def add_changes(batch, n, some, cells, walls, broken, count):
-    """Add what broken pairs change to the new walls, list their cells, and return their number."""
-    for i in range(n):
-        if batch.steps[i] == 0.0:
+def add_changes(batch, i, cell, cells, walls, broken, count):
+    """Add what broken pair i changes to the new walls, list its cell, and return their number."""
+    if batch.steps[i] == 0.0:
+        return count
+    for k in range(9):
+        near = cell + (k // 3 - 1) * cells.stride + k % 3 - 1
+        if cells.upper[near] < math.inf:
+            walls[UPPER, near] += batch.heights[UPPER, k, i] - cells.upper[near]
+            walls[LOWER, near] += batch.heights[LOWER, k, i] - cells.lower[near]
+    broken[count] = cell
+    return count + 1
+
+
+@kernel
+def take_out_resting(batch, n, some, cells, walls, broken, count):
+    """Take pairs that do not break out of the batch; return how many are left, and are broken."""
+    i = 0
+    while i < n:
+        if batch.breaks[i] > 0.0:
+            i += 1
             continue
-        broken[count] = some[i]
-        count += 1
-        for k in range(9):
-            near = some[i] + (k // 3 - 1) * cells.stride + k % 3 - 1
-            if cells.upper[near] < math.inf:
-                walls[UPPER, near] += batch.heights[UPPER, k, i] - cells.upper[near]
-                walls[LOWER, near] += batch.heights[LOWER, k, i] - cells.lower[near]
-    return count
+        count = add_changes(batch, i, some[i], cells, walls, broken, count)
+        n -= 1
+        if i < n:
+            move_pair(batch, n, i)
+            some[i] = some[n]
+    return n, count
 
 
 @kernel
@@ -275,6 +390,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         tie_tolerance,
         most_steps,
         memory,
+        growth,
+        short_steps,
     ):
         ny, nx = upper.shape
         batch = memory[0]
@@ -285,6 +402,15 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         up, down = stride, -stride
         beside = np.array([down - 1, down, down + 1, -1, 1, up - 1, up, up + 1])
         around = np.append(beside, 0)
+        ring = np.array([
+            2 * down - 2, 2 * down - 1, 2 * down, 2 * down + 1, 2 * down + 2,
+            down - 2, down + 2, -2, 2, up - 2, up + 2,
+            2 * up - 2, 2 * up - 1, 2 * up, 2 * up + 1, 2 * up + 2,
+        ])  # fmt: skip
+        walks = short_steps > 1
+        growing = padded(growth, 0.0) if walks else cells.approach
+        due = no_cells_due(cells.upper.size if walks else 0, short_steps)
+        moment, left = 0, 1.0 if walks else 0.0
         following = np.stack((cells.upper, cells.lower))
         shape = law.least_curvature, law.concave, law.spacing
         rules = Rules(tie_tolerance, *shape, gouge, bounded)
@@ -293,9 +419,18 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         some = np.empty(BATCH + 1, np.int64)
         steps = 0
         seen = -1  # steps when all cells were last checked
+        if walks:
+            let_overlapping_wait(cells, turns)
         colour = 0
         while steps < most_steps:
             if turns.counts.sum() == 0:
+                if walks:
+                    moment += 1
+                    if moment == short_steps:
+                        break
+                    left = 1.0 - moment / short_steps
+                    let_due_wait(due, moment, turns)
+                    continue
                 # breakage changes curvatures up to two cells away: check all cells again
                 if seen == steps:
                     break
@@ -309,15 +444,17 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                 looked_at = taken[first : min(first + BATCH, number)]
                 n = looked_at.size
                 # most checked cells still hold
-                gather(batch, n, looked_at, *walls, stride, current_peaks)
+                gather(batch, n, looked_at, *walls, growing, left, stride, current_peaks)
                 if current_peaks:
                     find_peaks(batch, n, looked_at, kind)
                 set_laws(batch, n, looked_at, kind, law)
                 assess(batch, n, allowed, rules)
+                if walks:
+                    foresee(batch, n, looked_at, growing, due, moment, allowed)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
                 if n == 0:
                     continue
-                gather(batch, n, some, *walls, stride, True)
+                gather(batch, n, some, *walls, growing, left, stride, True)
                 set_laws(batch, n, some, kind, law)
                 batch.steps[:n] = 0.0
                 for turn in range(_MOST_PASSES):
@@ -332,6 +469,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     for i in range(n if gouge else 0):
                         cells.locked[some[i]] |= batch.locked[i] > 0.0
                     breaking = int(batch.breaks[:n].sum())
+                    if resolved:
+                        n, broken = take_out_resting(
+                            batch, n, some, cells, following, taken, broken
+                        )
                     if breaking == 0:
                         break
                     steps += breaking
@@ -342,11 +483,14 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     shed_losses(batch, n, UPPER, tie_tolerance, gouge)
                     shed_losses(batch, n, LOWER, tie_tolerance, gouge)
                 if resolved:
-                    broken = add_changes(batch, n, some, cells, following, taken, broken)
+                    for i in range(n):
+                        broken = add_changes(batch, i, some[i], cells, following, taken, broken)
                 else:
                     write_back(batch, n, some, breaking > 0, cells, turns, beside)
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
+                if walks:
+                    let_ring_be_due(cells, due, taken[:broken], ring, moment)
         unpad(cells.upper, upper)
         unpad(cells.lower, lower)
         unpad(kind, peaks)

@@ -8,9 +8,13 @@ required one.
 
 If nothing can break, the first round is one equilibrium. With fixed steps it is breakage at the
 extrapolated interaction; if nothing breaks, the joint opens, or all contacts are known to hold
-(`Joint.held_to`), the forces are extrapolated too. With resolved breakage it is an equilibrium in
-which no contact exceeds its strength; the difference of its force to that at rest measures the
-error of the step.
+(`Joint.held_to`), the forces are extrapolated too.
+
+With resolved breakage the step is first walked through in `SHORT_STEPS` short steps in which only
+breakage acts, with the interaction extrapolated by its rate: breakage is local and needs short
+steps, interaction is smooth and does not (docs/decisions.md#0010-resolved-breakage). The
+equilibrium that follows, in which no contact exceeds its strength, corrects the extrapolation; the
+difference of its force to that at rest measures the error of the step.
 """
 
 import numpy as np
@@ -27,9 +31,12 @@ from jointclosure.solvers.pair_batch import batch_memory
 
 PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 """Residuals that are sufficient to determine what breaks next, stage by stage."""
-BAND = 2.0
+BAND = 2.8
 """Width of the band about its strength in which a contact is at rest, over `Numerics.tolerance`."""
+SHORT_STEPS = 8
+"""Short steps of breakage in a step of closure with resolved breakage."""
 MOST_ROUNDS = 1000
+_NO_GROWTH = np.zeros((0, 0))
 _CLEAR_OF_STRENGTH = 0.98
 """Share of its strength below which a contact with an approximate force is assumed to hold."""
 
@@ -126,9 +133,11 @@ class _PathToRest:
             self.solve(asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
-        """Solve the first equilibrium with resolved breakage, a step [m] after the last closure."""
+        """Break along a step [m] and solve the first equilibrium at its end (resolved breakage)."""
         self.extrapolate(step)
         may_break = step > 0.0 and self.closure > self.joint.held_to
+        if may_break:
+            self.break_in_short_steps(step)
         return float(self.solve(_stages(asked)[0] if may_break else asked).force.sum())
 
     def extrapolate(self, step: float) -> None:
@@ -158,6 +167,14 @@ class _PathToRest:
 
     def break_to_rest(self) -> int:
         """Break pairs at the present interaction until rest; return the breakage steps."""
+        return self._break(_NO_GROWTH, 1)
+
+    def break_in_short_steps(self, step: float) -> None:
+        """Break pairs along a step [m] to the present closure, at the extrapolated interaction."""
+        self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
+
+    def _break(self, growth: np.ndarray, short_steps: int) -> int:
+        """Break pairs in short steps, in which the approach grows (y, x) [m]; return the steps."""
         joint = self.joint
         choices = joint.choices
         rules = joint.effects.gouge, choices.peaks == "current", _resolved(joint)
@@ -166,7 +183,9 @@ class _PathToRest:
         pairs = joint.interaction, joint.peaks, joint.law
         losses = float(self.breakage_step), _band(joint), joint.tie_tolerance
         kernel = breakage_kernel(*rules, choices.strength_bound == "base")
-        steps, self.locked = kernel(*walls, *pairs, *losses, most, self._memory)
+        steps, self.locked = kernel(
+            *walls, *pairs, *losses, most, self._memory, growth, short_steps
+        )
         self.breakage_steps += steps
         if steps > 0:
             self._overlapping = self._may_carry = None

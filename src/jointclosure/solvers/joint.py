@@ -69,8 +69,9 @@ class Settled(NamedTuple):
 
     Shares are those of the force on locked contacts (beyond their strength, without lower
     neighbours for their gouge) and on flat ones (no curvature but by rounding). ``correction`` [N]
-    is the total force less its prediction before anything broke (resolved breakage), a measure of a
-    step's error. ``mean_overlap`` [m] is the sum of the overlaps of contacts over the cells.
+    is the total force less that of the first equilibrium after the short steps of breakage
+    (resolved breakage), a measure of a step's error. ``mean_overlap`` [m] is the sum of the
+    overlaps of contacts over the cells.
     """
 
     outcome: Outcome

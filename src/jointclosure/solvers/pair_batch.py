@@ -22,6 +22,10 @@ from jointclosure.solvers.cells import wall_curvature
 
 BATCH = 128
 UPPER, LOWER = 0, 1
+_MOST_NARROWED = 60
+"""Largest number of steps of false position for a loss; nearly all need two to four."""
+_FEW = 0.25
+"""Share of unsolved pairs below which they are solved one by one."""
 SOUTH, WEST, CENTRE, EAST, NORTH = 1, 3, 4, 5, 7
 
 
@@ -75,11 +79,14 @@ class Rules(NamedTuple):
 
 
 @kernel
-def gather(batch, n, cells, upper, lower, approach, stride, with_corners):
-    """Copy heights around cells (n,) into a batch, optionally with corners."""
+def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_corners):
+    """Copy heights around cells (n,) into a batch, optionally with corners.
+
+    ``left`` is the share of the step, and of the approach's ``growth`` [m] in it, that is to come.
+    """
     for i in range(n):
         cell = cells[i]
-        batch.approach[i] = approach[cell]
+        batch.approach[i] = approach[cell] - left * growth[cell]
         for row in range(3):
             for column in range(3):
                 if with_corners or row == 1 or column == 1:
@@ -288,48 +295,77 @@ def bracket_losses(batch, n, goal, gouge):
 
 
 @kernel
-def narrow_losses(batch, n, goal, near, rules):
-    """Do one step of false position (Illinois) for every pair; return the number of unsolved."""
-    for i in range(n):
-        trial = batch.trial[i]
-        answer = ratio_after(batch, i, trial, rules) - goal
-        most = batch.most[i]
-        left, right = batch.left[i], batch.right[i]
-        excess, shortage = batch.excess[i], batch.shortage[i]
-        moved = batch.moved[i]
-        done = batch.done[i] > 0.0
-        ends = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
-        high = answer > 0.0
-        # the value at an end that stays twice is halved
-        next_excess = answer if high else (0.5 * excess if moved < 0.0 else excess)
-        next_shortage = (0.5 * shortage if moved > 0.0 else shortage) if high else answer
-        next_left = trial if high else left
-        next_right = right if high else trial
-        following = (next_left * next_shortage - next_right * next_excess) / (
-            next_shortage - next_excess
-        )
-        following = following if next_shortage < math.inf else most
-        batch.left[i] = next_left
-        batch.right[i] = next_right
-        batch.excess[i] = next_excess
-        batch.shortage[i] = next_shortage
-        batch.moved[i] = 1.0 if high else -1.0
-        batch.trial[i] = trial if ends else following
-        batch.done[i] = 1.0 if ends else 0.0
-    left_over = 0
-    for i in range(n):
-        left_over += batch.done[i] == 0.0
-    return left_over
+def narrow_loss(batch, i, goal, near, rules):
+    """Do one step of false position (Illinois) for pair i."""
+    trial = batch.trial[i]
+    answer = ratio_after(batch, i, trial, rules) - goal
+    most = batch.most[i]
+    left, right = batch.left[i], batch.right[i]
+    excess, shortage = batch.excess[i], batch.shortage[i]
+    moved = batch.moved[i]
+    done = batch.done[i] > 0.0
+    ends = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
+    high = answer > 0.0
+    # the value at an end that stays twice is halved
+    next_excess = answer if high else (0.5 * excess if moved < 0.0 else excess)
+    next_shortage = (0.5 * shortage if moved > 0.0 else shortage) if high else answer
+    next_left = trial if high else left
+    next_right = right if high else trial
+    following = (next_left * next_shortage - next_right * next_excess) / (
+        next_shortage - next_excess
+    )
+    following = following if next_shortage < math.inf else most
+    batch.left[i] = next_left
+    batch.right[i] = next_right
+    batch.excess[i] = next_excess
+    batch.shortage[i] = next_shortage
+    batch.moved[i] = 1.0 if high else -1.0
+    batch.trial[i] = trial if ends else following
+    batch.done[i] = 1.0 if ends else 0.0
 
 
 @kernel
 def returning_losses(batch, n, band, rules):
-    """Compute by return mapping the losses of both walls that restore the strength of a pair."""
+    """Compute by return mapping the losses of both walls that restore the strength of a pair.
+
+    All pairs do the same number of steps in vector code, until few are unsolved; these go on alone.
+    """
     goal, near = 1.0 - 0.5 * band, 0.25 * band
     bracket_losses(batch, n, goal, rules.gouge)
-    for _ in range(60):
-        if narrow_losses(batch, n, goal, near, rules) == 0:
+    unsolved = n
+    for _ in range(_MOST_NARROWED):
+        for i in range(n):
+            narrow_loss(batch, i, goal, near, rules)
+        unsolved = 0
+        for i in range(n):
+            unsolved += batch.done[i] == 0.0
+        if unsolved < _FEW * n:
             break
+    for i in range(n):
+        for _ in range(_MOST_NARROWED):
+            if batch.done[i] > 0.0:
+                break
+            narrow_loss(batch, i, goal, near, rules)
     for i in range(n):
         batch.loss[UPPER, i] *= batch.trial[i]
         batch.loss[LOWER, i] *= batch.trial[i]
+
+
+@kernel
+def move_pair(batch, at, to):
+    """Copy an assessed pair with its drops and shares from one place in the batch to another."""
+    for wall in range(2):
+        for k in range(9):
+            batch.heights[wall, k, to] = batch.heights[wall, k, at]
+        batch.curvature[wall, to] = batch.curvature[wall, at]
+        batch.total_drop[wall, to] = batch.total_drop[wall, at]
+        batch.least_drop[wall, to] = batch.least_drop[wall, at]
+        batch.loss[wall, to] = batch.loss[wall, at]
+    batch.approach[to] = batch.approach[at]
+    batch.overlap[to] = batch.overlap[at]
+    batch.critical_indentation[to] = batch.critical_indentation[at]
+    batch.substrate_strength[to] = batch.substrate_strength[at]
+    batch.filling[to] = batch.filling[at]
+    batch.stress_ratio[to] = batch.stress_ratio[at]
+    batch.breaks[to] = batch.breaks[at]
+    batch.steps[to] = batch.steps[at]

@@ -1,0 +1,98 @@
+"""What accuracy costs: errors of net closure and stiffness, and processor time, by tolerance.
+
+Joints of four rocks, made from a JRC, two load cycles: `JOINTS` for each rock, of independent walls
+and of walls that are mated beyond 3 mm. Each is closed by the paper's steps and by resolved
+breakage at several --tolerances, and once at the --finest tolerance, from which errors are taken:
+its errors are in them. Times are processor times over those of the paper's steps on the same
+joints, all in one process, so that other work on the machine matters little. --output is a folder.
+"""
+
+from pathlib import Path
+
+import yardstick
+
+# isort: split
+import numpy as np
+import pandas as pd
+
+import jointclosure as jc
+from jointclosure.joint.curves import net_responses
+from jointclosure.joint.rocks import ROCKS
+from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.storage.provenance import write_origin
+
+NAMES = ("dolerite", "siltstone", "limestone", "slate")
+JOINTS = ((48, 7e6, None), (56, 15e6, None), (64, 30e6, None), (56, 10e6, 3e-3), (100, 20e6, None))
+"""Cells along a side, largest stress [Pa], and wavelength [m] beyond which the walls are mated."""
+SPACING, FIRST_SEED = 0.25e-3, 9100
+RESPONSES = {"closure": "max_closure_seated_net", "stiffness": "stiffness_net"}
+PAPER = "paper's steps"
+
+
+def closed(rock: str, number: int, numerics: jc.Numerics) -> dict:
+    """Close a joint; return its net closures [m], stiffnesses [Pa/m], and processor time [s]."""
+    cells, stress, mated = JOINTS[number]
+    seed = FIRST_SEED + 10 * NAMES.index(rock) + number
+    known, shape = ROCKS[rock], (cells, cells)
+    walls = jc.wall_pair(known.jrc, shape, SPACING, seed, mismatch_wavelength=mated)
+    seconds, joint = yardstick.timed(
+        lambda: jc.simulate(
+            *walls, spacing=SPACING, rock=rock, max_normal_stress=stress, cycles=2,
+            numerics=numerics,
+        )
+    )  # fmt: skip
+    responses = net_responses(joint)
+    row = {"rock": rock, "joint": number, "seconds": seconds, "status": int(joint.status)}
+    row["equilibria"] = int(joint.equilibria)
+    for title, name in RESPONSES.items():
+        for cycle in (1, 2):
+            row[f"{title} {cycle}"] = responses[name][cycle - 1]
+    return row
+
+
+def summarised(table: pd.DataFrame, finest: str) -> pd.DataFrame:
+    """Errors [%] of means with standard errors, and of single joints, by setting."""
+    of_joint = table.set_index(["setting", "rock", "joint"])
+    paper, reference = of_joint.loc[PAPER], of_joint.loc[finest]
+    rows = []
+    for setting in table.setting.unique():
+        joints = of_joint.loc[setting]
+        row = {"setting": setting, "joints": len(joints), "seconds": joints.seconds.sum()}
+        row["time over the paper's"] = joints.seconds.sum() / paper.seconds.sum()
+        row["equilibria of a joint"] = joints.equilibria.mean()
+        for name in [f"{title} {cycle}" for title in RESPONSES for cycle in (1, 2)]:
+            errors = 100.0 * (joints[name] / reference[name] - 1.0).to_numpy()
+            mean, error = mean_of(errors)
+            row |= {f"{name} mean %": mean, f"{name} standard error %": error}
+            row[f"{name} rms %"] = float(np.sqrt(np.mean(errors**2)))
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def main(tolerances: list[float], finest: float, output: Path | None) -> None:
+    """Print machine and table, and write them."""
+    print(yardstick.machine(), flush=True)
+    settings = {PAPER: jc.Numerics()}
+    for tolerance in sorted({*tolerances, finest}, reverse=True):
+        numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
+        settings[f"tolerance {tolerance:g}"] = numerics
+    for numerics in settings.values():  # to compile
+        closed("limestone", 0, numerics._replace(tolerance=0.05))
+    rows = [
+        {"setting": setting} | closed(rock, number, numerics)
+        for setting, numerics in settings.items()
+        for rock in NAMES
+        for number in range(len(JOINTS))
+    ]
+    table = pd.DataFrame(rows)
+    summary = summarised(table, f"tolerance {finest:g}")
+    yardstick.show("errors from the finest tolerance, and times", summary, output, "price")
+    if output:
+        table.to_csv(output / "joints.csv", index=False)
+        write_origin(output)
+
+
+if __name__ == "__main__":
+    given = {"tolerances": [0.04, 0.02, 0.01, 0.005], "finest": 0.00125, "output": Path}
+    asked = yardstick.options(__doc__, **given)
+    main(asked.tolerances, asked.finest, asked.output)
