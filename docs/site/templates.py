@@ -33,8 +33,11 @@ OLDER_SOLVER = (
     "measured_fit", "peers", "readings_average", "solver_speed",
 )  # fmt: skip
 """Stored runs of a solver before 0d329c6, since when fixed steps are as they are."""
-OLDER_STEPS = ("accuracy_requests",)
-"""Stored runs by resolved breakage before its present steps and order (5eb19373)."""
+OLDER_STEPS = (
+    "accuracy_requests", "hard_cases", "measured_joints", "misalignment", "mismatch",
+    "strength_bound",
+)  # fmt: skip
+"""Stored runs by resolved breakage before its present steps (f705b22f)."""
 
 Rows = list[dict]
 

@@ -12,6 +12,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table, landing_stress
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
+from jointclosure.solvers.fast import BAND
 from studies.frame.tables import mean_shown
 
 LARGEST, HALF = 20e6, 10e6
@@ -133,9 +134,9 @@ def test_states_are_judged_by_the_limits_of_the_model_and_of_what_was_solved_for
     resolved = Numerics(breakage="resolved", tolerance=0.02, force_tolerance=1e-5)
     elastic = Effects(breakage=False, gouge=False)
     for effects, numerics, by_stress, residual, strength, volume in (
-        (Effects(), resolved, True, 1e-5, 0.02, 1e-12),
+        (Effects(), resolved, True, 1e-5, 0.5 * BAND * 0.02, 1e-12),
         (Effects(), Numerics(), True, 1e-5, 0.0, 1e-12),
-        (Effects(gouge=False), resolved, True, 1e-5, 0.02, np.inf),
+        (Effects(gouge=False), resolved, True, 1e-5, 0.5 * BAND * 0.02, np.inf),
         (elastic, Numerics(), True, 1e-10, 0.0, 0.0),  # one curve is solved to this
         (elastic, Numerics(), False, 1e-5, 0.0, 0.0),
         (elastic, Numerics(solver="reference"), True, 1e-5, 0.0, 0.0),

@@ -24,12 +24,9 @@ import templates
 ROOT = templates.ROOT
 ORIGINS = sorted([*ROOT.glob("studies/*/published/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
-SOLVER, STEPS = "0d329c61", "5eb19373"
+SOLVER, STEPS = "0d329c61", "f705b22f"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
-RESOLVED = {
-    "hard_cases", "strength_bound", "measured_joints", "mismatch", "misalignment",
-    *templates.OLDER_STEPS,
-}  # fmt: skip
+RESOLVED = {"price_of_accuracy", *templates.OLDER_STEPS}
 """Runs of resolved breakage, by the present solver."""
 
 

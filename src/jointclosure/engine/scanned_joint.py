@@ -33,7 +33,7 @@ Wall = str | Path | Sequence[str | Path] | Scan | Cloud
 """A wall: file or three files of x, y and heights, scan, or "flat"."""
 RESOLVED = Numerics(
     breakage="resolved",
-    tolerance=0.01,
+    tolerance=0.02,
     displacement_step=3e-6,
     later_displacement_step=3e-6,
     breakage_step=1e-6,
