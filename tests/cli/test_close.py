@@ -138,7 +138,7 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     assert command("report", tmp_path)[0] == 0
 
 
-STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.01, "--breakage fixed_step": None}
+STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.02, "--breakage fixed_step": None}
 
 
 @pytest.mark.parametrize("words", STATED)
