@@ -34,8 +34,7 @@ OLDER_SOLVER = (
 )  # fmt: skip
 """Stored runs of a solver before 0d329c6, since when fixed steps are as they are."""
 OLDER_STEPS = (
-    "accuracy_requests", "hard_cases", "measured_joints", "misalignment", "mismatch",
-    "strength_bound",
+    "accuracy_requests", "measured_joints", "misalignment", "mismatch", "strength_bound",
 )  # fmt: skip
 """Stored runs by resolved breakage before its present steps (f705b22f)."""
 

@@ -26,7 +26,7 @@ ORIGINS = sorted([*ROOT.glob("studies/*/published/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
 SOLVER, STEPS = "0d329c61", "f705b22f"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
-RESOLVED = {"price_of_accuracy", *templates.OLDER_STEPS}
+RESOLVED = {"hard_cases", "price_of_accuracy", *templates.OLDER_STEPS}
 """Runs of resolved breakage, by the present solver."""
 
 
