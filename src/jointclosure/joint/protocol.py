@@ -65,8 +65,11 @@ class History(NamedTuple):
 class _Run:
     """Mutable state of `run_cycles`."""
 
-    def __init__(self, joint: Joint, solver: Solver, numerics: Numerics, cycles, report, observers):
-        self.joint, self.solver, self.numerics = joint, solver, numerics
+    def __init__(self, joint, solver, numerics, cycles, seating_force, report, observers):
+        self.joint: Joint = joint
+        self.solver: Solver = solver
+        self.numerics: Numerics = numerics
+        self.seating_force = seating_force
         self.report, self.observers = report, observers
         self.target_force = cycles[0].maximum  # of the current cycle
         self.closure = self.total_force = self.cycle_start = 0.0
@@ -109,8 +112,9 @@ class _Run:
 
     def control(self, step: float, former: float) -> StepControl | None:
         """Return what selects the steps of a branch, given a step [m] and a former maximum [N]."""
-        resolved = self.numerics.breakage == "resolved"
-        return StepControl(self.numerics, step, self.target_force, former) if resolved else None
+        if self.numerics.breakage != "resolved":
+            return None
+        return StepControl(self.numerics, step, self.target_force, former, self.seating_force)
 
     def is_idle(self, settled: Settled) -> bool:
         """Return whether a state settled without interaction may be kept in the first loading."""
@@ -139,16 +143,20 @@ def run_cycles(
     solver: Solver,
     numerics: Numerics,
     cycles: Sequence[LoadCycle],
-    extra_force: float = 0.0,
+    seating_force: float = 0.0,
     report: Report | None = None,
     observers: Sequence[Observer] = (),
 ) -> History:
-    """Load to a force and unload to a lower one or to last contact, repeatedly."""
+    """Load to a force [N] and unload to a lower one or to last contact, repeatedly.
+
+    Net closures are read at the ``seating_force`` [N]: elastic histories have a
+    state there, and elastic branches of joints whose breakage is resolved near it.
+    """
     if not joint.effects.breakage and solver.elastic_curve is not None:
-        history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
+        history = _elastic_cycles(joint, solver, numerics, cycles, seating_force)
         _show_elastic(joint, solver, history, observers)
         return history
-    run = _Run(joint, solver, numerics, cycles, report, observers)
+    run = _Run(joint, solver, numerics, cycles, seating_force, report, observers)
     run.accept(1, LOADING, _untouched(joint))
     elastic, replayed = False, 0
     for cycle, load in enumerate(cycles, start=1):
@@ -186,10 +194,10 @@ def unbreakable_share(joint: Any) -> Any:
     return joint.locked_share + joint.flat_share
 
 
-def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
+def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:
     """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
     start, height = _untouched(joint), _mean_height(joint)
-    forces = _elastic_forces(numerics, cycles, extra_force)
+    forces = _elastic_forces(numerics, cycles, seating_force)
     curve = solver.elastic_curve(joint, forces[1:])
     failed = curve[-1].outcome != Outcome.CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
@@ -210,12 +218,12 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
     return History(steps, status, Effort(*map(sum, counts)))
 
 
-def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
+def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
     """Return the forces of an elastic curve [N]: evenly spaced from 0, at seating and at turns."""
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
     # skip a turn or seating that equals one of them up to rounding: its step would have no length
-    turns = {force for cycle in [*cycles, [extra_force]] for force in cycle if force <= largest}
+    turns = {force for cycle in [*cycles, [seating_force]] for force in cycle if force <= largest}
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
     return np.union1d(forces, apart) if apart else forces
 
@@ -365,7 +373,10 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
         if control:
             left = settled.total_force
             taken, step = step, control.after(step, left, run.total_force - left)
-            if must_repeat(taken, step):
+            seating = control.step_to_seating(taken, run.total_force, left)
+            if seating < taken:
+                step = min(step, seating)
+            if seating < taken or must_repeat(taken, step):
                 run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < minimum:

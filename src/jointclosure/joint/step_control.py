@@ -26,21 +26,36 @@ _NEAR = 0.97  # target of a step that should reach the end of the loading, over 
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
 """If a shorter step has over the first share of the rise, the next is at most the second of it."""
 _MOST_SHORTENED = 4
+_NEAR_SEATING = 0.05
+"""Share of the seating force by which a state may miss it: net closures are read there."""
 
 
 class StepControl:
-    """Selection of the steps [m] of one branch to a force [N]; virgin beyond a former one [N]."""
+    """Selection of the steps [m] of one branch to a force [N]; virgin beyond a former one [N].
 
-    def __init__(self, numerics: Numerics, given: float, target_force: float, former: float):
+    A branch that passes the seating force [N] without breakage has a state near it.
+    """
+
+    def __init__(
+        self,
+        numerics: Numerics,
+        given: float,
+        target_force: float,
+        former: float,
+        seating_force: float = 0.0,
+    ):
         self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
         self._smallest = given * _SMALLEST_STEP
-        self._target, self._former = target_force, former
+        self._target, self._former, self._seating = target_force, former, seating_force
         self._tolerance = numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
+        self._broke = False  # in the last step
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
         """Return the step [m], shortened if necessary, before anything breaks in it."""
-        missing, smallest = self._target - force, self._smallest
+        seated = force >= (1.0 - _NEAR_SEATING) * self._seating
+        missing = (self._target if seated else min(self._seating, self._target)) - force
+        smallest = self._smallest
         if self._slope * step > missing:
             step = missing / self._slope
         # the share of the predicted rise that is lost increases as the step gets shorter
@@ -50,7 +65,8 @@ class StepControl:
         if landing < allowed:
             allowed, aim = landing, _NEAR * landing
             smallest *= _SMALLEST_STEP
-        residual = min(_RESIDUAL * allowed / self._target, _LOOSEST)
+        # pairs at their strength bear no force that is too large: an elastic step misses no target
+        residual = min(_RESIDUAL * allowed / self._target, _LOOSEST) if self._broke else 0.0
         before = np.inf
         for shortened in range(_MOST_SHORTENED + 1):
             self._predicted = predict(step, residual)
@@ -66,8 +82,9 @@ class StepControl:
     def following(self, step: float, force: float, settled: Settled) -> float:
         """Return the next step [m] that the error of the last one, from a force [N] on, allows."""
         rise = settled.total_force - force
-        self._slope = rise / step
-        if self._predicted > force:
+        self._slope, self._lost = rise / step, 0.0
+        self._broke = settled.effort.breakage_steps > 0
+        if self._broke and self._predicted > force:
             lost = 1.0 - rise / (self._predicted - force)
             self._lost = min(max(lost, 0.0), _MOST_LOST)
         scale = settled.total_force + 0.05 * self._target
@@ -79,6 +96,13 @@ class StepControl:
         factor = _AIM / max(missed, change / self._most_change(force), 0.01)
         longer = step * min(max(factor, 0.25), 2.0)
         return min(max(longer, self._smallest), self._largest)
+
+    def step_to_seating(self, step: float, force: float, left: float) -> float:
+        """Return the step [m] of unloading, shortened if it passes the seating force [N]."""
+        least, most = ((1.0 + side * _NEAR_SEATING) * self._seating for side in (-1.0, 1.0))
+        if left >= least or force <= most or step <= self._smallest:
+            return step
+        return max((force - self._seating) / (force - left) * step, self._smallest)
 
     def _most_change(self, force: float) -> float:
         """Return the change of the force [N] that a step from a force [N] may have."""
