@@ -1,12 +1,18 @@
 """What accuracy costs: errors of net closure and stiffness, and processor time, by tolerance.
 
 Joints of four rocks, made from a JRC, two load cycles: `JOINTS` for each rock, of independent walls
-and of walls that are mated beyond 3 mm. Each is closed by the paper's steps and by resolved
-breakage at several --tolerances, and once at the --finest tolerance, from which errors are taken:
-its errors are in them. Times are processor times over those of the paper's steps on the same
-joints, all in one process, so that other work on the machine matters little. --output is a folder.
+and of walls that are mated beyond 3 mm; and pairs of scans, files ``*_upper.*`` and ``*_lower.*``
+of the folders --scans (granite, 10 MPa). The stored run has README's pair and, of two published
+scans, a foliation joint on itself turned by 180 degrees and mirrored (63 x 63 cells), and the
+middle (64 x 64) of a fracture. Strength is bounded, as that of scanned joints is.
+
+Each joint is closed by the paper's steps and by resolved breakage at several --tolerances, and once
+at the --finest tolerance, from which errors are taken: its errors are in them. Times are processor
+times over those of the paper's steps on the same joints, all in one process, so that other work on
+the machine matters little. --output is a folder.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import yardstick
@@ -14,6 +20,7 @@ import yardstick
 # isort: split
 import numpy as np
 import pandas as pd
+from strength_bound import MATED, joint_of
 
 import jointclosure as jc
 from jointclosure.joint.curves import net_responses
@@ -29,20 +36,28 @@ RESPONSES = {"closure": "max_closure_seated_net", "stiffness": "stiffness_net"}
 PAPER = "paper's steps"
 
 
-def closed(rock: str, number: int, numerics: jc.Numerics) -> dict:
+def joints(scans: list[Path]) -> Iterator[tuple[str, tuple]]:
+    """Generate names of joints, and their walls (y, x) [m], spacing [m], rock and stress [Pa]."""
+    for at, rock in enumerate(NAMES):
+        for number, (cells, stress, mated) in enumerate(JOINTS):
+            seed, shape = FIRST_SEED + 10 * at + number, (cells, cells)
+            walls = jc.wall_pair(ROCKS[rock].jrc, shape, SPACING, seed, mismatch_wavelength=mated)
+            yield f"{rock} {number}", (walls, SPACING, rock, stress)
+    for file in sorted(file for folder in scans for file in folder.glob("*_upper.*")):
+        yield f"scan {file.stem.removesuffix('_upper')}", joint_of(str(file))
+
+
+def closed(name: str, given: tuple, numerics: jc.Numerics) -> dict:
     """Close a joint; return its net closures [m], stiffnesses [Pa/m], and processor time [s]."""
-    cells, stress, mated = JOINTS[number]
-    seed = FIRST_SEED + 10 * NAMES.index(rock) + number
-    known, shape = ROCKS[rock], (cells, cells)
-    walls = jc.wall_pair(known.jrc, shape, SPACING, seed, mismatch_wavelength=mated)
+    walls, spacing, rock, stress = given
     seconds, joint = yardstick.timed(
         lambda: jc.simulate(
-            *walls, spacing=SPACING, rock=rock, max_normal_stress=stress, cycles=2,
+            *walls, spacing=spacing, rock=rock, max_normal_stress=stress, cycles=2,
             numerics=numerics,
         )
     )  # fmt: skip
     responses = net_responses(joint)
-    row = {"rock": rock, "joint": number, "seconds": seconds, "status": int(joint.status)}
+    row = {"joint": name, "seconds": seconds, "status": int(joint.status)}
     row["equilibria"] = int(joint.equilibria)
     for title, name in RESPONSES.items():
         for cycle in (1, 2):
@@ -52,7 +67,7 @@ def closed(rock: str, number: int, numerics: jc.Numerics) -> dict:
 
 def summarised(table: pd.DataFrame, finest: str) -> pd.DataFrame:
     """Errors [%] of means with standard errors, and of single joints, by setting."""
-    of_joint = table.set_index(["setting", "rock", "joint"])
+    of_joint = table.set_index(["setting", "joint"])
     paper, reference = of_joint.loc[PAPER], of_joint.loc[finest]
     rows = []
     for setting in table.setting.unique():
@@ -69,7 +84,7 @@ def summarised(table: pd.DataFrame, finest: str) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def main(tolerances: list[float], finest: float, output: Path | None) -> None:
+def main(tolerances: list[float], finest: float, scans: list[Path], output: Path | None) -> None:
     """Print machine and table, and write them."""
     print(yardstick.machine(), flush=True)
     settings = {PAPER: jc.Numerics()}
@@ -77,12 +92,11 @@ def main(tolerances: list[float], finest: float, output: Path | None) -> None:
         numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
         settings[f"tolerance {tolerance:g}"] = numerics
     for numerics in settings.values():  # to compile
-        closed("limestone", 0, numerics._replace(tolerance=0.05))
+        closed(*next(joints([])), numerics._replace(tolerance=0.05))
     rows = [
-        {"setting": setting} | closed(rock, number, numerics)
+        {"setting": setting} | closed(name, given, numerics)
         for setting, numerics in settings.items()
-        for rock in NAMES
-        for number in range(len(JOINTS))
+        for name, given in joints(scans)
     ]
     table = pd.DataFrame(rows)
     summary = summarised(table, f"tolerance {finest:g}")
@@ -93,6 +107,6 @@ def main(tolerances: list[float], finest: float, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    given = {"tolerances": [0.04, 0.02, 0.01, 0.005], "finest": 0.00125, "output": Path}
-    asked = yardstick.options(__doc__, **given)
-    main(asked.tolerances, asked.finest, asked.output)
+    given = {"tolerances": [0.04, 0.02, 0.01, 0.005], "finest": 0.00125, "scans": [MATED]}
+    asked = yardstick.options(__doc__, **given, output=Path)
+    main(asked.tolerances, asked.finest, asked.scans, asked.output)
