@@ -125,14 +125,14 @@ def test_steps_follow_their_error_and_their_change_of_force_in_proportion_to_the
         after = rest._replace(total_force=50.0 + rise, correction=missed)
         return control.following(step, 50.0, after) / step
 
-    errors = tolerance * np.array([1.0, 3e2, 1e4, 3e5])
+    errors = tolerance * np.array([1.0, 3e2, 2e4, 6e5])
     steps = [following(missed) for missed in errors]
     assert steps[0] == steps[1] == 2.0  # longer, but not by more than twice
     assert 0.25 < steps[2] < 2.0
     assert steps[3] == 0.25
     assert must_repeat(given, steps[3] * given)
     assert following(errors[2]) == pytest.approx(0.5 * following(0.5 * errors[2]))
-    allowed = min(3.5 * tolerance, 0.1) * target
+    allowed = min(6.0 * tolerance, 0.1) * target
     changes = [following(0.0, rise) for rise in allowed * np.array([0.1, 2, 20])]
     assert changes[0] == 2.0 > changes[1] > changes[2] == 0.25
     # neither longer than the largest step, nor shorter than the smallest one
@@ -144,6 +144,17 @@ def test_steps_follow_their_error_and_their_change_of_force_in_proportion_to_the
     for _ in range(20):
         step = control.after(step, 50.0, target)
     assert 0.0 < step < 0.1 * given
+
+
+def test_steps_of_a_first_loading_are_shorter_before_a_stress_that_is_read():
+    numerics, step, rise = jc.Numerics(breakage="resolved", tolerance=0.01), 1e-5, 5.0
+    loading, later = (StepControl(numerics, step, 100.0, former, 20.0) for former in (0.0, np.inf))
+    for before, beyond in ((19.9, 20.1), (49.9, 50.1)):  # seating, and half of the maximum
+        assert loading.after(step, before, rise) < 0.3 * loading.after(step, beyond, rise)
+        assert later.after(step, before, rise) == pytest.approx(
+            later.after(step, beyond, rise), rel=0.02
+        )
+    assert loading.after(step, 10.0, rise) > 0.6 * loading.after(step, 30.0, rise)
 
 
 # Interaction is left out while it is idle, and only then
@@ -236,8 +247,8 @@ def test_a_step_is_walked_through_in_short_steps_of_breakage(monkeypatch):
         return np.mean([net_responses(history)["stiffness_net"][0] for history in histories])
 
     present, finer = fast.SHORT_STEPS, first_stiffness(4 * fast.SHORT_STEPS)
-    assert first_stiffness(present) == pytest.approx(finer, rel=0.12)
-    assert first_stiffness(1) > 1.2 * finer
+    assert first_stiffness(present) == pytest.approx(finer, rel=0.06)
+    assert first_stiffness(1) > 1.1 * finer
 
 
 @pytest.mark.parametrize("tolerance", [0.02, 0.1])

@@ -11,8 +11,8 @@ from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
 
-_CORRECTION = 140.0  # allowed relative error of a step's predicted force, over the tolerance
-_VIRGIN, _LATER = (3.5, 26.0), (35.0, 175.0)
+_CORRECTION = 250.0  # allowed relative error of a step's predicted force, over the tolerance
+_VIRGIN, _LATER = (6.0, 45.0), (35.0, 175.0)
 """Allowed change of force beyond the former maximum, and elsewhere: over the maximum and over the
 force, both over `Numerics.tolerance`. Longer steps crush too many asperities."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
@@ -27,7 +27,10 @@ _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
 """If a shorter step has over the first share of the rise, the next is at most the second of it."""
 _MOST_SHORTENED = 4
 _NEAR_SEATING = 0.05
-"""Share of the seating force by which a state may miss it: net closures are read there."""
+"""Share of the seating force by which a state of an elastic branch may miss it."""
+_BEFORE_READING, _PART = 0.85, 0.2
+"""Share of a force at which a virgin loading is read, from which on steps are shorter, and their
+allowed change over the usual one: forces go up and down, and longer steps miss the first peak."""
 
 
 class StepControl:
@@ -47,13 +50,14 @@ class StepControl:
         self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
         self._smallest = given * _SMALLEST_STEP
         self._target, self._former, self._seating = target_force, former, seating_force
+        self._readings = seating_force, max(0.5 * target_force, former)  # see `net_responses`
         self._tolerance = numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
         self._broke = False  # in the last step
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
         """Return the step [m], shortened if necessary, before anything breaks in it."""
-        seated = force >= (1.0 - _NEAR_SEATING) * self._seating
+        seated = self._broke or force >= (1.0 - _NEAR_SEATING) * self._seating
         missing = (self._target if seated else min(self._seating, self._target)) - force
         smallest = self._smallest
         if self._slope * step > missing:
@@ -109,7 +113,12 @@ class StepControl:
         virgin = self._former <= force and self._former < self._target
         rise, steepest = (self._tolerance * change for change in (_VIRGIN if virgin else _LATER))
         faint = force + _FAINT * self._target
-        return min(min(rise, _MOST_RISE) * self._target, min(steepest, _STEEPEST) * faint)
+        change = min(min(rise, _MOST_RISE) * self._target, min(steepest, _STEEPEST) * faint)
+        if virgin:
+            for reading in self._readings:
+                if force < reading:
+                    change = min(change, max(_BEFORE_READING * reading - force, _PART * change))
+        return change
 
 
 def must_repeat(step: float, following: float) -> bool:
