@@ -6,6 +6,7 @@ import scipy.stats
 from hypothesis import given
 
 import jointclosure as jc
+from jointclosure.statistics import indifference
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic, lack_of_fit
 from jointclosure.statistics.indifference import (
     _largest_by_isolation,
@@ -272,6 +273,30 @@ def test_many_lengths_at_once_are_those_of_one_by_one(levels, n):
     fits = fit_quadratic(levels, means, levels[1])
     for i, row in enumerate(means[:50]):  # bit for bit
         assert (fits.b[i], fits.c[i], fits.d[i]) == fit_quadratic(levels, row, levels[1])[:3]
+
+
+def test_lengths_without_scatter_at_the_base_are_found_at_once_as_one_by_one(monkeypatch):
+    """As in studies of few surfaces, where the same surface is drawn again and again."""
+    levels, random = np.array([-1.0, 0.0, 1.0]), np.random.default_rng(5)
+    means, deviations = random.normal(size=(200, 3)), 5.0 * random.uniform(size=(200, 3))
+    deviations[:, 1] = 0.0
+    means[:20], deviations[:20] = [0.1, 0.0, 0.1], [2.0, 0.0, 2.0]
+    single = [
+        jc.indifference_interval(levels, m, s, 20).length
+        for m, s in zip(means, deviations, strict=True)
+    ]
+    solved = []
+
+    def counted(polynomials):
+        solved.append(len(polynomials))
+        return largest_real_roots(polynomials)
+
+    monkeypatch.setattr(indifference, "largest_real_roots", counted)
+    many = indifference_lengths(levels, means, deviations, 20)
+    np.testing.assert_array_equal(many, single)
+    assert len(solved) == 2  # quartics, and what is left of those without scatter
+    kinds = np.isnan(many), many == 0.0, many > 0.0
+    assert all(kind.sum() > 10 for kind in kinds)
 
 
 @pytest.mark.parametrize("decades", [0.0, 1.0, 3.0])

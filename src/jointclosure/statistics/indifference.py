@@ -406,13 +406,18 @@ def closest_roots(quartics: np.ndarray) -> np.ndarray:
     roots = np.full(usual.size, np.nan)
     # the closest root in u is the largest in 1/u, with reversed coefficients
     roots[usual] = 1.0 / largest_real_roots(quartics[usual, ::-1])
-    for i in np.flatnonzero(~usual):
-        second, first, constant = quartics[i, :3]  # less the double root at 0
-        lowest = constant or first or second
-        if lowest > 0.0 or (constant == 0.0 and first != 0.0):
-            roots[i] = 0.0
-        elif constant < 0.0 and (second or first):
-            roots[i] = 1.0 / largest_real_roots(np.array([[constant, first, second]]))[0]
+    roots[~usual] = _closest_without_scatter(quartics[~usual, :3])
+    return roots
+
+
+def _closest_without_scatter(quadratics: np.ndarray) -> np.ndarray:
+    """Return `closest_roots` (m,) of quartics with a double root at 0, without it (m, 3)."""
+    second, first, constant = quadratics.T
+    lowest = np.where(constant != 0.0, constant, np.where(first != 0.0, first, second))
+    at_zero = (lowest > 0.0) | ((constant == 0.0) & (first != 0.0))
+    apart = ~at_zero & (constant < 0.0) & ((second != 0.0) | (first != 0.0))
+    roots = np.where(at_zero, 0.0, np.nan)
+    roots[apart] = 1.0 / largest_real_roots(quadratics[apart, ::-1])
     return roots
 
 
