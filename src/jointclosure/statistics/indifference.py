@@ -67,13 +67,15 @@ def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
     coefficients = np.asarray(coefficients, dtype=float)
     if coefficients.shape[1] != 5:
         return _largest_by_isolation(coefficients)
-    largest = np.empty(len(coefficients))
+    largest, certain = np.empty(len(coefficients)), np.empty(len(coefficients), dtype=bool)
     for start in range(0, len(coefficients), BLOCK):
-        part = coefficients[start : start + BLOCK]
+        block = slice(start, start + BLOCK)
         with np.errstate(all="ignore"):
-            roots, certain = _largest_of_quartics(part)
-        roots[~certain] = _largest_by_isolation(part[~certain])
-        largest[start : start + BLOCK] = roots
+            largest[block], certain[block] = _largest_of_quartics(coefficients[block])
+    uncertain = np.flatnonzero(~certain)
+    for start in range(0, uncertain.size, BLOCK):
+        part = uncertain[start : start + BLOCK]
+        largest[part] = _largest_by_isolation(coefficients[part])
     return largest
 
 
