@@ -12,6 +12,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engine.uncertainty import coarser
+from jointclosure.joint import curves
 from jointclosure.joint.curves import (
     GROSS,
     branch_of,
@@ -81,6 +82,13 @@ def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
 def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
     closed = history([*up, *down], [*LOAD, *relief], [4, len(down)])
     np.testing.assert_allclose(unloading_excess(closed, [0.0, 0.0]), [excess, np.nan])
+
+
+def test_unloading_below_the_loading_on_both_sides_has_no_excess_without_a_cubic(monkeypatch):
+    """A monotone cubic lies between its neighbours; the library that has it is slow to load."""
+    closed = history([*UP, 2.5, 1.5, 1.2], [*LOAD, 1.5, 0.5, 0.0], [4, 3])
+    monkeypatch.setattr(curves, "scipy", None)
+    np.testing.assert_array_equal(unloading_excess(closed, [0.0, 0.0]), [0.0, np.nan])
 
 
 LARGEST, USUAL = 10.27e6, jc.Numerics(breakage="resolved")

@@ -151,6 +151,26 @@ def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
     assert run.stdout == "4.0 1\n"
 
 
+LOADED = """
+from numba.core.cpu import CPUContext
+loads, load = [], CPUContext.load_additional_registries
+def counted(context):
+    loads.append(context)
+    load(context)
+CPUContext.load_additional_registries = counted
+from tests.solvers.test_effects_cost_nothing import closed
+from jointclosure import Effects
+from jointclosure.compilation.kernels import compiles
+closed(Effects())
+print(compiles(), len(loads))
+"""
+
+
+def test_machine_code_is_loaded_without_the_registries_of_the_compiler():
+    closed(jc.Effects())  # compiles what is not in the cache
+    assert python("-c", LOADED).stdout == "0 0\n"
+
+
 SHIP = """
 import pathlib
 from jointclosure.compilation import kernels

@@ -1,5 +1,6 @@
 """Files are whole or absent, one changed bit is an error, and logs keep what failed."""
 
+import gc
 import os
 import re
 import subprocess
@@ -226,6 +227,17 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
         with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
+
+
+def test_what_a_script_imported_is_looked_through_by_no_collection(tmp_path):
+    gc.unfreeze()
+    try:
+        with logging_to(tmp_path / "part_of_a_long_process.log", raised=True):
+            assert gc.get_freeze_count() == 0
+        with logging_to(tmp_path / "script.log"):
+            assert gc.get_freeze_count() > 10_000
+    finally:
+        gc.unfreeze()
 
 
 def test_a_script_that_fails_logs_its_traceback_and_prints_none(tmp_path):

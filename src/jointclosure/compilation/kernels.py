@@ -26,6 +26,7 @@ from numba.core.caching import (
     IndexDataCacheFile,
     _CacheLocator,
 )
+from numba.core.runtime import rtsys
 
 from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
 
@@ -107,8 +108,12 @@ class _KernelCache(FunctionCache):
             self.disable()  # type: ignore[no-untyped-call]
 
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
-        """Load as `Cache.load_overload`, shipped code first; None if it must be compiled."""
-        target_context.refresh()
+        """Load as `Cache.load_overload`, shipped code first; None if it must be compiled.
+
+        Machine code needs the runtime of Numba, and no registry of its compiler, which takes a
+        third of a second: a compilation loads that by itself.
+        """
+        rtsys.initialize(target_context)
         key = self._index_key(sig, target_context.codegen())  # type: ignore[no-untyped-call]
         triple, processor, features = key[1]
         if processor == PROCESSOR or set(features.split(",")) >= FEATURES:
@@ -116,7 +121,8 @@ class _KernelCache(FunctionCache):
             data = self._shipped.load(shipped)  # type: ignore[no-untyped-call]
             if data is not None:
                 return self._impl.rebuild(target_context, data)
-        overload = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        with self._guard_against_spurious_io_errors():
+            overload = self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         if overload is None:
             _KernelCache.misses += 1
             if _KernelCache.misses == 1:  # because the process seems to hang

@@ -174,13 +174,15 @@ def unloading_excess(history: xr.Dataset, minima: np.ndarray) -> np.ndarray:
         at, last = np.unique(closure[loading][::-1], return_index=True)
         loaded = stress[loading][::-1][last]
         after = closure[unloading[1:]]
-        common = np.searchsorted(at, after)
-        if np.array_equal(at[np.minimum(common, at.size - 1)], after):
-            below = loaded[common]  # both branches have the same steps: no interpolation
-        elif at.size > 1:
-            below = scipy.interpolate.PchipInterpolator(at, loaded)(np.clip(after, at[0], at[-1]))
+        next_one = np.minimum(np.searchsorted(at, after), at.size - 1)
+        if np.array_equal(at[next_one], after):
+            below = loaded[next_one]  # both branches have the same steps: no interpolation
         else:
-            below = np.full(after.shape, loaded[0])
+            below = np.minimum(loaded[next_one], loaded[np.maximum(next_one - 1, 0)])
+            if at.size > 1 and np.any(stress[unloading[1:]] >= below):
+                # a monotone cubic lies between its neighbours, and is not needed above unloading
+                cubic = scipy.interpolate.PchipInterpolator(at, loaded)
+                below = cubic(np.clip(after, at[0], at[-1]))
         below[after < at[0]] = 0.0 if stress[loading[0]] == 0.0 else np.inf
         excess[index] = max(0.0, float(np.max(stress[unloading[1:]] - below)))
     return excess

@@ -1,6 +1,7 @@
 """Logs of long work, with the time and memory that it took."""
 
 import contextlib
+import gc
 import os
 import resource
 import shutil
@@ -46,6 +47,8 @@ def logging_to(
     for path in (log, benchmark):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
     start, used = time.monotonic(), time.process_time()
+    if not raised:  # what a script imported stays: no collection looks through it, also at its end
+        gc.freeze()
     with (
         open(log, "w", encoding="utf-8", buffering=1) as stream,
         contextlib.redirect_stdout(stream),
