@@ -4,7 +4,7 @@ results are the stored ones.
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -45,8 +45,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"--{ensemble}: {results} has none")
     study = configurations[ensemble]
     case = {case.label: case for case in cases_of(study)}.get(label)
-    if case is None or number < 0:
-        raise InputError(f"{results}: has no realisation {number} of {label!r} in {ensemble}")
+    if case is None:
+        raise InputError(f"{results}: has no case {label!r}")
+    count = _realizations(results, configurations, ensemble)
+    if not 0 <= number < count:
+        raise InputError(
+            f"{results}: has no realisation {number} of {label!r} in {ensemble}; it has {count} of "
+            "each case, from 0"
+        )
     point = case_point(study, case, range(number, number + 1))
     effects = results / f"effects/{case.rock}.nc"
     if study.effects.auto is not None:
@@ -65,6 +71,14 @@ def run(arguments: argparse.Namespace) -> int:
     messages = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
     print("\n".join(messages) or "identical to the stored results")
     return 1 if messages else 0
+
+
+def _realizations(results: Path, ensembles: Mapping[str, Configuration], ensemble: str) -> int:
+    """Return the realisations of each case; those of a requested accuracy are in its plans."""
+    if ensemble == "pool" or ensembles["cases"].study.accuracy is None:
+        return ensembles[ensemble].study.realizations
+    plans = (json.loads(read_text(file)) for file in results.glob("accuracy/round_*.json"))
+    return max((plan[ensemble] for plan in plans), default=0)
 
 
 def _walls(results: Path, study: Configuration, point: Point) -> Iterator[Walls]:
