@@ -1,7 +1,10 @@
 """Scanned walls in a study: what its configuration may say, and the joints that are cut."""
 
+import json
+
 import numpy as np
 import pytest
+import scipy
 import xarray as xr
 
 import jointclosure as jc
@@ -10,7 +13,7 @@ from jointclosure.walls.roughness import detrended, rms_slope
 from studies.frame.cases import block_settings, cases_of, wall_name
 from studies.frame.keys import Grid
 from studies.frame.rocks import check_files
-from studies.frame.walls import Cutter, cut_walls, prepared_walls, windows
+from studies.frame.walls import Cutter, cut_walls, described, prepare_walls, prepared_walls, windows
 from studies.frame.yaml_files import ConfigurationError
 from tests.joints import SPACING
 from tests.studied import study_of
@@ -85,7 +88,10 @@ def test_heights_that_point_into_the_rock_are_turned(scan):
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):
     walls, study = prepared({"lower": scan}), study_of(with_walls())
-    assert Cutter(walls, (20, 24), 5).room()["windows_side_by_side"] == 4
+    room = Cutter(walls, (20, 24), 5).room()
+    assert room["windows_side_by_side"] == 4
+    stored = xr.Dataset(attrs={name: np.int64(count) for name, count in room.items()})
+    assert json.loads(described({"slate": stored})) == {"slate": room}
     surfaces = block_settings(
         study._replace(rocks={"slate": study.rocks["slate"]._replace(walls=None)}),
         cases_of(study)[0], range(3),
@@ -139,6 +145,26 @@ def test_rounding_of_inclined_walls_is_stored_with_them(rounded, scan):
     remarks = prepared({"lower": scan._replace(heights=given)}).lower.attrs["remarks"]
     assert "turned until it lies level" in remarks
     assert ("heights are multiples of 100 um" in remarks) == rounded
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_warnings_of_scans_are_stored_with_the_walls_and_shown(together, tmp_path):
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.97, roll_off=None)
+    files = {"upper": str(tmp_path / "upper.npz"), "lower": str(tmp_path / "lower.npz")}
+    for file, wall in zip(files.values(), (upper, lower), strict=True):
+        smoothed = scipy.ndimage.uniform_filter(wall, 5)
+        np.savez(file, heights=smoothed)
+    about = {"units": "m", "spacing": SPACING, "bring_together": together}
+    walls = study_of(with_walls()).rocks["slate"].walls._replace(**files, **about)
+    grid, shown = study_of({"grid": {"cells_x": 16, "cells_y": 16}}).grid, []
+    found = prepare_walls(
+        walls, files, grid, RELATION, True, 2, log=lambda line: None, show=shown.append
+    )
+    warnings = found.attrs["warnings"].splitlines()
+    assert len(warnings) == len(shown) > 0
+    for warning, line in zip(warnings, shown, strict=True):
+        assert "Warning: " in warning
+        assert line == f"{files['lower']}, {files['upper']}: {warning}"
 
 
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():

@@ -50,6 +50,7 @@ def prepared_walls(
 ) -> xr.Dataset:
     """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
+    warnings: list[str] = []
     files, bounds = f"{settings.upper} and {settings.lower}", None
     measured = scans
     if settings.bring_together:
@@ -62,6 +63,7 @@ def prepared_walls(
             pair = registered(spacing=spacing, unusual_values=unusual_values, **stated)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
+        warnings += cautions(pair.report)
     else:
         if not unusual_values:
             with naming(files):
@@ -94,11 +96,13 @@ def prepared_walls(
             low = None if bounds is None else bounds[0]
             remarks += smoothing_of(scans[side], wall, spacing, low)
             remarks += tuple(resolution_remarks(measured[side], wall, spacing, scans[side]))
+            warnings += [f"{side} wall: {remark}" for remark in cautions(remarks)]
         if remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(remarks)
         walls[side] = (("y", "x"), wall, about)
     for missing in {*SIDES} - set(scans):
         walls.attrs["partner"] = getattr(settings, missing)
+    walls.attrs["warnings"] = "\n".join(warnings)
     return walls
 
 
@@ -157,10 +161,16 @@ def prepare_walls(
     unusual_values: bool,
     realizations: int,
     log: Callable[[str], None],
+    show: Callable[[str], None],
 ) -> xr.Dataset:
-    """Read the scanned walls of a rock, bring them to the grid, and check that there is room."""
+    """Read the scanned walls of a rock, bring them to the grid, and check that there is room.
+
+    Warnings of the scans are shown to the user, and stored with the walls.
+    """
     prepared = walls_of_files(walls, grid.spacing, jrc_relation, unusual_values)
     log(prepared.attrs.get("registration", "as they lie"))
+    for warning in prepared.attrs["warnings"].splitlines():
+        show(f"{walls.lower}, {walls.upper}: {warning}")
     for side, file in wall_files(walls).items():
         prepared[side].attrs |= {"file": file, "sha256": digests[side]}
         log(f"{side}: {prepared[side].attrs}")
@@ -177,7 +187,7 @@ def described(walls: dict[str, xr.Dataset]) -> str:
         rock: dict(dataset.attrs) | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
         for rock, dataset in walls.items()
     }
-    return json.dumps(about, default=float, sort_keys=True)
+    return json.dumps(about, default=np.generic.item, sort_keys=True)
 
 
 class Cutter:

@@ -21,7 +21,7 @@ from studies.paper import figures
 from studies.paper.checks import check_results, flow_table, remarked_joints
 from studies.paper.closures import max_closure_table
 from studies.paper.histories import history_of
-from studies.paper.report.content import outcome
+from studies.paper.report.content import outcome, scanned_walls
 from tests.studied import keys_of, study_of
 
 TINY = {
@@ -136,6 +136,19 @@ def test_the_report_counts_joints_outside_of_the_range_among_those_used(with_rem
     outside = outcome(with_remarks)["remarks"]["outside_model_range"]
     assert (outside["joints"], outside["cases"]) == (1, 1)
     assert "-50 ± 10 % (slate-base, cycle 1)" in outside["change"]
+
+
+def test_the_report_states_files_warnings_and_overlap_of_scanned_walls(with_remarks):
+    assert scanned_walls(with_remarks) == {}
+    about = {"upper": {"file": "a.txt"}, "lower": {"file": "b.txt"}, "windows_side_by_side": 2}
+    walls = {"slate": about | {"warnings": "upper wall: one\nlower wall: two"}}
+    assert scanned_walls(with_remarks.assign_attrs(walls=json.dumps(walls))) == {
+        "slate": {
+            "files": ["a.txt", "b.txt"],
+            "warnings": ["upper wall: one", "lower wall: two"],
+            "apart": 2,
+        }
+    }
 
 
 @pytest.mark.parametrize("seating", [None, 5e5])

@@ -6,4 +6,5 @@ from studies.frame.walls import prepare_walls
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:
-        write_netcdf(prepare_walls(**snakemake.params.settings, log=log), snakemake.output[0])
+        walls = prepare_walls(**snakemake.params.settings, log=log, show=log.show)
+        write_netcdf(walls, snakemake.output[0])

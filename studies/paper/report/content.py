@@ -20,6 +20,7 @@ from jointclosure.statistics.standard_errors import (
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
+from studies.frame.settings import SIDES
 from studies.frame.tables import succeeded
 from studies.paper.checks import (
     REMARKS,
@@ -64,6 +65,7 @@ def content(material: Material) -> dict:
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": outcome(study),
+        "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
         "test": test_name(known.get("table_3_indifference", pd.DataFrame())),
@@ -77,6 +79,22 @@ def content(material: Material) -> dict:
         "median_time": duration(float(study.timing_simulation.median())),
         "frames": frames_of(study, known, About(titles, of_paper))
         | {"configuration": rows, "in_short": numbers},
+    }
+
+
+def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
+    """Return files and warnings of the scanned walls of each rock, and joints that share no cell.
+
+    ``apart``: number of windows that fit side by side, the most joints that are independent.
+    """
+    walls = json.loads(study.attrs.get("walls", "{}"))
+    return {
+        rock: {
+            "files": [about[side]["file"] for side in SIDES if "file" in about.get(side, {})],
+            "warnings": about.get("warnings", "").splitlines(),
+            "apart": min(about["windows_side_by_side"], study.sizes["realization"]),
+        }
+        for rock, about in walls.items()
     }
 
 
