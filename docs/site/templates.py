@@ -36,7 +36,7 @@ OLDER_SOLVER = (
 OLDER_STEPS = (
     "accuracy_requests", "measured_joints", "misalignment", "mismatch", "strength_bound",
 )  # fmt: skip
-"""Stored runs by resolved breakage before its present steps (f705b22f)."""
+"""Stored runs by resolved breakage before its present steps (ae58a9b0)."""
 
 Rows = list[dict]
 

@@ -392,6 +392,18 @@ def test_joints_of_a_range_are_closed_at_once_as_far_as_memory_allows():
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(("share", "stays"), [(0.004, False), (-0.004, False), (0.006, True)])
+def test_what_stays_of_a_closure_is_stated_beyond_the_error_of_its_steps(share, stays):
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    values = dict.fromkeys(QUANTITIES, np.full(23, 0.01))
+    values["residual_closure_seated_net_mm"] = np.append(np.zeros(22), share * 0.01)
+    results = pd.DataFrame({"cycle": 2, "source": ["", "a", "a", *[ALL] * 20]} | values)
+    results = results.assign(value="", status=0)
+    budget = Budget(results, ranges_of(results, sources, shares, further), ())
+    assert (budget.text(2, "residual_closure_seated_net_mm") != "not modelled") == stays
+
+
 def test_a_joint_at_the_edge_of_the_random_ones_is_told_and_a_range_of_nothing_is_not_modelled():
     sources = {"a": Source((0.0, 1.0), "range")}
     shares, further = (random_shares(sources, n, 0) for n in (20, 1000))

@@ -24,7 +24,7 @@ import templates
 ROOT = templates.ROOT
 ORIGINS = sorted([*ROOT.glob("studies/*/published/*/origin.json"),
                   *ROOT.glob("benchmarks/results/*/origin.json")])  # fmt: skip
-SOLVER, STEPS = "0d329c61", "f705b22f"
+SOLVER, STEPS = "0d329c61", "ae58a9b0"
 """Commits of the present solver, and of the present resolved breakage; later ones: same bits."""
 RESOLVED = {"hard_cases", "price_of_accuracy", *templates.OLDER_STEPS}
 """Runs of resolved breakage, by the present solver."""

@@ -34,13 +34,14 @@ from jointclosure.joint.protocol import LOADING
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 
+RESIDUAL_NET = "residual_closure_seated_net_mm"
 CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
 STIFFNESS, KNI, VM = "stiffness_net_MPa_per_mm", "kni_net_MPa_per_mm", "vm_net_mm"
 QUANTITIES = {
     column: HEADINGS[column]
     for column in (
         CLOSURE_NET,
-        "residual_closure_seated_net_mm",
+        RESIDUAL_NET,
         CLOSURE_GROSS,
         STIFFNESS,
         KNI,
@@ -83,6 +84,8 @@ OUTSIDE = 0.05  # probability of a result below the range, and of one above it
 NUMBERS = ["best", "median", "low", "high"]  # columns of `Budget.ranges` that are no shares
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
+UNRESOLVED = 0.005
+"""Share of the net closure of a cycle below which what stays of it is the error of its steps."""
 SHARED = "shared"  # kind of a source whose second value all variants have
 
 
@@ -237,8 +240,9 @@ class Budget(NamedTuple):
 
     def modelled(self, cycle: int, quantity: str) -> bool:
         """Return whether any variant has a result other than 0."""
-        values = self.results.loc[self.results.cycle == cycle, quantity].dropna()
-        return values.empty or bool((values.abs() > ROUNDING).any())
+        rows = self.results[self.results.cycle == cycle].dropna(subset=quantity)
+        least = UNRESOLVED * rows[CLOSURE_NET] if quantity == RESIDUAL_NET else ROUNDING
+        return rows.empty or bool((rows[quantity].abs() > least).any())
 
     def _shares(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
