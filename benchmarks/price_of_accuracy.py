@@ -20,7 +20,7 @@ import yardstick
 # isort: split
 import numpy as np
 import pandas as pd
-from strength_bound import MATED, joint_of
+from strength_bound import MATED, NAMES, SPACING, joint_of
 
 import jointclosure as jc
 from jointclosure.joint.curves import net_responses
@@ -28,10 +28,9 @@ from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.provenance import write_origin
 
-NAMES = ("dolerite", "siltstone", "limestone", "slate")
 JOINTS = ((48, 7e6, None), (56, 15e6, None), (64, 30e6, None), (56, 10e6, 3e-3), (100, 20e6, None))
 """Cells along a side, largest stress [Pa], and wavelength [m] beyond which the walls are mated."""
-SPACING, FIRST_SEED = 0.25e-3, 9100
+FIRST_SEED = 9100
 RESPONSES = {"closure": "max_closure_seated_net", "stiffness": "stiffness_net"}
 PAPER = "paper's steps"
 
@@ -59,9 +58,9 @@ def closed(name: str, given: tuple, numerics: jc.Numerics) -> dict:
     responses = net_responses(joint)
     row = {"joint": name, "seconds": seconds, "status": int(joint.status)}
     row["equilibria"] = int(joint.equilibria)
-    for title, name in RESPONSES.items():
+    for title, response in RESPONSES.items():
         for cycle in (1, 2):
-            row[f"{title} {cycle}"] = responses[name][cycle - 1]
+            row[f"{title} {cycle}"] = responses[response][cycle - 1]
     return row
 
 

@@ -11,7 +11,7 @@ from jointclosure.engine.scanned_joint import RESOLVED
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3
 ELASTIC = jc.Effects(breakage=False, gouge=False)
-COARSE = RESOLVED._replace(tolerance=0.03)
+COARSE = RESOLVED._replace(tolerance=0.1)
 """Few steps of resolved breakage, for what is not about their error."""
 TWO_WALLS = Path(
     os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[2] / "shared/data/two_walls"

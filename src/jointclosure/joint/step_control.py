@@ -69,7 +69,7 @@ class StepControl:
         if landing < allowed:
             allowed, aim = landing, _NEAR * landing
             smallest *= _SMALLEST_STEP
-        # pairs at their strength bear no force that is too large: an elastic step misses no target
+        # an elastic step must not pass the target: what rests just below its strength would break
         residual = min(_RESIDUAL * allowed / self._target, _LOOSEST) if self._broke else 0.0
         before = np.inf
         for shortened in range(_MOST_SHORTENED + 1):
