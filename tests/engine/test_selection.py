@@ -20,6 +20,7 @@ from jointclosure.engine.selection import (
     possible_scenes,
 )
 from jointclosure.joint.conditions import Conditions
+from jointclosure.parameters import Numerics
 from tests.joints import DOLERITE, SPACING
 
 pytestmark = pytest.mark.usefixtures("times_by_effects")
@@ -66,6 +67,7 @@ def test_joints_closed_with_the_selected_effects_are_realisations_of_the_case(to
 
 def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change():
     strong = Conditions(SPACING, DOLERITE._replace(compressive_strength=1e9), 1e4, 2, 0.0)
+    strong = strong._replace(numerics=Numerics(force_tolerance=1e-6))
     pilot = Pilot(joints(24, 1), strong.checked(), 20)
     changes = pilot.changes(FEWER, 1)[0]
     assert float(pilot.closed[ALL][0].closed.breakage_steps) == 0.0

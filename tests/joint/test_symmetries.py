@@ -58,7 +58,7 @@ def test_with_breakage_closures_map_in_the_mean(name, breakage):
     first cycle, and 4 % of the second's, whose closure is a tenth as large.
     """
     pairs = []
-    for seed in range(100):
+    for seed in range(160):
         one = coarse(seed, breakage)
         other = coarse(seed, breakage, name, name == "walls swapped")
         assert max(int(one.status), int(other.status)) < FAILURE

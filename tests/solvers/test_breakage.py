@@ -15,6 +15,7 @@ from jointclosure.solvers.breakage import (
     find_peaks,
     padded_cells,
     strength_limits,
+    work_space,
 )
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts
@@ -62,7 +63,8 @@ def broken(joint, growth, short_steps, before=0.0):
     kernel, closure = breakage_kernel(True, False, True, True), 0.2e-3
     return kernel(
         joint.upper, joint.lower, closure - joint.first_touch, before * growth, joint.peaks,
-        joint.law, 5e-6, 0.04, joint.tie_tolerance, 10**9, pb.batch_memory(), growth, short_steps,
+        joint.law, 5e-6, 0.04, joint.tie_tolerance, 10**9, work_space(joint.upper.shape, True),
+        growth, short_steps,
     )[0]  # fmt: skip
 
 
@@ -80,6 +82,26 @@ def test_cells_are_examined_in_time_along_a_step(seed):
     steps = broken(joint, growth, 16)
     assert steps > 200
     assert broken(joint, growth, 1, before=1.0 / 16.0) <= 0.001 * steps
+
+
+def test_a_pair_that_is_known_to_hold_holds():
+    """Whatever was broken or put back before, a new work space finds nothing more to break."""
+    joint, growth = unbroken(4)
+    kernel = breakage_kernel(True, False, False, True)
+    space, before = work_space(joint.upper.shape, False), joint.snapshot()
+
+    def breaks(closure, space):
+        return kernel(
+            joint.upper, joint.lower, closure - joint.first_touch, 0.0 * growth, joint.peaks,
+            joint.law, 5e-6, 0.0, joint.tie_tolerance, 10**9, space, growth[:0], 1,
+        )[0]  # fmt: skip
+
+    for closure in (60e-6, 80e-6, 200e-6, 190e-6, 60e-6, 230e-6):
+        if closure == 60e-6:
+            joint.restore(before)
+        broken = breaks(closure, space)
+        assert broken > 0 or closure == 190e-6
+        assert breaks(closure, work_space(joint.upper.shape, False)) == 0
 
 
 def test_peaks_of_a_batch_are_those_of_the_map_of_peaks(small_joint):

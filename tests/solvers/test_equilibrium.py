@@ -15,11 +15,14 @@ from jointclosure.solvers.contacts import Contacts, coordinate_sweep, separate_s
 from jointclosure.solvers.contacts import energy as contacts_energy
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
+    FEW_FORCES,
+    add_displacements,
     influence_matrix,
     influence_of,
     influence_table,
     interaction_field,
     mean_displacement,
+    single_product,
 )
 from tests.joints import DOLERITE, ELASTIC, SPACING, balanced, closed, pair
 
@@ -95,6 +98,40 @@ def test_the_convolution_is_the_sum_over_all_contacts(shape):
     np.testing.assert_allclose(interaction_field(influence_of(table), force), expected, rtol=1e-12)
     mean = np.sum(mean_displacement(table) * force)
     np.testing.assert_allclose(mean, expected.mean(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-60, 1e60])
+def test_products_in_single_precision_have_no_range_of_their_own(unit):
+    table = table_of((12, 30), law_of())
+    influence, nothing = influence_of(unit * table), np.empty((0, 0))
+    cells = np.random.default_rng(7).permutation(table.size)[:40]
+    force = np.random.default_rng(8).standard_normal(40) / unit**2
+    field = np.zeros(table.shape)
+    field.ravel()[cells] = force
+    expected = interaction_field(influence, field)
+    product, scale = single_product(influence, nothing, cells, force)
+    within = 1e-6 * np.abs(expected).max()
+    np.testing.assert_allclose(product, expected.ravel()[cells], rtol=0.0, atol=within)
+    whole = scale * influence.single.field[:, :30].astype(float)
+    np.testing.assert_allclose(whole, expected, rtol=0.0, atol=within)
+
+
+@pytest.mark.parametrize("count", [FEW_FORCES, FEW_FORCES + 1])
+def test_displacements_of_a_few_forces_are_added_one_by_one(count):
+    table = table_of((12, 30), law_of())
+    influence, cells = influence_of(table), np.arange(0, 350, 7)
+    force = np.zeros(cells.size)
+    force[:count] = np.linspace(-1.0, 2.0, count)
+    field = np.zeros(table.shape)
+    field.ravel()[cells] = force
+    expected, added = interaction_field(influence, field), np.zeros(table.shape)
+    by_transform = add_displacements(influence, np.empty((0, 0)), cells, force, added)
+    assert by_transform == (count > FEW_FORCES)
+    within = (1e-6 if by_transform else 1e-13) * np.abs(expected).max()
+    np.testing.assert_allclose(added, expected, rtol=0.0, atol=within)
+    of_contacts = np.zeros((1, cells.size))
+    add_displacements(influence, influence_matrix(table, cells), cells, force, of_contacts)
+    np.testing.assert_allclose(of_contacts[0], expected.ravel()[cells], rtol=0.0, atol=within)
 
 
 @pytest.mark.parametrize("base_radius_in_cells", [0.1, 0.5, 1.0])

@@ -37,6 +37,9 @@ _FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
 it, for leaving out the interaction. With 300 to 600 contacts means of second cycles moved by up to
 12 %; above that stress breakage takes nearly all of the time."""
 _MOST_SECANTS = 2
+_FALSE_POSITIONS = 4
+"""Trials by which false position lands with fixed steps; then, or while no force is carried yet,
+the target is approached from below by parts of what is missing, as breakage makes forces jump."""
 _MISLED = 0.1  # share of the step that passed a target below which the search for it is given up
 
 
@@ -290,6 +293,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     """Repeat the step that passed the target with smaller steps until the force is in tolerance."""
     near = run.numerics.stress_tolerance * run.target_force
     above, further, passed_again, short_again = passed, passed, 0, 0  # two states above the target
+    trials = 0
     by_fixed_steps = run.numerics.breakage == "fixed_step"
     misled = 0.0 if by_fixed_steps else _MISLED * (passed.closure - run.closure)
     while True:
@@ -308,7 +312,14 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         run.joint.restore(before, rates=by_fixed_steps)
         if above is passed and room < misled:
             return False
-        part = _part_to_target(run, above, further, passed_again, short_again)
+        cautious = by_fixed_steps and (trials >= _FALSE_POSITIONS or run.total_force == 0.0)
+        if cautious:
+            if trials == _FALSE_POSITIONS:
+                passed_again = short_again = 0
+            part = _cautious_part(run, above, passed_again, short_again)
+        else:
+            part = _part_to_target(run, above, further, passed_again, short_again)
+        trials += 1
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
             return True
@@ -324,23 +335,28 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     return True
 
 
-def _part_to_target(run: _Run, above, further, passed_again, short_again) -> float:
-    """Return the share of the step from the last state below the target to the last above."""
-    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
-    room = above.closure - run.closure
-    if run.numerics.breakage == "resolved":
-        if 0 < passed_again <= _MOST_SECANTS and further.total_force > above.total_force:
-            slope = (further.total_force - above.total_force) / (further.closure - above.closure)
-            part = 1.0 - beyond / (slope * room)
-            if part > 0.02:
-                return part
-        missing *= 0.5 ** max(passed_again - 1, 0)
-        beyond *= 0.5 ** max(short_again - 1, 0)
-        return min(max(missing / (missing + beyond), 0.02), 0.98)
-    slope = (above.total_force - run.total_force) / room
-    part = missing / (slope * room)
+def _cautious_part(run: _Run, above, passed_again, short_again) -> float:
+    """Return half of `_part_to_target`'s share, and less after every trial beyond the target."""
+    part = (run.target_force - run.total_force) / (above.total_force - run.total_force)
     part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
     return 1.0 - (1.0 - part) * 0.5**short_again
+
+
+def _part_to_target(run: _Run, above, further, passed_again, short_again) -> float:
+    """Return the share of the step from the last state below the target to the last above.
+
+    It is that of false position, with the halved forces of the Illinois method, after secants.
+    """
+    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    room = above.closure - run.closure
+    if 0 < passed_again <= _MOST_SECANTS and further.total_force > above.total_force:
+        slope = (further.total_force - above.total_force) / (further.closure - above.closure)
+        part = 1.0 - beyond / (slope * room)
+        if part > 0.02:
+            return part
+    missing *= 0.5 ** max(passed_again - 1, 0)
+    beyond *= 0.5 ** max(short_again - 1, 0)
+    return min(max(missing / (missing + beyond), 0.02), 0.98)
 
 
 def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: Settled) -> None:

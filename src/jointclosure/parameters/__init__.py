@@ -195,7 +195,7 @@ class Numerics(NamedTuple):
     later_breakage_step: float = 2.5e-6
     target: Literal["equilibrate", "interpolate"] = "equilibrate"
     stress_tolerance: _Tolerance = 1e-3
-    force_tolerance: _Tolerance = 1e-5
+    force_tolerance: _Tolerance = 1e-4
     sweep_tolerance: _Tolerance = 0.01
     solver: Literal["fast", "reference"] = "fast"
     curve_points: Annotated[int, "[1, 100000]"] = 20

@@ -5,6 +5,10 @@ distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the ov
 break up to `_MOST_PASSES` steps in a row and are written back; they and overlapping neighbours then
 wait. When no pair waits, all overlapping pairs are checked again, until nothing breaks.
 
+With fixed steps a pair that holds is checked again only when the approach has grown to where it
+will break, or walls within two cells of it have changed; its stress ratio is proportional to its
+overlap. What is known lasts from call to call (`WorkSpace`), and changes no result.
+
 Resolved breakage also walks through a step in short steps, with the growth of the approach known
 beforehand. A pair that holds is examined again when its overlap, which grows evenly, reaches its
 strength, or when walls within two cells of it have changed: a short step in which nothing breaks
@@ -34,6 +38,7 @@ from jointclosure.solvers.pair_batch import (
     UPPER,
     Rules,
     assess,
+    batch_memory,
     fixed_losses,
     gather,
     measure_drops,
@@ -49,6 +54,10 @@ _MARGIN = 2
 """Width in cells of the margin around the grid, infinitely high and never in contact."""
 _COLOURS = 9
 """Colours of fixed steps: cells three apart in both directions, which share no neighbours."""
+_NEAR = 1e-9
+"""Relative distance of an overlap to that at which a pair breaks, below which it is checked."""
+_ROUNDING = 1e-14
+"""The same distance, over the heights that are summed to the overlap."""
 _MOST_PASSES = 4
 """Largest number of consecutive steps of one pair before it waits for its next turn."""
 
@@ -84,6 +93,22 @@ class Turns(NamedTuple):
     waits: np.ndarray
     lists: np.ndarray
     counts: np.ndarray
+
+
+class WorkSpace(NamedTuple):
+    """Memory of `breakage_kernel` for one joint, which lasts from call to call.
+
+    ``holds_to`` is the approach [m] by cell up to which a pair is known to hold, -infinity if
+    nothing is known. ``following`` are the new walls of pairs that break together.
+    """
+
+    cells: Cells
+    turns: Turns
+    holds_to: np.ndarray
+    following: np.ndarray
+    taken: np.ndarray
+    some: np.ndarray
+    batch: np.ndarray
 
 
 @kernel
@@ -166,19 +191,78 @@ def padded_cells(upper, lower, approach, peaks):
 @kernel
 def new_turns(ny, nx, colours):
     """Return `Turns` of a grid with a number of colours, without waiting cells."""
+    of_a_colour = ny * nx if colours == 1 else ((ny + 2) // 3) * ((nx + 2) // 3)
     return Turns(
         padded(colour_map(ny, nx, colours), 0),
         padded(np.zeros((ny, nx), np.int64), 1),
-        np.empty((colours, ny * nx + 1), np.int64),
+        np.empty((colours, of_a_colour + 1), np.int64),
         np.zeros(colours, np.int64),
     )
 
 
+def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
+    """Make the `WorkSpace` of a grid for resolved breakage, or for fixed steps."""
+    high, level = np.full(shape, math.inf), np.zeros(shape)
+    cells = padded_cells(high, high, level, np.zeros(shape, np.int64))
+    return WorkSpace(
+        cells,
+        new_turns(*shape, 1 if resolved else _COLOURS),
+        np.full(cells.upper.size, -math.inf),
+        np.stack((cells.upper, cells.lower)),
+        np.empty(level.size, np.int64),
+        np.empty(BATCH + 1, np.int64),
+        batch_memory(),
+    )
+
+
 @kernel
-def let_overlapping_wait(cells, turns):
-    """Make all overlapping cells wait; no cell may be waiting before."""
+def forget(holds_to, cell, reach, stride):
+    """Forget up to where the pairs within a number of cells of a changed one hold."""
+    for row in range(-reach, reach + 1):
+        for near in range(cell + row * stride - reach, cell + row * stride + reach + 1):
+            holds_to[near] = -math.inf
+
+
+@kernel
+def take_over(space, upper, lower, offset, interaction, peaks):
+    """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space."""
+    cells, waits, holds_to = space.cells, space.turns.waits, space.holds_to
+    ny, nx = upper.shape
+    for y in range(ny):
+        start = (y + _MARGIN) * cells.stride + _MARGIN
+        for x in range(nx):
+            cell = start + x
+            same = upper[y, x] == cells.upper[cell] and lower[y, x] == cells.lower[cell]
+            if not same or peaks[y, x] != cells.kind[cell]:
+                cells.upper[cell], cells.lower[cell] = upper[y, x], lower[y, x]
+                cells.kind[cell] = peaks[y, x]
+                forget(holds_to, cell, 1, cells.stride)
+            cells.approach[cell] = offset - interaction[y, x]
+            cells.locked[cell] = False
+            waits[cell] = 0
+    space.turns.counts[:] = 0
+
+
+@kernel
+def note_holding(batch, n, looked_at, cells, holds_to):
+    """Note the approach up to which the pairs (n,) that do not break will hold."""
+    for i in range(n):
+        cell, overlap, ratio = looked_at[i], batch.overlap[i], batch.stress_ratio[i]
+        if batch.breaks[i] > 0.0 or not overlap > 0.0:
+            continue
+        holds_to[cell] = math.inf
+        if ratio > 0.0:
+            approach, most = cells.approach[cell], overlap / ratio
+            heights = abs(cells.upper[cell]) + abs(cells.lower[cell]) + abs(approach)
+            holds_to[cell] = approach + ((1.0 - _NEAR) * most - overlap) - _ROUNDING * heights
+
+
+@kernel
+def let_overlapping_wait(cells, turns, holds_to):
+    """Make all overlapping cells wait that may break; no cell may be waiting before."""
     for cell in range(cells.upper.size):
-        if cells.upper[cell] + cells.lower[cell] + cells.approach[cell] > 0.0:
+        approach = cells.approach[cell]
+        if approach > holds_to[cell] and cells.upper[cell] + cells.lower[cell] + approach > 0.0:
             colour = turns.colour[cell]
             turns.lists[colour, turns.counts[colour]] = cell
             turns.counts[colour] += 1
@@ -317,13 +401,14 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 
 @kernel
-def write_back(batch, n, some, still_breaking, cells, turns, beside):
+def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
     """Write broken pairs back to the walls; pairs that still break and their neighbours wait."""
     for i in range(n):
         if batch.steps[i] == 0.0:
             continue
         cell = some[i]
         scatter(batch, i, cell, cells.upper, cells.lower, cells.stride)
+        forget(holds_to, cell, 2, cells.stride)
         if still_breaking:
             colour = turns.colour[cell]
             turns.waits[cell] = 1
@@ -389,16 +474,15 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         band,
         tie_tolerance,
         most_steps,
-        memory,
+        space,
         growth,
         short_steps,
     ):
         ny, nx = upper.shape
-        batch = memory[0]
-        cells = padded_cells(upper, lower, offset - interaction, peaks)
+        take_over(space, upper, lower, offset, interaction, peaks)
+        batch, cells, turns, holds_to = space.batch[0], space.cells, space.turns, space.holds_to
         stride, kind, walls = cells.stride, cells.kind, cells[:3]
         colours = 1 if resolved else _COLOURS
-        turns = new_turns(ny, nx, colours)
         up, down = stride, -stride
         beside = np.array([down - 1, down, down + 1, -1, 1, up - 1, up, up + 1])
         around = np.append(beside, 0)
@@ -411,16 +495,17 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         growing = padded(growth, 0.0) if walks else cells.approach
         due = no_cells_due(cells.upper.size if walks else 0, short_steps)
         moment, left = 0, 1.0 if walks else 0.0
-        following = np.stack((cells.upper, cells.lower))
+        following, taken, some = space.following, space.taken, space.some
+        if resolved:
+            assign(following[UPPER], cells.upper)
+            assign(following[LOWER], cells.lower)
         shape = law.least_curvature, law.concave, law.spacing
         rules = Rules(tie_tolerance, *shape, gouge, bounded)
         allowed = 1.0 + 0.5 * band if resolved else 1.0
-        taken = np.empty(ny * nx, np.int64)
-        some = np.empty(BATCH + 1, np.int64)
         steps = 0
         seen = -1  # steps when all cells were last checked
         if walks:
-            let_overlapping_wait(cells, turns)
+            let_overlapping_wait(cells, turns, holds_to)
         colour = 0
         while steps < most_steps:
             if turns.counts.sum() == 0:
@@ -435,7 +520,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                 if seen == steps:
                     break
                 seen = steps
-                let_overlapping_wait(cells, turns)
+                let_overlapping_wait(cells, turns, holds_to)
             colour = (colour + 1) % colours
             number, broken = turns.counts[colour], 0
             turns.counts[colour] = 0
@@ -451,6 +536,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                 assess(batch, n, allowed, rules)
                 if walks:
                     foresee(batch, n, looked_at, growing, due, moment, allowed)
+                if not resolved:
+                    note_holding(batch, n, looked_at, cells, holds_to)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
                 if n == 0:
                     continue
@@ -486,14 +573,16 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     for i in range(n):
                         broken = add_changes(batch, i, some[i], cells, following, taken, broken)
                 else:
-                    write_back(batch, n, some, breaking > 0, cells, turns, beside)
+                    write_back(batch, n, some, breaking > 0, cells, turns, holds_to, beside)
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:
                     let_ring_be_due(cells, due, taken[:broken], ring, moment)
-        unpad(cells.upper, upper)
-        unpad(cells.lower, lower)
-        unpad(kind, peaks)
+        if steps > 0:
+            unpad(cells.upper, upper)
+            unpad(cells.lower, lower)
+        if current_peaks:
+            unpad(kind, peaks)
         locked = np.empty((ny, nx), np.bool_)
         unpad(cells.locked, locked)
         return steps, locked

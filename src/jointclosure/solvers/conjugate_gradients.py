@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
-from jointclosure.solvers.interaction_operator import Influence, interaction_product
+from jointclosure.solvers.interaction_operator import Influence, add_multiple, single_product
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 
 MOST_CONJUGATE_GRADIENT_STEPS = 1000
@@ -20,19 +20,19 @@ _FEWEST_CONTACTS = 100
 
 
 @large_kernel
-def newton_direction(influence, matrix, cells, space, step, secant, shortfall, tolerance, scratch):
+def newton_direction(
+    influence, matrix, cells, space, step, secant, shortfall, tolerance, displacement
+):
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
     In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on sum d keeps y in a
-    plane. The residual and the preconditioned residual are projected on this plane.
+    plane. The residual and the preconditioned residual are projected on this plane. K d, the sum of
+    the products, is added to the displacement, see `Iterate.field`.
     """
     direction = np.zeros(step.size)
     # most cells that overlap are out of contact
     active = np.arange(step.size) if matrix.size > 0 else np.flatnonzero(secant < np.inf)
     n = active.size
-    forces = scratch.ravel()
-    for cell in cells:  # forces of contacts that are at their limit
-        forces[cell] = 0.0
     cells, step, secant = cells[active], step[active], secant[active]
     weight = np.zeros(n)
     rest = np.zeros(n)
@@ -43,15 +43,14 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
             rest[i] = step[i] / weight[i]
     size = np.sqrt(inner(weight, weight))
     bound = not math.isnan(shortfall) and size > 0.0
-    solution = np.zeros(n)
+    solution, image = np.zeros(n), np.zeros(n)
     used = 0
     if bound:
         normal = weight / size
         solution = normal * (shortfall / size)
-        elastic_displacement = interaction_product(
-            influence, matrix, cells, weight * solution, scratch
-        )
-        rest -= solution + weight * elastic_displacement
+        product, unit = single_product(influence, matrix, cells, weight * solution)
+        add_multiple(influence, matrix, 1.0, product, unit, displacement)
+        rest -= solution + weight * product
         used += 1
     # the shift removes the part of the residual along the normal
     shift = -inner(normal, rest) / size if bound else 0.0
@@ -65,11 +64,12 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     enough = tolerance * tolerance * inner(inside, inside)
     # not positive: the plane is a point, or only rounding errors are left
     while square > 0.0 and inner(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
-        image = interaction_product(influence, matrix, cells, weight * search, scratch)
+        product, unit = single_product(influence, matrix, cells, weight * search)
         used += 1
         for i in range(n):
-            image[i] = search[i] + weight[i] * image[i]
+            image[i] = search[i] + weight[i] * product[i]
         length = square / inner(search, image)
+        add_multiple(influence, matrix, length, product, unit, displacement)
         along = inner(normal, image)
         for i in range(n):
             solution[i] += length * search[i]
@@ -104,6 +104,9 @@ class Shares(NamedTuple):
     contact: np.ndarray
     patch: np.ndarray
     share: np.ndarray
+
+
+NO_COARSE_SPACE = CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
 
 
 @kernel

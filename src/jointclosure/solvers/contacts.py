@@ -170,15 +170,29 @@ def separate_shift(contacts, target):
 
 
 @kernel
-def usable_start(force, elastic_displacement):
-    """Return a guess of forces (n,), 0 where negative or not finite, and its displacements."""
+def start_forces(force, cells, overlap):
+    """Return forces (n,) of a start at cells (n,): present ones (y, x), 0 if negative or apart."""
+    start, flat = np.zeros(cells.size), force.ravel()
+    for i in range(cells.size):
+        if overlap[i] > 0.0 and flat[cells[i]] > 0.0:
+            start[i] = flat[cells[i]]
+    return start
+
+
+@kernel
+def usable_start(force, field):
+    """Return a guess of forces (n,), 0 where negative or not finite, and their interaction (y, x).
+
+    The interaction is empty if it is unknown.
+    """
     usable = np.zeros(force.size)
-    as_given = elastic_displacement.size == force.size
+    as_given = True
     for i in range(force.size):
         if 0.0 < force[i] < np.inf:
             usable[i] = force[i]
-        as_given = as_given and usable[i] == force[i] and np.isfinite(elastic_displacement[i])
-    return usable, elastic_displacement[: force.size if as_given else 0].copy()
+        as_given = as_given and usable[i] == force[i]
+    as_given = as_given and np.isfinite(field.sum())
+    return usable, field[: field.shape[0] if as_given else 0]
 
 
 @kernel

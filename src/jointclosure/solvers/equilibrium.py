@@ -14,18 +14,18 @@ import math
 import numpy as np
 import scipy
 
-from jointclosure.solvers.conjugate_gradients import CoarseSpace, no_coarse_space
+from jointclosure.solvers.conjugate_gradients import NO_COARSE_SPACE, CoarseSpace
 from jointclosure.solvers.contacts import (
     Contacts,
     are_sound,
     separate_equilibrium,
     separate_shift,
-    usable_start,
 )
 from jointclosure.solvers.interaction_operator import Influence, dense_limit, influence_matrix
 from jointclosure.solvers.newton import ROUNDING, Equilibrium, interacting_equilibrium
 
 _MOST_DOUBLINGS = 200
+_NOTHING = np.empty((0, 0))
 
 
 def solve_equilibrium(
@@ -35,10 +35,14 @@ def solve_equilibrium(
     target: float,
     tolerance: float,
     matrix: np.ndarray | None = None,
-    elastic_displacement: np.ndarray | None = None,
+    field: np.ndarray | None = None,
     space: CoarseSpace | None = None,
 ) -> Equilibrium:
-    """Solve the equilibrium of forces at the overlapping cells."""
+    """Solve the equilibrium of forces at the overlapping cells.
+
+    ``field`` (y, x) [m] is the interaction of the forces at the start, if it is known. A matrix
+    makes it unnecessary.
+    """
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
         nowhere = np.full(n, np.nan)
@@ -48,16 +52,17 @@ def solve_equilibrium(
         return solution._replace(residual=max(solution.residual, ROUNDING if n else 0.0))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
-        matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
-    given = np.empty(0) if elastic_displacement is None else elastic_displacement
-    usable, elastic_displacement = usable_start(start, given)
-    none = no_coarse_space()
+        matrix = influence_matrix(influence.table, contacts.cells) if dense else _NOTHING
     problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
     solution = interacting_equilibrium(
-        *problem, usable, elastic_displacement, none if space is None else space, *sought
+        *problem,
+        start,
+        _NOTHING if field is None else field,
+        NO_COARSE_SPACE if space is None else space,
+        *sought,
     )
-    if not solution.residual <= tolerance and usable.any():
-        again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), none, *sought)
+    if not solution.residual <= tolerance and start.any():
+        again = interacting_equilibrium(*problem, np.zeros(n), _NOTHING, NO_COARSE_SPACE, *sought)
         steps = solution.newton_steps + again.newton_steps
         products = solution.products + again.products
         solution = again if not solution.residual <= again.residual else solution
@@ -84,8 +89,7 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
 def _without_field(
     force: np.ndarray, interaction: np.ndarray, shift: float, residual: float
 ) -> Equilibrium:
-    nothing = np.empty((0, 0))
-    return Equilibrium(force, interaction, nothing, shift, residual, 0, 0, no_coarse_space())
+    return Equilibrium(force, interaction, _NOTHING, shift, residual, 0, 0, NO_COARSE_SPACE)
 
 
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
@@ -98,7 +102,7 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         solution = interacting_equilibrium(
-            influence, matrix, moved, best.force, np.empty(0), no_coarse_space(), np.nan,
+            influence, matrix, moved, best.force, _NOTHING, NO_COARSE_SPACE, np.nan,
             0.1 * tolerance,
         )  # fmt: skip
         steps += solution.newton_steps

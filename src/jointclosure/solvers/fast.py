@@ -20,16 +20,14 @@ difference of its force to that at rest measures the error of the step.
 import numpy as np
 
 from jointclosure.solvers.breakage import breakage_kernel, strength_limits
-from jointclosure.solvers.conjugate_gradients import no_coarse_space
-from jointclosure.solvers.contacts import Contacts
+from jointclosure.solvers.contacts import Contacts, start_forces
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
-from jointclosure.solvers.interaction_operator import interaction_field
+from jointclosure.solvers.interaction_operator import add_changes_of_force, interaction_field
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 from jointclosure.solvers.newton import ROUNDING
-from jointclosure.solvers.pair_batch import batch_memory
 
-PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
+PROVISIONAL_TOLERANCES = (1e-2,)
 """Residuals that are sufficient to determine what breaks next, stage by stage."""
 BAND = 2.8
 """Width of the band about its strength in which a contact is at rest, over `Numerics.tolerance`."""
@@ -107,8 +105,7 @@ class _PathToRest:
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
-        self._memory = batch_memory()
-        self._space = no_coarse_space()
+        self._interaction_known = True  # whether that of the joint is the interaction of its forces
         # valid until breakage changes the walls
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None
@@ -125,12 +122,11 @@ class _PathToRest:
         joint = self.joint
         # the interaction of the step before is too small on closing, and too much would break
         joint.interaction += step * joint.interaction_rate
+        # negative ones too: the interaction remains that of the forces
+        joint.force += step * joint.force_rate
         # otherwise breakage is checked after the forces are solved
-        if step > 0.0 and self.closure > joint.held_to and self.break_to_rest() > 0:
-            self.solve(_stages(asked)[0])
-        else:
-            np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
-            self.solve(asked)
+        may_break = step > 0.0 and self.closure > joint.held_to
+        self.solve(_stages(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
         """Break along a step [m] and solve the first equilibrium at its end (resolved breakage)."""
@@ -143,8 +139,9 @@ class _PathToRest:
     def extrapolate(self, step: float) -> None:
         """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
         joint = self.joint
-        joint.interaction += step * joint.interaction_rate
+        joint.interaction += step * np.clip(joint.interaction_rate, 0.0, 1.0)
         np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
+        self._interaction_known = False
 
     def alternate(self, asked: float) -> None:
         """Repeat rounds until an equilibrium with the required residual breaks nothing."""
@@ -171,7 +168,8 @@ class _PathToRest:
 
     def break_in_short_steps(self, step: float) -> None:
         """Break pairs along a step [m] to the present closure, at the extrapolated interaction."""
-        self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
+        growth = 1.0 - np.clip(self.joint.interaction_rate, 0.0, 1.0)
+        self._break(step * growth, SHORT_STEPS)
 
     def _break(self, growth: np.ndarray, short_steps: int) -> int:
         """Break pairs in short steps, in which the approach grows (y, x) [m]; return the steps."""
@@ -184,7 +182,7 @@ class _PathToRest:
         losses = float(self.breakage_step), _band(joint), joint.tie_tolerance
         kernel = breakage_kernel(*rules, choices.strength_bound == "base")
         steps, self.locked = kernel(
-            *walls, *pairs, *losses, most, self._memory, growth, short_steps
+            *walls, *pairs, *losses, most, joint.breakage_space, growth, short_steps
         )
         self.breakage_steps += steps
         if steps > 0:
@@ -200,26 +198,24 @@ class _PathToRest:
         joint = self.joint
         contacts, matrix = joint.with_matrix(self._contacts())
         cells = contacts.cells
+        known = self._interaction_known and joint.influence is not None and matrix is None
+        start = start_forces(joint.force, cells, contacts.overlap)
+        if known:
+            add_changes_of_force(joint.influence, cells, start, joint.force, joint.interaction)
         answer = solve_equilibrium(
-            joint.influence,
-            contacts,
-            np.where(contacts.overlap > 0.0, joint.force.ravel()[cells], 0.0),
-            np.nan,
-            tolerance,
-            matrix,
-            # the interaction of those forces, or its extrapolation
-            elastic_displacement=joint.interaction.ravel()[cells],
-            space=self._space,
-        )
-        self._space = answer.space
+            joint.influence, contacts, start, np.nan, tolerance, matrix,
+            field=joint.interaction if known else None, space=joint.space_for(cells.size),
+        )  # fmt: skip
+        joint.coarse_space = answer.space
         joint.force[:] = 0.0
         joint.force.ravel()[cells] = answer.force
-        if joint.influence is not None:
-            if answer.field.size > 0:
-                joint.interaction[:] = answer.field
-            else:
+        if answer.field.size > 0:
+            joint.interaction[:] = answer.field
+        elif joint.influence is not None:
+            if _resolved(joint):  # with fixed steps it lags elsewhere until the joint rests
                 joint.interaction[:] = interaction_field(joint.influence, joint.force)
-                joint.interaction.ravel()[cells] = answer.interaction
+            joint.interaction.ravel()[cells] = answer.interaction
+        self._interaction_known = answer.field.size > 0
         self.rounds += 1
         self.newton_steps += answer.newton_steps
         self.products += answer.products
@@ -261,7 +257,7 @@ def _stages(asked: float) -> tuple[float, ...]:
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
     """Store rates of interaction and force per closure, to extrapolate the next step."""
     interaction, force = before
-    np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
+    np.divide(joint.interaction - interaction, step, out=joint.interaction_rate)
     np.divide(joint.force - force, step, out=joint.force_rate)
 
 

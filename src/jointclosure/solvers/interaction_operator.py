@@ -15,8 +15,23 @@ from jointclosure.solvers.products import assign, symmetric_times
 
 LARGEST_DENSE = 4000
 """Number of contacts of the largest dense matrix, 128 MB."""
+FEW_FORCES = 16
+"""Number of forces up to which their displacements are added one by one without a transform."""
 _PATCH, _PATCHES_ACROSS = 7, 20
 """Cells along a patch of the preconditioner, and number of patches along a large grid."""
+
+
+class SingleInfluence(NamedTuple):
+    """Transform of `Influence.table` over ``unit`` [m/N], and its work space, in single precision.
+
+    The unit is a power of 2 that keeps the values within the range of single precision.
+    """
+
+    unit: float
+    spectrum: np.ndarray
+    padded: np.ndarray
+    field: np.ndarray
+    wave: np.ndarray
 
 
 class Influence(NamedTuple):
@@ -24,8 +39,9 @@ class Influence(NamedTuple):
 
     ``table`` (ny, nx) is by distance in cells, 0 at distance 0, which is the substrate's term.
     ``spectrum`` (columns // 2 + 1, rows) is its transform, wrapped around a grid without periodic
-    images; ``padded``, ``field`` (ny, columns) and ``wave`` are work space. ``patch_table`` is the
-    mean influence between patches of ``patch`` cells, ``patch_of`` the patch of each cell.
+    images, which is real because the table is symmetric; ``padded``, ``field`` (ny, columns) and
+    ``wave`` are work space. ``patch_table`` is the mean influence between patches of ``patch``
+    cells, ``patch_of`` the patch of each cell.
     """
 
     table: np.ndarray
@@ -36,6 +52,7 @@ class Influence(NamedTuple):
     patch: int
     patch_table: np.ndarray
     patch_of: np.ndarray
+    single: SingleInfluence
 
 
 @kernel
@@ -170,19 +187,30 @@ def patch_influence(table, side):
 
 
 @kernel
-def set_interaction_field(influence, force):
-    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17), (18) summed."""
-    ny = force.shape[0]
-    padded, wave = influence.padded, influence.wave
-    for y in range(ny):
-        assign(padded[y], force[y])
+def convolve(padded, spectrum, wave, field):
+    """Set a field (ny, columns) to the convolution of a padded one, given the transform's spectrum.
+
+    ``wave`` is work space of the shape of the spectrum. Single and double precision.
+    """
+    ny = padded.shape[0]
     inside = wave[:, :ny].T
     np.fft.rfft(padded, axis=1, out=inside)
     wave[:, ny:] = 0.0
     np.fft.fft(wave, axis=1, out=wave)
-    wave *= influence.spectrum
+    for k in range(wave.shape[0]):
+        row, by = wave[k], spectrum[k]
+        for q in range(row.size):
+            row[q] *= by[q]
     np.fft.ifft(wave, axis=1, out=wave)
-    np.fft.irfft(inside, padded.shape[1], axis=1, out=influence.field)
+    np.fft.irfft(inside, padded.shape[1], axis=1, out=field)
+
+
+@kernel
+def set_interaction_field(influence, force):
+    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17), (18) summed."""
+    for y in range(force.shape[0]):
+        assign(influence.padded[y], force[y])
+    convolve(influence.padded, influence.spectrum, influence.wave, influence.field)
 
 
 @kernel
@@ -208,6 +236,86 @@ def interaction_product(influence, matrix, cells, values, force):
     return answer
 
 
+@large_kernel
+def single_product(influence, matrix, cells, values):
+    """Compute displacements (n,) [m] as `interaction_product`, in single precision.
+
+    Without a matrix `SingleInfluence.field` becomes the displacements of all cells, in the unit [m]
+    that is returned too. With a matrix all is in double precision.
+    """
+    if matrix.size > 0:
+        return symmetric_times(matrix, values), 1.0
+    single = influence.single
+    nx = influence.table.shape[1]
+    largest = 0.0
+    for i in range(cells.size):
+        largest = max(largest, abs(values[i]))
+    scale = math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < math.inf else 1.0
+    single.padded[:, :nx] = 0.0
+    for i in range(cells.size):
+        single.padded[cells[i] // nx, cells[i] % nx] = values[i] / scale
+    convolve(single.padded, single.spectrum, single.wave, single.field)
+    unit = scale * single.unit
+    answer = np.empty(cells.size)
+    for i in range(cells.size):
+        answer[i] = unit * single.field[cells[i] // nx, cells[i] % nx]
+    return answer, unit
+
+
+@kernel
+def add_multiple(influence, matrix, part, product, unit, displacement):
+    """Add a multiple of the last `single_product` to displacements [m], see `Iterate.field`."""
+    if matrix.size > 0:
+        for i in range(product.size):
+            displacement[0, i] += part * product[i]
+        return
+    factor = part * unit
+    for y in range(displacement.shape[0]):
+        row, new = displacement[y], influence.single.field[y]
+        for x in range(row.size):
+            row[x] += factor * new[x]
+
+
+@large_kernel
+def add_displacements(influence, matrix, cells, force, displacement):
+    """Add the displacements [m] by forces (n,) [N], most of them 0; return if by a transform.
+
+    The displacements are those of `Iterate.field`.
+    """
+    acting = np.flatnonzero(force)
+    if matrix.size > 0:
+        for j in acting:
+            row, change = matrix[j], force[j]
+            for i in range(cells.size):
+                displacement[0, i] += row[i] * change
+        return False
+    if acting.size > FEW_FORCES:
+        product, unit = single_product(influence, matrix, cells[acting], force[acting])
+        add_multiple(influence, matrix, 1.0, product, unit, displacement)
+        return True
+    ny, nx = displacement.shape
+    for j in acting:
+        v, w = divmod(cells[j], nx)
+        change = force[j]
+        for y in range(ny):
+            row, by = displacement[y], influence.table[abs(y - v)]
+            for x in range(w):
+                row[x] += by[w - x] * change
+            for x in range(w, nx):
+                row[x] += by[x - w] * change
+    return False
+
+
+@large_kernel
+def add_changes_of_force(influence, cells, start, force, interaction):
+    """Update the interaction (y, x) [m] of forces (y, x) [N] to those of a start at cells (n,)."""
+    change = -force.ravel()
+    for i in range(cells.size):
+        change[cells[i]] += start[i]
+    every = np.arange(change.size)
+    add_displacements(influence, np.empty((0, 0)), every, change, interaction)
+
+
 def mean_displacement(table: np.ndarray) -> np.ndarray:
     """Compute the mean displacement of all cells by a unit force at each (ny, nx) [m/N]."""
     for axis in (0, 1):
@@ -230,11 +338,21 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
     patches = patch_influence(table, side)
-    spectrum = np.ascontiguousarray(scipy.fft.rfft2(wrapped, workers=1).T)
+    spectrum = np.ascontiguousarray(scipy.fft.rfft2(wrapped, workers=1).T.real)
     padded, field = np.zeros((2, ny, columns))
     patch_of = (np.arange(ny)[:, None] // side * patches.shape[1] + np.arange(nx) // side).ravel()
-    wave = np.empty_like(spectrum)
-    return Influence(table, spectrum, padded, field, wave, side, patches, patch_of)
+    wave = np.empty(spectrum.shape, np.complex128)
+    patched = side, patches, patch_of
+    return Influence(table, spectrum, padded, field, wave, *patched, _in_single(spectrum, padded))
+
+
+def _in_single(spectrum: np.ndarray, padded: np.ndarray) -> SingleInfluence:
+    """Make `SingleInfluence` of a spectrum [m/N], with work space of the shape of ``padded``."""
+    largest = float(np.abs(spectrum).max(initial=0.0))
+    unit = math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < math.inf else 1.0
+    cells, field = np.zeros((2, *padded.shape), np.float32)
+    wave = np.empty(spectrum.shape, np.complex64)
+    return SingleInfluence(unit, (spectrum / unit).astype(np.float32), cells, field, wave)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -245,4 +363,5 @@ def dense_limit(shape: tuple[int, int]) -> int:
 def dense_influence(table: np.ndarray) -> Influence:
     """Make the interaction for few contacts, with cheap dense products: only the table."""
     nothing, wave = np.zeros((0, 0)), np.zeros((0, 0), np.complex128)
-    return Influence(table, wave, nothing, nothing, wave, 0, nothing, np.zeros(0, np.int64))
+    patched = 0, nothing, np.zeros(0, np.int64)
+    return Influence(table, nothing, nothing, nothing, wave, *patched, _in_single(nothing, nothing))

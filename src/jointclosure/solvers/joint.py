@@ -10,7 +10,9 @@ import numpy as np
 
 from jointclosure.mechanics.contact_law import ContactLaw, contact_law
 from jointclosure.parameters import Choices, Effects, Numerics
+from jointclosure.solvers.breakage import WorkSpace, work_space
 from jointclosure.solvers.cells import overlapping_cells, peak_map
+from jointclosure.solvers.conjugate_gradients import NO_COARSE_SPACE, CoarseSpace
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (
     Influence,
@@ -42,6 +44,9 @@ class Outcome(IntEnum):
     RIGID_CONTACT = 3
 
 
+_SPACE_LASTS = 0.5
+"""Relative change of the number of contacts up to which the coarse space is kept: it speeds up the
+solution, and changes no result but by rounding."""
 _RATES = 2
 """Number of fields of a snapshot that are rates; they come last."""
 
@@ -123,6 +128,8 @@ class Joint:
         self.held_to = -math.inf  # closure [m] up to which nothing is known to break
         # rates per closure, since the last but one state
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
+        self.coarse_space = NO_COARSE_SPACE  # of the last equilibrium
+        self._space_contacts = 0  # number of contacts when it was made
 
     @cached_property
     def influence_table(self) -> np.ndarray:
@@ -131,6 +138,11 @@ class Joint:
         return influence_table(
             *self.upper.shape, law.base_radius, law.substrate_modulus, law.spacing
         )
+
+    @cached_property
+    def breakage_space(self) -> WorkSpace:
+        """Work space of breakage."""
+        return work_space(self.upper.shape, self.numerics.breakage == "resolved")
 
     @property
     def influence(self) -> Influence | None:
@@ -155,6 +167,7 @@ class Joint:
         """Switch the interaction on, starting from that of the present forces."""
         self.interaction_acts = self.effects.interaction
         self.interaction[:] = interaction_field(self._influence, self.force)
+        self.interaction_rate[:] = interaction_field(self._influence, self.force_rate)
 
     def interaction_left_out(self) -> float:
         """Return the largest displacement [m] of a contact by the interaction of present forces."""
@@ -218,6 +231,13 @@ class Joint:
         limit[slot] = contacts.limit
         return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
+    def space_for(self, contacts: int) -> CoarseSpace:
+        """Return the coarse space, none after a large change of the number of contacts."""
+        made_with = self._space_contacts
+        if abs(contacts - made_with) > _SPACE_LASTS * made_with:
+            self.coarse_space, self._space_contacts = NO_COARSE_SPACE, contacts
+        return self.coarse_space
+
     def mean_interaction(self) -> float:
         """Return the bulk indentation [m]: mean displacement of all cells by the interaction."""
         if not self.interaction_acts:
@@ -236,7 +256,10 @@ class Joint:
         effort: Effort,
         overlapping: tuple | None = None,
     ) -> Settled:
-        """Summarise the present state; ``locked`` is a map (y, x)."""
+        """Summarise the present state; ``locked`` is a map (y, x).
+
+        The interaction becomes that of the forces, by a product in double precision.
+        """
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
         rigid = not np.isfinite(total)
@@ -245,7 +268,8 @@ class Joint:
         cells, overlap, curvature, compliance = overlapping
         force = self.force.ravel()[cells]
         if self.interaction_acts and total > 0.0 and not rigid:
-            overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
+            self.interaction[:] = interaction_field(self.influence, self.force)
+            overlap = overlap - self.interaction.ravel()[cells]
         answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
         free = ~locked.ravel()[cells]
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())

@@ -7,13 +7,26 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.solvers.conjugate_gradients import CoarseSpace, coarse_space, newton_direction
-from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
-from jointclosure.solvers.interaction_operator import Influence, interaction_product
+from jointclosure.solvers.contacts import (
+    Contacts,
+    contact_response,
+    coordinate_sweep,
+    energy,
+    usable_start,
+)
+from jointclosure.solvers.interaction_operator import (
+    Influence,
+    add_displacements,
+    interaction_product,
+)
 
 MOST_NEWTON_STEPS = 200
 _MOST_POOR_STEPS = 8
 _SWEEPS = 3
 _HALVINGS = 4
+FINEST_OF_SUMS = 1e-6
+"""Smallest residual [1] that displacements summed from products in single precision can show; a
+smaller one is computed from a product in double precision. That of a settled joint always is."""
 ROUNDING = 2.0**-52
 """Smallest residual [1] that can be determined in double precision."""
 
@@ -49,7 +62,10 @@ class Problem(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Forces (n,) [N], interaction (n,) and (y, x) [m]; sums of |F - answer| and of answers [N]."""
+    """Forces (n,) [N] and their interaction (n,) [m]; sums of |F - answer| and of answers [N].
+
+    ``field`` is the interaction at all cells (y, x), or with a matrix (1, n) that of the contacts.
+    """
 
     force: np.ndarray
     elastic_displacement: np.ndarray
@@ -61,8 +77,13 @@ class Iterate(NamedTuple):
 
 
 @kernel
-def _judged(problem, force, elastic_displacement, field, shift):
+def _judged(problem, force, field, shift):
     """Make an iterate from forces and their interaction; set `Problem.answer` and `secant`."""
+    cells = problem.contacts.cells
+    elastic_displacement = np.empty(cells.size)
+    flat = field.ravel()
+    for i in range(cells.size):
+        elastic_displacement[i] = flat[i if problem.matrix.size > 0 else cells[i]]
     difference, total = contact_response(
         problem.contacts, shift, elastic_displacement, force, problem.answer, problem.secant
     )
@@ -76,9 +97,11 @@ def _iterate(problem, force, shift):
     elastic_displacement = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
-    known = 0 if problem.matrix.size > 0 else problem.grid.shape[1]
-    field = problem.influence.field[:, :known].copy()
-    return _judged(problem, force, elastic_displacement, field, shift)
+    if problem.matrix.size > 0:
+        field = elastic_displacement.reshape((1, force.size))
+    else:
+        field = problem.influence.field[:, : problem.grid.shape[1]].copy()
+    return _judged(problem, force, field, shift)
 
 
 @kernel
@@ -91,6 +114,7 @@ def _newton_step(problem, space, state, tolerance):
     """Return the iterate after a Newton step, and the number of products."""
     # as exact as the error of Newton's method requires, and not beyond the tolerance
     ratio = _misfit(state) / state.total if state.total > 0.0 else np.inf
+    field = state.field.copy()
     direction, moved, used = newton_direction(
         problem.influence,
         problem.matrix,
@@ -100,12 +124,21 @@ def _newton_step(problem, space, state, tolerance):
         problem.secant,
         np.nan if math.isnan(problem.target) else state.missing,
         min(0.1, max(0.3 * ratio, 0.3 * tolerance / ratio)),
-        problem.grid,
+        field,
     )
-    force = np.minimum(np.maximum(state.force + direction, 0.0), problem.contacts.limit)
+    directed = state.force + direction
+    force = np.minimum(np.maximum(directed, 0.0), problem.contacts.limit)
     # last digits of a contact that opens, which rounding of the others would hide
     force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
-    return _iterate(problem, force, state.shift + moved), used + 1
+    used += _add_change(problem, force - directed, field)
+    return _judged(problem, force, field, state.shift + moved), used
+
+
+@kernel
+def _add_change(problem, change, field):
+    """Add the interaction of a change of forces (n,) [N] to a field; return 1 if by a product."""
+    cells = problem.contacts.cells
+    return int(add_displacements(problem.influence, problem.matrix, cells, change, field))
 
 
 @large_kernel
@@ -123,7 +156,7 @@ def _lowered(problem, state, trial):
         elastic_displacement = state.elastic_displacement + part * moved
         if energy(contacts, shift, elastic_displacement, force) < before:
             field = state.field + part * (trial.field - state.field)
-            return _judged(problem, force, elastic_displacement, field, shift), 0
+            return _judged(problem, force, field, shift), 0
     force = state.force.copy()
     for _ in range(_SWEEPS):
         coordinate_sweep(problem.influence.table, problem.contacts, state.shift, force)
@@ -131,28 +164,28 @@ def _lowered(problem, state, trial):
 
 
 @kernel
-def interacting_equilibrium(
-    influence, matrix, contacts, start, elastic_displacement, space, target, tolerance
-):
+def interacting_equilibrium(influence, matrix, contacts, start, field, space, target, tolerance):
     """Solve `solve_equilibrium` with interaction; the parameters are the same."""
     n = start.size
+    start, field = usable_start(start, field)
     grid = np.zeros(influence.table.shape)
     problem = Problem(influence, matrix, contacts, target, np.empty(n), np.empty(n), grid)
     force = np.minimum(start, contacts.limit)
-    given = elastic_displacement.size == n
-    if given:
-        state = _judged(problem, force, elastic_displacement, grid[:, :0].copy(), 0.0)
+    summed = matrix.size == 0 and field.size > 0
+    if summed:
+        field = field.copy()
+        products = _add_change(problem, force - start, field)
+        state = _judged(problem, force, field, 0.0)
     else:
+        products = 1
         state = _iterate(problem, force, 0.0)
-    products = 0 if given else 1
     stiffness = 1.0 / problem.secant
     steps = poor = 0
     while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
         if _misfit(state) <= tolerance * state.total:
-            if not given:
+            if not summed or tolerance >= FINEST_OF_SUMS:
                 break
-            # the interaction was given: check whether it is that of the forces
-            given = False
+            summed = False
             state = _iterate(problem, state.force, state.shift)
             products += 1
             continue
@@ -163,16 +196,13 @@ def interacting_equilibrium(
         products += used
         used = 0
         if not trial.difference * state.total < 0.5 * state.difference * trial.total:
-            if given:
-                # it was wrong: start again with the interaction of the forces
-                trial, used = _iterate(problem, state.force, state.shift), 1
-            elif math.isnan(target):
+            if math.isnan(target):
                 trial, used = _lowered(problem, state, trial)
             else:
                 poor += 1
         else:
             poor = 0
-        given = False
+        summed = True
         state = trial
         products += used
     residual = np.nan  # forces without overlap are no equilibrium
@@ -183,7 +213,7 @@ def interacting_equilibrium(
     return Equilibrium(
         state.force,
         state.elastic_displacement,
-        state.field,
+        state.field[:, : 0 if matrix.size > 0 else grid.shape[1]],
         state.shift,
         residual,
         steps,
