@@ -33,7 +33,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(mo
         joint = closed(seed, largest_radius=None, breakage="resolved", strength_bound="none")
         return int(joint.status) & protocol.TARGET_JUMPED
 
-    misled = (118, 212, 237, 247)  # of 450 seeds
+    misled = (23, 56, 90, 203)  # of 225 seeds
     assert not any(jumped(seed) for seed in misled)
     monkeypatch.setattr(protocol, "_MISLED", 0.0)
     assert any(jumped(seed) for seed in misled)
