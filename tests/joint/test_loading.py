@@ -81,7 +81,7 @@ def test_every_branch_ends_where_the_load_turns_and_goes_no_further(way, seed):
 
 def test_a_joint_is_out_of_range_where_more_than_a_tenth_is_on_contacts_that_cannot_break():
     flagged = []
-    for seed, stress in ((9, 6e6), (9, 8e6), (35, 4e6), (2, 8e6)):
+    for seed, stress in ((2, 8e6), (4, 4e6), (6, 8e6), (9, 8e6)):
         history = joints.closed(pair(24, seed), stress, strength_bound="none")
         share = float((history.locked_share + history.flat_share).max())
         assert 0.08 < share < 0.12  # near the limit, on both sides of it

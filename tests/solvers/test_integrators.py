@@ -26,17 +26,18 @@ def joint_of(cells, seed, numerics=jc.Numerics(), effects=jc.Effects()):
     return Joint(*pair(cells, seed), SPACING, rocks, effects, jc.Choices(), numerics)
 
 
-def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(monkeypatch):
-    """A long step may leave a joint at a higher force than shorter ones to the same closure do."""
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(breakage):
+    """A long step may leave a joint at a higher force than shorter ones to the same closure do.
 
-    def jumped(seed):
-        joint = closed(seed, largest_radius=None, breakage="resolved", strength_bound="none")
-        return int(joint.status) & protocol.TARGET_JUMPED
-
-    misled = (23, 56, 90, 203)  # of 225 seeds
-    assert not any(jumped(seed) for seed in misled)
-    monkeypatch.setattr(protocol, "_MISLED", 0.0)
-    assert any(jumped(seed) for seed in misled)
+    Of 30 joints one really jumps with fixed steps: gouge of the last contacts carries force.
+    """
+    stated = {"largest_radius": None, "breakage": breakage, "strength_bound": "none"}
+    short = [
+        seed for seed in range(30)
+        if int(closed(seed, **stated).status) & protocol.TARGET_JUMPED
+    ]  # fmt: skip
+    assert len(short) <= (1 if breakage == "fixed_step" else 0)
 
 
 @pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])

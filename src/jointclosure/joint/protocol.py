@@ -37,10 +37,10 @@ _FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
 it, for leaving out the interaction. With 300 to 600 contacts means of second cycles moved by up to
 12 %; above that stress breakage takes nearly all of the time."""
 _MOST_SECANTS = 2
-_FALSE_POSITIONS = 4
-"""Trials by which false position lands with fixed steps; then, or while no force is carried yet,
-the target is approached from below by parts of what is missing, as breakage makes forces jump."""
-_MISLED = 0.1  # share of the step that passed a target below which the search for it is given up
+"""Trials above the target in a row that are followed by a secant through the last two of them."""
+_MOST_BELOW = 3
+"""Trials below the target in a row after which the force at the closure above it is computed anew.
+A longer step from an earlier state may have broken other contacts, and left a higher force."""
 
 
 class Step(NamedTuple):
@@ -290,12 +290,15 @@ def _load(
 
 
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
-    """Repeat the step that passed the target with smaller steps until the force is in tolerance."""
+    """Repeat the step that passed the target with smaller steps until the force is in tolerance.
+
+    Trials below the target are kept, and may break contacts. From the last of them the force may no
+    longer reach the target where it was passed before; then loading has to go on, and False is
+    returned.
+    """
     near = run.numerics.stress_tolerance * run.target_force
-    above, further, passed_again, short_again = passed, passed, 0, 0  # two states above the target
-    trials = 0
+    above, further, passed_again, below_again = passed, passed, 0, 0  # two states above the target
     by_fixed_steps = run.numerics.breakage == "fixed_step"
-    misled = 0.0 if by_fixed_steps else _MISLED * (passed.closure - run.closure)
     while True:
         if above.total_force - run.target_force <= near:
             run.accept(cycle, LOADING, above)
@@ -303,46 +306,41 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         if run.target_force - run.total_force <= near:
             run.joint.restore(before)
             return True
-        room = above.closure - run.closure
-        reached = above.closure - run.cycle_start
-        resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
-        if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
+        exhausted = _is_exhausted(run, above.closure, displacement_step)
+        anew = below_again >= (1 if exhausted else _MOST_BELOW)
+        if exhausted and not anew:
             break
-        # interpolation parameter of the forces between two states
         run.joint.restore(before, rates=by_fixed_steps)
-        if above is passed and room < misled:
-            return False
-        cautious = by_fixed_steps and (trials >= _FALSE_POSITIONS or run.total_force == 0.0)
-        if cautious:
-            if trials == _FALSE_POSITIONS:
-                passed_again = short_again = 0
-            part = _cautious_part(run, above, passed_again, short_again)
+        if anew:
+            trial = run.settle(above.closure, breakage_step)
         else:
-            part = _part_to_target(run, above, further, passed_again, short_again)
-        trials += 1
-        trial = run.settle(run.closure + part * room, breakage_step)
+            part = _part_to_target(run, above, further, passed_again, below_again)
+            trial = run.settle(run.closure + part * (above.closure - run.closure), breakage_step)
         if run.failed:
             return True
         if trial.total_force > run.target_force:
-            further, above, passed_again, short_again = above, trial, passed_again + 1, 0
-        else:
-            passed_again, short_again = 0, short_again + 1
-            run.accept(cycle, LOADING, trial)
-            before = run.joint.snapshot()
+            further, above = (trial if anew else above), trial
+            passed_again, below_again = passed_again + 1, 0
+            continue
+        run.accept(cycle, LOADING, trial)
+        before = run.joint.snapshot()
+        if anew:
+            return False
+        passed_again, below_again = 0, below_again + 1
     run.joint.restore(before)
     # if even the first force exceeds the target, no state below the target carries force
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else _NOT_REACHED
     return True
 
 
-def _cautious_part(run: _Run, above, passed_again, short_again) -> float:
-    """Return half of `_part_to_target`'s share, and less after every trial beyond the target."""
-    part = (run.target_force - run.total_force) / (above.total_force - run.total_force)
-    part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
-    return 1.0 - (1.0 - part) * 0.5**short_again
+def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> bool:
+    """Return whether the closure [m] of a state above the target is as good as the present one."""
+    room, reached = closure_above - run.closure, closure_above - run.cycle_start
+    resolved = float(np.spacing(abs(run.joint.first_touch) + closure_above))
+    return room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved
 
 
-def _part_to_target(run: _Run, above, further, passed_again, short_again) -> float:
+def _part_to_target(run: _Run, above, further, passed_again, below_again) -> float:
     """Return the share of the step from the last state below the target to the last above.
 
     It is that of false position, with the halved forces of the Illinois method, after secants.
@@ -355,7 +353,7 @@ def _part_to_target(run: _Run, above, further, passed_again, short_again) -> flo
         if part > 0.02:
             return part
     missing *= 0.5 ** max(passed_again - 1, 0)
-    beyond *= 0.5 ** max(short_again - 1, 0)
+    beyond *= 0.5 ** max(below_again - 1, 0)
     return min(max(missing / (missing + beyond), 0.02), 0.98)
 
 

@@ -119,13 +119,10 @@ class _PathToRest:
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """Do the first round with fixed breakage steps, ``step`` [m] after the last closure."""
-        joint = self.joint
         # the interaction of the step before is too small on closing, and too much would break
-        joint.interaction += step * joint.interaction_rate
-        # negative ones too: the interaction remains that of the forces
-        joint.force += step * joint.force_rate
+        self.extrapolate(step)
         # otherwise breakage is checked after the forces are solved
-        may_break = step > 0.0 and self.closure > joint.held_to
+        may_break = step > 0.0 and self.closure > self.joint.held_to
         self.solve(_stages(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
@@ -139,7 +136,7 @@ class _PathToRest:
     def extrapolate(self, step: float) -> None:
         """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
         joint = self.joint
-        joint.interaction += step * np.clip(joint.interaction_rate, 0.0, 1.0)
+        joint.interaction += step * joint.interaction_rate
         np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
         self._interaction_known = False
 
@@ -168,8 +165,7 @@ class _PathToRest:
 
     def break_in_short_steps(self, step: float) -> None:
         """Break pairs along a step [m] to the present closure, at the extrapolated interaction."""
-        growth = 1.0 - np.clip(self.joint.interaction_rate, 0.0, 1.0)
-        self._break(step * growth, SHORT_STEPS)
+        self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
 
     def _break(self, growth: np.ndarray, short_steps: int) -> int:
         """Break pairs in short steps, in which the approach grows (y, x) [m]; return the steps."""
@@ -257,7 +253,7 @@ def _stages(asked: float) -> tuple[float, ...]:
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
     """Store rates of interaction and force per closure, to extrapolate the next step."""
     interaction, force = before
-    np.divide(joint.interaction - interaction, step, out=joint.interaction_rate)
+    np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
     np.divide(joint.force - force, step, out=joint.force_rate)
 
 

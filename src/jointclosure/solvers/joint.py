@@ -167,7 +167,6 @@ class Joint:
         """Switch the interaction on, starting from that of the present forces."""
         self.interaction_acts = self.effects.interaction
         self.interaction[:] = interaction_field(self._influence, self.force)
-        self.interaction_rate[:] = interaction_field(self._influence, self.force_rate)
 
     def interaction_left_out(self) -> float:
         """Return the largest displacement [m] of a contact by the interaction of present forces."""
