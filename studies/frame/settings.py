@@ -17,7 +17,6 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls import CrushedWalls, Walls
-from jointclosure.walls.synthesis import wall_pair
 
 SIDES = ("upper", "lower")
 BASE = "base"
@@ -146,6 +145,8 @@ def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
 
 def walls_of_seed(seed: int, jrc: float, grid: JointGrid, surface: Synthesis) -> Walls:
     """Make the walls of one realisation; unusual values were checked."""
+    from jointclosure.walls.synthesis import wall_pair  # Fourier transforms, which few jobs need
+
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict(), unusual_values=True)
 
 

@@ -13,12 +13,11 @@ from jointclosure.parameters import Numerics, scene_of
 from jointclosure.statistics.standard_errors import Estimate, rounded
 from studies.frame.tables import over_stress, succeeded
 from studies.paper.closures import estimate_columns
+from studies.paper.requirements import REPORTED
 
 VOLUME_TOLERANCE = 1e-12
-REPORTED = "reported only"
 REMARKED = "simulations flagged"
 """How the name of a check begins that counts joints with a remark."""
-"""What is required of a number for which there is no limit."""
 FEWEST = 2
 """Smallest number of realisations of a case for which a standard deviation exists."""
 

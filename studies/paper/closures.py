@@ -1,7 +1,7 @@
 """Tables of closures, with errors: means, scatter, correlations, elasticities, intervals, fits."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,11 +13,13 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import control_variates, correlations, indifference
 from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.randomness import generator, seed_of
-from studies.frame.keys import Statistics
 from studies.frame.settings import BASE
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
 from studies.paper.responses import Covariates, Response, adjustment, responses, same_surfaces
+
+if TYPE_CHECKING:  # models of the configuration take long to import
+    from studies.frame.keys import Statistics
 
 CLOSURES = (
     TARGET,
@@ -185,7 +187,10 @@ _ADJUSTED = [f"adjusted_{name}" for name in ("length", "percent", "low", "high",
 
 
 def indifference_table(
-    study: xr.Dataset, statistics: Statistics, root_seed: int, covariates: Covariates | None = None
+    study: xr.Dataset,
+    statistics: "Statistics",
+    root_seed: int,
+    covariates: Covariates | None = None,
 ) -> pd.DataFrame:
     """Tabulate indifference intervals by the study's test, and by the published one (unpaired)."""
     rows = []
@@ -209,7 +214,7 @@ def indifference_table(
 
 
 def _interval(
-    response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
+    response: Response, size: float, statistics: "Statistics", root_seed: int, suffix: str
 ) -> dict:
     """Return an interval by the table's test with its bootstrap interval, and by the unpaired."""
     unpaired = _tested(response._replace(paired=False), size, statistics.significance)
@@ -233,13 +238,13 @@ def _interval(
     }
 
 
-def _settings(response: Response, statistics: Statistics) -> dict[str, Any]:
+def _settings(response: Response, statistics: "Statistics") -> dict[str, Any]:
     confidence, significance = statistics.bootstrap_confidence, statistics.significance
     return {"base": response.base, "confidence": confidence, "significance": significance}
 
 
 def _adjusted_interval(
-    response: Response, size: float, statistics: Statistics, root_seed: int
+    response: Response, size: float, statistics: "Statistics", root_seed: int
 ) -> dict:
     """Compute the interval from adjusted means and deviations."""
     if response.covariates is None or response.paired:

@@ -34,8 +34,6 @@ from studies.frame.settings import joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
-from studies.verification.hard_cases import kernels_of_cases as kernels_of_hard_cases
-from studies.verification.hard_cases import merged_cases
 
 try:  # one line for each wrong key or file, before any job
     for file in workflow.configfiles:

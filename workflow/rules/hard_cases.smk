@@ -1,7 +1,19 @@
 # Joints that are hard on a solver, closed and judged by an independent oracle. They depend on no
 # configuration, and no other rule depends on them.
-HARD_CASES = merged_cases(read_plain("studies/verification/hard_cases.yaml"))
-GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
+@cache
+def hard_cases():
+    """Hard cases by name; their file is read by runs that close them."""
+    from studies.verification.hard_cases import merged_cases
+
+    return merged_cases(read_plain("studies/verification/hard_cases.yaml"))
+
+
+def hard_case_kernels():
+    """Files of the kernels of the hard cases."""
+    from studies.verification.hard_cases import kernels_of_cases
+
+    kernels = kernels_of_cases(hard_cases().values())
+    return [f"results/hard_cases/kernels/{'.'.join(kernel)}.txt" for kernel in kernels]
 
 
 use rule compile_kernels as compile_hard_cases with:
@@ -13,10 +25,7 @@ use rule compile_kernels as compile_hard_cases with:
 
 rule close_hard_cases:
     input:
-        kernels=[
-            f"results/hard_cases/kernels/{'.'.join(kernel)}.txt"
-            for kernel in kernels_of_hard_cases(HARD_CASES.values())
-        ],
+        kernels=lambda w: hard_case_kernels(),
     output:
         "results/hard_cases/cases/{group}.csv",
     log:
@@ -24,7 +33,7 @@ rule close_hard_cases:
     conda:
         ENVIRONMENT
     params:
-        cases={name: HARD_CASES[name] for name in sorted(HARD_CASES)},
+        cases=lambda w: dict(sorted(hard_cases().items())),
         code=code("close_hard_cases.py", titles=False),
     message:
         "Close and judge the hard cases of the group {wildcards.group}"
@@ -34,7 +43,10 @@ rule close_hard_cases:
 
 rule tabulate_hard_cases:
     input:
-        collect("results/hard_cases/cases/{group}.csv", group=GROUPS),
+        lambda w: collect(
+            "results/hard_cases/cases/{group}.csv",
+            group=sorted({case["group"] for case in hard_cases().values()}),
+        ),
     output:
         cases="results/hard_cases/tables/hard_cases.csv",
         errors="results/hard_cases/tables/hard_case_errors.csv",
@@ -44,7 +56,7 @@ rule tabulate_hard_cases:
     conda:
         ENVIRONMENT
     params:
-        order=list(HARD_CASES),
+        order=lambda w: list(hard_cases()),
         code=code("tabulate_hard_cases.py"),
     message:
         "Join the groups of hard cases in one table, and tabulate their errors"

@@ -6,7 +6,6 @@ from pathlib import Path
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.datasets import chosen_effects, write_ensemble
-from studies.frame.walls import described
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":
@@ -22,6 +21,8 @@ if __name__ == "__main__":
         if snakemake.input.effects:
             attributes["effects_chosen"] = chosen_effects(snakemake.input.effects)
         if snakemake.input.walls:
+            from studies.frame.walls import described  # of scans, which few studies have
+
             walls = {Path(file).stem: read_netcdf(file) for file in snakemake.input.walls}
             attributes["walls"] = described(walls)
         write_ensemble(

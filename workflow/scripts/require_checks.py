@@ -3,7 +3,7 @@
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_csv, write_text
 from jointclosure.storage.logs import logging_to
-from studies.paper.checks import REPORTED
+from studies.paper.requirements import REPORTED
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -52,12 +52,18 @@ def cache_folder() -> Path:
     return cache_root() / f"numba-{code_digest(*KERNEL_PARTS, titles=False)}-{compiler}"
 
 
+@lru_cache(maxsize=None)
+def _resolved(file: str) -> Path:
+    """Return the path of a module, of which many kernels ask, without links."""
+    return Path(file).resolve()
+
+
 class _Folder(_CacheLocator):
     """Location of a function's machine code in `cache_folder`, whose name identifies the code."""
 
     def __init__(self, function: Callable[..., Any], file: str):
-        if Path(file).resolve().is_relative_to(PACKAGE):
-            name, self._stamp = Path(file).resolve().parent.name, ""
+        if _resolved(file).is_relative_to(PACKAGE):
+            name, self._stamp = _resolved(file).parent.name, ""
         else:  # the digest in the folder's name contains only the package
             name = self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
             self._stamp = hashlib.sha256(Path(file).read_bytes()).hexdigest()

@@ -153,6 +153,7 @@ def write(content: Any, path: str | Path) -> None:
     elif hasattr(content, "savefig"):  # a PDF without a time stamp
         metadata = {"CreationDate": None} if path.suffix == ".pdf" else None
         atomically(path, partial(content.savefig, metadata=metadata))
+        content.set_layout_engine("none")  # laid out once, for all formats
     elif isinstance(content, pd.DataFrame):
         write_csv(content, path)
     else:

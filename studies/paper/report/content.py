@@ -24,7 +24,6 @@ from studies.frame.settings import SIDES
 from studies.frame.tables import succeeded
 from studies.paper.checks import (
     REMARKS,
-    REPORTED,
     change_in_words,
     most_changed,
     remarked_joints,
@@ -34,6 +33,7 @@ from studies.paper.closures import estimate_columns
 from studies.paper.layout import test_name
 from studies.paper.report.page import Picture
 from studies.paper.report.tables import About, frames_of
+from studies.paper.requirements import REPORTED
 
 STAYS = "Share that remains at seating (%)"
 

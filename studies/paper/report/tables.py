@@ -15,10 +15,11 @@ from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
 from studies.frame.tables import succeeded
-from studies.paper.checks import REPORTED, change_in_words, remarked_joints
+from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
+from studies.paper.requirements import REPORTED
 
 NOT_TRIED = "not tried"
 """Entry for a claim without readings or choices."""
