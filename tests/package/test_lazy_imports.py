@@ -11,8 +11,8 @@ from tests.processes import ROOT, python
 
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
-    "numba", "numpy", "pandas", "rasterio", "rich", "scipy.interpolate", "scipy.optimize",
-    "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "trimesh", "xarray",
+    "numba", "numpy", "pandas", "pydantic", "rasterio", "rich", "scipy.interpolate",
+    "scipy.optimize", "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "trimesh", "xarray",
 }  # fmt: skip
 
 
@@ -53,8 +53,10 @@ JOBS = [
     ("close_joints", CLOSES),
     ("close_points", CLOSES),
     ("aggregate", CLOSES),
-    ("write_tables", CLOSES),
-    ("tabulate_experiment", CLOSES),
+    ("fit_correlations", CLOSES),
+    ("write_tables", CLOSES | {"pydantic"}),
+    ("require_checks", {"numpy", "pandas"}),
+    ("tabulate_experiment", CLOSES | {"pydantic"}),
 ]
 
 

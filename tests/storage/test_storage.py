@@ -14,6 +14,7 @@ import xarray as xr
 
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
+from jointclosure.plotting.style import subplots
 from jointclosure.storage import files
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
@@ -227,6 +228,16 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
         with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
+
+
+def test_all_formats_of_a_figure_have_one_layout(tmp_path):
+    figure, axes = subplots(1, 1, figsize=(3.0, 2.0))
+    axes.set_ylabel("closure (mm)")
+    files.write(figure, tmp_path / "figure.png")
+    places = axes.get_position().bounds
+    files.write(figure, tmp_path / "figure.pdf")
+    assert axes.get_position().bounds == places
+    assert places[0] > 0.1  # the label has room
 
 
 def test_what_a_script_imported_is_looked_through_by_no_collection(tmp_path):
