@@ -3,6 +3,7 @@
 `make docs` runs this. Without Graphviz (`apt-get install graphviz`) the stored picture stays.
 """
 
+import os
 import shutil
 import subprocess
 import sys
@@ -15,7 +16,10 @@ PICTURE = ROOT / "docs/images/rules.svg"
 def rule_graph() -> str:
     """Return the graph of the rules of the paper's study in the language of Graphviz."""
     command = [sys.executable, "-m", "snakemake", "--rulegraph", "--forceall"]
-    answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    ordered = os.environ | {"PYTHONHASHSEED": "0"}  # Snakemake's sets have the same order each time
+    answer = subprocess.run(
+        command, cwd=ROOT, env=ordered, capture_output=True, text=True, check=False
+    )
     if answer.returncode:
         raise SystemExit(answer.stderr)
     return answer.stdout
