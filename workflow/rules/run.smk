@@ -11,26 +11,26 @@ import psutil
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from jointclosure.engine.progress import duration
+from jointclosure.engine.progress import duration, remaining
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import expected_seconds
 from studies.paper.layout import closure_lines
 
 HELD = []  # the locked file of a run, open until this process ends
 INTERRUPTED = []  # times of the interrupts
-OTHER_SECONDS = 3.0  # roughly, of a job that closes no joints
+JOB_SECONDS = 2.0  # roughly, of a job beside the joints that it closes
 
 
 class RunMessages(logging.Handler):
     """Shows how long a run will still take, from the jobs that have ended, and why a job failed.
 
-    Jobs count by the expected time of their joints.
+    Jobs count by the expected time of their joints, and time counts from when kernels are compiled.
     """
 
     def __init__(self, dag):
         super().__init__()
         self.dag, self.start, self.shown = dag, time.monotonic(), 0.0
-        self.costs, self.ended = {}, set()
+        self.costs, self.ended, self.before = {}, set(), set()
         self.plan()
 
     def plan(self):
@@ -48,7 +48,17 @@ class RunMessages(logging.Handler):
         # where Snakemake is quiet about its progress, it tells of jobs that start only
         if event == LogEvent.JOB_STARTED:
             self.ended |= {job.jobid for job in self.dag.finished_jobs}
-            self.show_remaining()
+            if self.compiles():
+                self.start, self.before = time.monotonic(), set(self.ended)
+            else:
+                self.show_remaining()
+
+    def compiles(self):
+        """Whether kernels are still compiled, for which other jobs wait."""
+        return any(
+            job.rule.name.startswith("compile_") and job.jobid not in self.ended
+            for job in self.dag.needrun_jobs()
+        )
 
     def show_remaining(self):
         """Show the remaining time, every ten seconds at most."""
@@ -56,13 +66,16 @@ class RunMessages(logging.Handler):
         if now - self.shown < 10.0:
             return
         self.plan()
-        done = sum(cost for jobid, cost in self.costs.items() if jobid in self.ended)
-        left = sum(self.costs.values()) - done
-        if done > 0.0 and left > 0.0:
+        done = sum(self.costs.get(jobid, 0.0) for jobid in self.ended - self.before)
+        left = sum(
+            cost for jobid, cost in self.costs.items() if jobid not in self.ended
+        )
+        seconds = remaining(now, done, left)
+        if seconds:
             self.shown = now
             jobs = f"{len(self.ended)} of {len(self.costs)} jobs are done"
             print(
-                f"{jobs}, about {duration(now * left / done)} left",
+                f"{jobs}, about {duration(seconds)} left",
                 file=sys.stderr,
                 flush=True,
             )
@@ -72,11 +85,12 @@ class RunMessages(logging.Handler):
         """Expected processor time of a job [s]."""
         if job.rule.name == "close_joints":
             joints = int(job.wildcards.last) - int(job.wildcards.first) + 1
-            return joints * expected_seconds(ENSEMBLES[job.wildcards.ensemble])
+            of_joint = expected_seconds(ENSEMBLES[job.wildcards.ensemble])
+            return JOB_SECONDS + joints * of_joint
         if job.rule.name == "close_points":
             points = POINTS[job.wildcards.experiment]()[job.wildcards.job]
-            return joints_of(points) * expected_seconds(STUDY)
-        return OTHER_SECONDS
+            return JOB_SECONDS + joints_of(points) * expected_seconds(STUDY)
+        return JOB_SECONDS
 
 
 def interrupt(number, frame):

@@ -42,6 +42,11 @@ def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
         yield report
 
 
+def remaining(seconds: float, done: float, left: float) -> float | None:
+    """Return the remaining time [s], from that of the work done; None before a tenth is done."""
+    return seconds * left / done if 0.0 < _PART * (done + left) <= done else None
+
+
 class Countdown:
     """Count of the parts of some work, reported with the remaining time now and then."""
 
