@@ -36,6 +36,7 @@ from studies.paper.layout import (
 )
 from studies.paper.predictive import lengths_dataset, predictive
 from studies.paper.report import content as report
+from studies.paper.report.page import sheet
 from studies.paper.responses import Covariates, known_covariates, measure_covariates
 from studies.paper.test_table_3 import study as three_surfaces
 from tests.studied import DEFAULT, ROOT, keys_of, study_of
@@ -210,6 +211,15 @@ def test_covariates_come_back_from_their_file(tmp_path):
     assert (first.values.shape[-1], later.values.shape[-1]) == (2, 1)
     assert first.known.means.tolist() == known.means[:2].tolist()
     assert later.known.covariance.tolist() == [[known.covariance[2, 2]]]
+
+
+def test_a_page_has_columns_of_adjusted_numbers_only_where_something_is_adjusted():
+    names = "rock mean_mm adjusted_mean_mm"
+    table = pd.DataFrame({"rock": ["slate"], "mean_mm": [0.2], "adjusted_mean_mm": [np.nan]})
+    assert sheet(table, names).titles == ["Rock", "Mean mm"]
+    assert sheet(table.assign(adjusted_mean_mm=0.21), names).titles[2:] == ["Adjusted mean mm"]
+    # other numbers that are not known keep their column
+    assert sheet(table.assign(mean_mm=np.nan), names).titles == ["Rock", "Mean mm"]
 
 
 # Checks: a failed one ends the run, after its table is written

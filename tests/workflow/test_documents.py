@@ -4,7 +4,9 @@ import functools
 import importlib
 import re
 import shlex
+from types import SimpleNamespace
 
+import jinja2
 import pytest
 import yaml
 
@@ -30,6 +32,19 @@ def test_the_key_table_and_the_schema_are_those_of_the_keys(monkeypatch):
     key_table = importlib.import_module("key_table")
     for file, made in (("README.md", key_table.main), ("schema.json", key_table.schema)):
         assert (ROOT / "config" / file).read_text(encoding="utf-8") == made(), file
+
+
+def test_a_caption_speaks_of_the_law_of_made_walls_only_where_walls_are_made():
+    caption = (ROOT / "workflow/report/fig_5_closure.rst").read_text(encoding="utf-8")
+    made, scanned = SimpleNamespace(walls=None), SimpleNamespace(walls="slate.txt")
+    for rocks, speaks in (
+        ({"made": made, "scanned": scanned}, True),
+        ({"scanned": scanned}, False),
+    ):
+        job = SimpleNamespace(
+            config={"study": {"realizations": 4}}, params=SimpleNamespace(rocks=rocks)
+        )
+        assert ("Barton-Bandis" in jinja2.Template(caption).render(snakemake=job)) == speaks
 
 
 def samples(language: str) -> list:

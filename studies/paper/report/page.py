@@ -45,7 +45,8 @@ class Sheet(NamedTuple):
 def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
     """Make a table of named columns, or of all, which then have the names of their headings.
 
-    Numbers are rounded to columns with _standard_error, which are not shown.
+    Numbers are rounded to columns with _standard_error, which are not shown. Columns of adjusted
+    numbers are left out of studies in which nothing is adjusted.
     """
     named = [(name, frame[name]) for name in columns.split()]
     named = named or [one for one in frame.items() if not str(one[0]).endswith("_standard_error")]
@@ -53,9 +54,12 @@ def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {})
     for name, values in named:
         error = f"{name}_standard_error"
         known = error in frame
-        texts.append(
-            list(map(rounded, values, frame[error]) if known else map(text, values.astype(object)))
+        shown = list(
+            map(rounded, values, frame[error]) if known else map(text, values.astype(object))
         )
+        if "adjusted" in str(name) and all(one == ABSENT for one in shown):
+            continue
+        texts.append(shown)
         titles.append(heads.get(name) or heading_of(name))
     return Sheet(titles, list(map(_kind, texts)), list(zip(*texts, strict=True)))
 
