@@ -349,6 +349,25 @@ def files_of_experiment(experiment):
     return tables + figures
 
 
+# Hard cases (hard_cases.smk)
+
+
+@cache
+def hard_cases():
+    """Hard cases by name; their file is read by runs that close them."""
+    from studies.verification.hard_cases import merged_cases
+
+    return merged_cases(read_plain("studies/verification/hard_cases.yaml"))
+
+
+def hard_case_kernels():
+    """Files of the kernels of the hard cases."""
+    from studies.verification.hard_cases import kernels_of_cases
+
+    kernels = kernels_of_cases(hard_cases().values())
+    return [f"results/hard_cases/kernels/{'.'.join(kernel)}.txt" for kernel in kernels]
+
+
 # Tables of other studies (report.smk)
 
 

@@ -1,19 +1,5 @@
 # Joints that are hard on a solver, closed and judged by an independent oracle. They depend on no
 # configuration, and no other rule depends on them.
-@cache
-def hard_cases():
-    """Hard cases by name; their file is read by runs that close them."""
-    from studies.verification.hard_cases import merged_cases
-
-    return merged_cases(read_plain("studies/verification/hard_cases.yaml"))
-
-
-def hard_case_kernels():
-    """Files of the kernels of the hard cases."""
-    from studies.verification.hard_cases import kernels_of_cases
-
-    kernels = kernels_of_cases(hard_cases().values())
-    return [f"results/hard_cases/kernels/{'.'.join(kernel)}.txt" for kernel in kernels]
 
 
 use rule compile_kernels as compile_hard_cases with:
