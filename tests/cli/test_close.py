@@ -15,6 +15,7 @@ from jointclosure.cli.results import summary
 from jointclosure.engine import scanned_joint
 from jointclosure.engine.budget import ALL
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint.curves import stress_table
 from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.registration import registered
@@ -79,6 +80,39 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     cycles = pd.read_csv(folder / "cycles.csv")
     for name in cycles.columns.drop("cycle"):
         assert record["per_cycle"][name] == pytest.approx(cycles[name].tolist(), rel=1e-6)
+
+
+def test_stiffness_is_shown_and_stored_at_named_stresses(scans, tmp_path, command, undrawn):
+    words = [*WORDS, "--spacing", 1, "--single", "--at", "1.3,0.7", "--output", tmp_path / "j"]
+    code, out, err = command("close", *scans, *words)
+    assert (code, err) == (0, "")
+    curves = pd.read_csv(tmp_path / "j/answer.csv")
+    loading = curves[curves.branch == "loading"].set_index(["cycle", "normal_stress_MPa"])
+    record = json.loads((tmp_path / "j/joint.json").read_text())
+    rows = [(row["cycle"], row["normal stress (MPa)"]) for row in record["at"]]
+    assert rows == [(1, 0.7), (1, 1.3), (2, 0.7), (2, 1.3)]
+    for row, place in zip(record["at"], rows, strict=True):
+        text = row["net normal stiffness kn (MPa/mm)"]
+        stored = loading.loc[place, "normal_stiffness_net_MPa_per_mm"]
+        assert float(text) == pytest.approx(stored, rel=1e-3)
+        assert text in out
+    assert command("report", tmp_path / "j")[0] == 0
+    assert "stresses that were named" in (tmp_path / "j/report.html").read_text()
+
+
+@pytest.mark.parametrize("stresses", ["2.5", "1,0", "-1", "nan"])
+@pytest.mark.parametrize("name", ["close", "simulate"])
+def test_a_stress_that_no_loading_reaches_is_refused_before_any_computing(
+    scans, name, stresses, command, monkeypatch
+):
+    for module in ("cli.simulate.simulate", "engine.scanned_joint.registered_walls"):
+        monkeypatch.setattr(f"jointclosure.{module}", Mock(side_effect=AssertionError))
+    files = scans if name == "close" else ["--jrc", 8]
+    own = ["--units", "mm"] if name == "close" else []
+    words = [*own, "--stress", 2, "--rock", "granite", f"--at={stresses}"]
+    code, _, err = command(name, *files, *words)
+    assert code == 2
+    assert "MPa: must be above 0 and at most the maximum normal stress, 2 MPa" in err
 
 
 def test_an_interrupt_within_a_kernel_is_one(scans, command, monkeypatch):
@@ -217,8 +251,8 @@ def test_a_joint_is_assessed_by_the_command_as_in_python(scans, tmp_path, comman
 
 def test_contacts_that_overlap_by_more_than_the_void_are_warned_of(joint):
     closed = joint.history.copy()
-    assert "Warning" not in summary(closed, joint.laws)[0]
+    assert "Warning" not in summary(closed, joint.laws, stress_table(closed))[0]
     closed["mean_overlap"] = 1.01 * closed.mean_aperture
-    text, record = summary(closed, joint.laws)
+    text, record = summary(closed, joint.laws, stress_table(closed))
     assert text.count("contacts are pressed into each other by 0.") == closed.load_cycle.max()
     assert len(cautions(record["remarks"])) == closed.load_cycle.max()

@@ -18,9 +18,11 @@ from jointclosure.joint.curves import (
     cycle_table,
     landing_stress,
     net_responses,
+    round_levels,
     secant_stiffness,
     stress_levels,
     stress_table,
+    table_levels,
 )
 from jointclosure.joint.laws import (
     CYCLES,
@@ -114,6 +116,43 @@ def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
     above = table.normal_stress_MPa - SEATING
     exact = kni * (1.0 + above / (vm * kni)) ** 2
     np.testing.assert_allclose(table.normal_stiffness_net_MPa_per_mm, exact, rtol=0.02)
+
+
+def test_stresses_of_a_table_are_round_and_end_at_the_stated_maximum():
+    """Steps meet the maximum within a tolerance only."""
+    history = following("hyperbolic", *TRUE["hyperbolic"])
+    for miss in (1.0006, 0.9995):
+        of_steps = history.normal_stress / history.normal_stress.max() * 1e6 * LARGEST * miss
+        table = stress_table(history.assign(normal_stress=of_steps))
+        levels = on(table, 1, "loading").normal_stress_MPa
+        assert levels.tolist() == [0.5 * number for number in range(1, 21)]
+        assert table.closure_net_since_seating_mm.notna().all()
+    halted = history.assign(normal_stress=0.5 * history.normal_stress)
+    assert 1e-6 * table_levels(halted)[-1] == 0.5 * LARGEST
+
+
+@pytest.mark.parametrize(("seating", "largest"), [(0.0, 7e6), (0.37e6, 12.3e6), (20.0, 450.0)])
+def test_stresses_of_a_table_lie_on_one_round_interval(seating, largest):
+    levels = round_levels(seating, largest)
+    assert levels[-1] == largest
+    assert (levels[0] == seating) == (seating > 0.0)
+    interval = np.diff(levels)[2]
+    assert f"{interval:.1e}"[:3] in ("1.0", "2.0", "2.5", "5.0")
+    inner = levels[1:-1] / interval
+    np.testing.assert_allclose(inner, np.round(inner), rtol=1e-12)
+    assert 8 <= levels.size <= 22
+
+
+def test_the_stiffness_at_a_stress_does_not_depend_on_the_other_stresses_that_are_read(closed):
+    name = "normal_stiffness_net_MPa_per_mm"
+    usual = stress_table(closed).set_index(["cycle", "branch", "normal_stress_MPa"])[name]
+    named = table_levels(closed, [2e6, 2.3e6])
+    for levels in (np.array([2e6]), np.array([2e6, 4e6]), named):
+        table = stress_table(closed, levels).set_index(usual.index.names)[name]
+        both = usual.index.intersection(table.index)
+        assert {2.0} <= set(both.get_level_values(2))
+        pd.testing.assert_series_equal(table.loc[both], usual.loc[both], check_exact=True)
+    assert {2.0, 2.3} <= set(1e-6 * named)
 
 
 def test_steps_before_the_maximum_in_which_nothing_breaks_are_not_its_stiffness():

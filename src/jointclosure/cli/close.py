@@ -57,7 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
     asked, stress = stated.pop("snapshots"), stated["max_normal_stress"]
     kept = results.kept_stresses(asked, arguments.animation, stress)
     joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)
-    text, answer = results.summary(joint.history, joint.laws, joint.budget)
+    curves, at = joint.curves, stated["at"]
+    text, answer = results.summary(joint.history, joint.laws, curves, joint.budget, at)
     print(text)
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     title = " on ".join(Path(scan).name for scan in scans.values())
@@ -108,7 +109,7 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    return files | export_files(history, title, budget and budget.curves, laws.by_cycle)
+    return files | export_files(history, title, joint.curves, laws.by_cycle)
 
 
 def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
+import warnings
 from collections.abc import Mapping
 from itertools import product
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.optimize import OptimizeWarning
 
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.engine.quantities import CURVES
@@ -20,7 +22,7 @@ from jointclosure.joint.curves import (
     has_flow,
     members,
     spacing_of,
-    stress_table,
+    table_levels,
 )
 from jointclosure.joint.laws import BENDS, LAWS, BartonBandis, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
@@ -48,15 +50,17 @@ _NET = (
 def export_files(
     history: xr.Dataset,
     title: str,
-    curves: pd.DataFrame | None = None,
+    curves: pd.DataFrame,
     laws: Mapping[int, BartonBandis] = {},
 ) -> dict[str, Any]:
-    """Return the files of a joint, with known bands and laws; print what is not written."""
+    """Return the files of a joint from its `stress_table`, with known bands, and laws; print what
+    is not written.
+    """
     if failed(history):
         return {}
     from jointclosure.plotting.joint import engineering_figure
 
-    curves, bandis = stress_table(history) if curves is None else curves.copy(), "barton_bandis_mm"
+    curves, bandis = curves.copy(), "barton_bandis_mm"
     for cycle, law in laws.items():
         above = 1e6 * curves.normal_stress_MPa - float(history.attrs["seating_stress_Pa"])
         here = (curves.cycle == cycle) & (curves.branch == LOADING)
@@ -79,7 +83,8 @@ def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[st
 
     The ending "" is that of the median, "_low" and "_high" are those of the ends of a band.
     """
-    loading = curves[curves.branch == LOADING]
+    usual = curves.normal_stress_MPa.isin(table_levels(history) / 1e6)  # no further named ones
+    loading = curves[usual & (curves.branch == LOADING)]
     known = loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
     seating, stress = float(history.attrs["seating_stress_Pa"]), history.normal_stress.values
     cycles = [
@@ -109,7 +114,9 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
         )
     for ending, rows in loadings.items():
         stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
-        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
+        with warnings.catch_warnings():  # no error can be estimated: Vm is undetermined then
+            warnings.simplefilter("ignore", OptimizeWarning)
+            fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
         (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (

@@ -27,7 +27,7 @@ from jointclosure.walls.synthesis import NORMALISATIONS, RULES
 UNITS = (
     {name: about.unit for name, about in OF_ROCK.items()}
     | {name: "um" for name in Numerics._fields if name.endswith("_step")}
-    | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots", "strengths"), "MPa")
+    | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots", "at", "strengths"), "MPa")
     | dict.fromkeys(("spacing", "scan_spacing", "largest_radius"), "mm")
     | dict.fromkeys(("roll_off", "mismatch_wavelength", "size"), "mm")
     | dict.fromkeys(("shifts", "crushed_strength_ratios"), "1")
@@ -198,6 +198,7 @@ def add_conditions(
         add_keywords(loads, Conditions, "max_normal_stress", "cycles", "seating_stress")
     if load and states:
         add_keywords(loads, simulate, snapshots={"default": ()})
+        add_keywords(loads, close, at={"default": ()})
         add_file(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
     what = f"effects to leave out, of {', '.join(Effects._fields)}"

@@ -84,6 +84,8 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         "laws": laws[["cycle", "branch", "law", "parameter", "value", "standard_error", "rms_mm",
                       "holds_from_MPa", "holds_to_MPa"]],
     }  # fmt: skip
+    if record.get("at"):
+        tables["named"] = pd.DataFrame(record["at"])
     return record | {
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "text": text,

@@ -2,7 +2,7 @@
 
 import argparse
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,8 @@ from jointclosure.joint.curves import (
     cycle_table,
     flow_statuses,
     has_flow,
+    maxima_of,
     members,
-    stress_table,
     with_snapshots,
 )
 from jointclosure.joint.laws import JointLaws
@@ -63,14 +63,29 @@ _REASONS = {
     ),
 }
 """Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
-_FLOW = "hydraulic_aperture_mm", "largest_hydraulic_mm", "transmissivity_m2_per_s"
+_FLOW = (
+    *("hydraulic_aperture_mm", "largest_hydraulic_mm"),
+    *("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
+)
 """Curves of flow whose value at the maximum is one of the first results."""
+_NAMED = (
+    *("closure_net_since_seating_mm", "normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"),
+    *_FLOW,
+)
+"""Curves whose value on loading is shown at the stresses that a user names."""
 
 
 def summary(
-    closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None
+    closed: xr.Dataset,
+    laws: JointLaws,
+    curves: pd.DataFrame,
+    budget: Budget | None = None,
+    at: Sequence[float] = (),
 ) -> tuple[str, dict[str, Any]]:
-    """Format the results of each cycle with remarks on them; return them for JSON too."""
+    """Format the results of each cycle with remarks on them; return them for JSON too.
+
+    ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
+    """
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
     for cycle, aperture in cycle_table(closed)[["cycle", "mean_aperture_at_max_mm"]].to_numpy():
         for step in branch_of(closed, int(cycle), UNLOADING)[:1]:
@@ -83,16 +98,39 @@ def summary(
             )
             remarks += [caution(pressed)] if overlap > aperture else []
     remarks += _flow_remarks(closed) if has_flow(closed) else []
-    table = result_table(closed, laws, budget)
+    table = result_table(closed, laws, curves, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
     head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     if budget is not None:
         head += "; in brackets the range of 9 in 10 random sets of the inputs that are not known"
-    lines = [head, table.to_string(), *(f"- {remark}" for remark in remarks)]
-    return "\n".join(lines), {"table": table.to_dict(), "remarks": remarks}
+    lines = [head, table.to_string()]
+    named = named_table(curves, at)
+    if len(named):
+        lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
+    lines += [f"- {remark}" for remark in remarks]
+    answer = {"table": table.to_dict(), "at": named.to_dict("records"), "remarks": remarks}
+    return "\n".join(lines), answer
 
 
-def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = None) -> pd.DataFrame:
+def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
+    """Return curves on loading at stresses [Pa] as text, a row for each cycle and stress."""
+    known = (curves.branch == LOADING) & curves.normal_stress_MPa.isin(np.asarray(at) / 1e6)
+    rows = curves[known].dropna(subset=members(curves, _NAMED[0]))  # that the cycle reached
+    if rows.empty:
+        return pd.DataFrame()
+    shown = rows[["cycle", "normal_stress_MPa"]].rename(
+        columns={"normal_stress_MPa": "normal stress (MPa)"}
+    )
+    figures = 2 if members(curves, "")[0] else 4
+    for name in _NAMED:
+        if name in curves:
+            shown[CURVES[name][0]] = with_bands(rows, name, figures)
+    return shown
+
+
+def result_table(
+    closed: xr.Dataset, laws: JointLaws, curves: pd.DataFrame, budget: Budget | None = None
+) -> pd.DataFrame:
     """Return results over cycles as text, with their ranges if known, beside Barton and Bandis."""
     results = results_of(closed).set_index("cycle")
 
@@ -105,8 +143,8 @@ def result_table(closed: xr.Dataset, laws: JointLaws, budget: Budget | None = No
     table = budget.table() if budget else table_of(results.index, text)
     for title, values in law_values(closed, laws).items():
         table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
-    curves = stress_table(closed) if budget is None else budget.curves
-    highest = curves[curves.branch == LOADING].groupby("cycle").tail(1)
+    reached = curves[curves.branch == LOADING].dropna(subset=members(curves, _NAMED[0]))
+    highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
     for name in _FLOW if has_flow(closed) else ():
         title = CURVES[name][0].replace(" (", ", at the maximum stress (")
         table.loc[title] = [
@@ -126,9 +164,9 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
-    largest, values = closed.normal_stress.groupby(closed.load_cycle).max(), {}
+    largest, values = maxima_of(closed), {}
     for cycle, law in laws.by_cycle.items():
-        results = law.results(float(largest.sel(load_cycle=cycle)), laws.seating)
+        results = law.results(float(largest[cycle - 1]), laws.seating)
         shown = {name: shown_as(name, QUANTITIES[name].unit) for name in results}
         values[f"Barton-Bandis, cycle {cycle}"] = {
             column: scale * results[name] for name, (column, scale) in shown.items()

@@ -22,7 +22,8 @@ from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
 from jointclosure.engine.progress import closing_bar, duration
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import Conditions, check_named_stresses
+from jointclosure.joint.curves import stress_table, table_levels
 from jointclosure.joint.laws import laws_of_joint
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
@@ -59,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     conditions = Conditions(**stated)
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     conditions.checked(kept)
+    check_named_stresses(arguments.at, conditions.largest_stress)
     walls = wall_pair(**about)
     (ny, nx), size = arguments.shape, 1e3 * conditions.grid_spacing
     title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
@@ -68,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
     laws = laws_of_joint(jrc, strength, closed.attrs["seating_stress_Pa"], cycles)
-    print(results.summary(closed, laws)[0])
+    curves = stress_table(closed, table_levels(closed, arguments.at))
+    print(results.summary(closed, laws, curves, at=arguments.at)[0])
     print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")
     closed.attrs |= {"joint": title} | results.attributes(about | stated)
     closed = results.write_animation(closed, arguments, title)
@@ -81,6 +84,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exports = export_files(closed, title, laws=laws.by_cycle)
+        exports = export_files(closed, title, curves, laws.by_cycle)
         print(results.write_folder(arguments.tables, "simulate", exports))
     return int(results.failed(closed))

@@ -355,6 +355,8 @@ CURVES = {
     "smallest_hydraulic_mm": ("lower bound of the hydraulic aperture (mm)", False),
     "largest_hydraulic_mm": ("upper bound of the hydraulic aperture (mm)", False),
     "transmissivity_m2_per_s": ("transmissivity of water at 20 °C (m2/s)", False),
+    "smallest_transmissivity_m2_per_s": ("lower bound of the transmissivity (m2/s)", False),
+    "largest_transmissivity_m2_per_s": ("upper bound of the transmissivity (m2/s)", False),
 }
 """Headings of curves over stress (`jointclosure.joint.curves.stress_table`), by column, and whether
 they rise with stress; the others fall."""

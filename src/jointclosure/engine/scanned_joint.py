@@ -17,8 +17,13 @@ from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from
-from jointclosure.joint.curves import cycle_table, with_snapshots
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    check_named_stresses,
+    conditions_from,
+)
+from jointclosure.joint.curves import cycle_table, stress_table, table_levels, with_snapshots
 from jointclosure.joint.laws import JointLaws, laws_of_joint
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import both_walls, rock_text
@@ -51,7 +56,8 @@ class ClosedJoint(NamedTuple):
 
     ``pair`` has the walls that were closed, and describes their registration in its ``report``;
     ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
-    only by its properties. ``budget`` is the range of the results; None for a single run.
+    only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
+    are named stresses [Pa] of its curves.
     """
 
     pair: RegisteredPair
@@ -59,6 +65,18 @@ class ClosedJoint(NamedTuple):
     conditions: Conditions
     rock_name: str = "rock"
     budget: Budget | None = None
+    at: tuple[float, ...] = ()
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Closure, stiffness, aperture and flow over stress, with bands if they are known.
+
+        They are those of `jointclosure.joint.curves.stress_table` at round stresses and the named
+        ones.
+        """
+        if self.budget is not None:
+            return self.budget.curves
+        return stress_table(self.history, table_levels(self.history, self.at))
 
     def __repr__(self) -> str:
         ny, nx = self.pair.upper.shape
@@ -110,6 +128,7 @@ def close(
     workers: int | None = None,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    at: Sequence[float] = (),
     rock_name: str | None = None,
     progress: bool = False,
     **changes: Unpack[Changes],
@@ -141,6 +160,9 @@ def close(
         processors available to this process.
     report, snapshots
         As for `jointclosure.simulate`.
+    at : sequence of float
+        Stresses [Pa] at which stiffness kn, closure and aperture of loading are printed, besides
+        the round ones of the curves. They lie above 0 and reach up to the maximum.
     rock_name : str, optional
         Name of the rock in reports, by default the one that ``rock`` gives.
     progress : bool
@@ -168,6 +190,7 @@ def close(
     number_of_workers(workers)
     stated = conditions_from(conditions, changes, "close")
     checked = stated.checked(snapshots)
+    check_named_stresses(at, checked.largest_stress)
     scans = {"units": units, "scan_spacing": scan_spacing, "variable": variable}
     pair = registered_walls(
         upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
@@ -209,13 +232,13 @@ def close(
         history = with_snapshots(history, snapshots)
         pair = pair._replace(report=[*pair.report, *about])
         remark(about, () if stated.unusual_values else cautions(about))
-    joint = ClosedJoint(pair, history, of_pair, name)
+    joint = ClosedJoint(pair, history, of_pair, name, at=tuple(at))
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
     walls = pair.upper, pair.lower
     try:
         with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
-            budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers)
+            budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers, at)
     except KeyboardInterrupt:
         if not progress:
             raise

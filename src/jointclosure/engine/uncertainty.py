@@ -6,7 +6,7 @@ the other sources. With resolved breakage all variants have twice the tolerance,
 time and hardly changes what a source does.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -29,7 +29,7 @@ from jointclosure.engine.budget import (
 from jointclosure.engine.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import stress_levels, stress_table
+from jointclosure.joint.curves import stress_table, table_levels
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import close_walls
@@ -224,17 +224,19 @@ def uncertainty_budget(
     report: Callable[[float, str], None] = lambda share, variant: None,
     errors: ScanErrors | None = None,
     workers: int | None = None,
+    at: Sequence[float] = (),
 ) -> Budget:
     """Close walls (y, x) [m] with each source of uncertainty changed alone, and all at random.
 
     ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
-    and the name of the variant; ``errors`` are those of scanned walls.
+    and the name of the variant; ``errors`` are those of scanned walls; ``at`` are stresses [Pa]
+    that curves have besides round ones.
     """
     conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges, errors)
     variants = [Variant("", "", conditions), *variants_of(conditions, sources)]
     closed = close_walls(upper, lower, conditions) if closed is None else closed
-    levels = stress_levels(closed)
+    levels = table_levels(closed, at)
     known = stress_table(closed, levels)
 
     def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -256,10 +258,10 @@ def uncertainty_budget(
         return rows.assign(**about), curves.assign(source=variant.source)
 
     answers, cells = {}, max(upper.size, errors.cells if errors else 0)
-    for at, answer in in_threads(tables_of, variants, threads_for(cells, workers)):
-        answers[at], name = answer, variants[at].source
+    for number, answer in in_threads(tables_of, variants, threads_for(cells, workers)):
+        answers[number], name = answer, variants[number].source
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
-    rows, curves = zip(*(answers[at] for at in range(len(variants))), strict=True)
+    rows, curves = zip(*(answers[number] for number in range(len(variants))), strict=True)
     results = pd.concat(rows, ignore_index=True)
     exact = "registration", *acting(both_walls(conditions.rock)[0])
     omitted = tuple(name for name in exact if name not in sources)

@@ -229,6 +229,17 @@ class Conditions(NamedTuple):
         return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
 
 
+def check_named_stresses(stresses: Sequence[float], largest: float) -> None:
+    """Raise `InputError` for a stress [Pa] at which no loading up to the largest one is read."""
+    for stress in stresses:
+        check_number("at", stress)
+        if not 0.0 < stress <= largest:
+            raise InputError(
+                f"at: {1e-6 * stress:g} MPa: must be above 0 and at most the maximum normal "
+                f"stress, {1e-6 * largest:g} MPa"
+            )
+
+
 def _check_turns(load: Sequence[LoadCycle], tolerance: float) -> None:
     """Raise `InputError` for a minimum [Pa] that a maximum may not exceed within the tolerance."""
     for number, cycle in enumerate(load):

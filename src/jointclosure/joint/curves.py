@@ -14,14 +14,23 @@ from jointclosure.joint.protocol import BRANCHES, FLAGS, LOADING, UNLOADING
 NET, GROSS = "closure_net", "closure"
 """Names of closures: net, as laboratories report it, without the displacement of the half-spaces
 under the loaded patch as a whole (docs/model.md, "Interaction"), or with it."""
-LEVELS = 20  # stresses of a table, evenly spaced from seating to the maximum
+LEVELS = 20  # most intervals of stress of a table, from seating to the maximum
+_ROUND = 1.0, 2.0, 2.5, 5.0, 10.0  # first digits of a round interval
+_APART = 0.25  # least distance of a round stress from the ends of a table, over the interval
 POINTS = 60  # intervals of stress by which the slope of a curve is computed
+_NEARLY = 1.01  # largest stress over that of a branch at which it counts as reached
 LAST_CHORD = 0.15  # least part of the range of stress over which its last stiffness is read
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
 """Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
 KINDS = {"net": NET, "gross": GROSS}  # in names of columns
 HYDRAULIC = "hydraulic_aperture", "smallest_hydraulic", "largest_hydraulic"
 """Variables of flow: the hydraulic aperture where it is known, and its bounds."""
+TRANSMISSIVITIES = {
+    "hydraulic_aperture_mm": "transmissivity_m2_per_s",
+    "smallest_hydraulic_mm": "smallest_transmissivity_m2_per_s",
+    "largest_hydraulic_mm": "largest_transmissivity_m2_per_s",
+}
+"""Columns of the transmissivity of water, and of its bounds, by those of apertures."""
 FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
 """Words of the status of a flow, from the one by which most is known."""
 ONLY_BOUNDS = FLOW_STATUSES[2:]
@@ -345,8 +354,33 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
     largest = float(history.normal_stress.max())
     if cycle is not None:
         reached = float(history.normal_stress.values[history.load_cycle.values == cycle].max())
-        largest = largest if largest <= 1.01 * reached else reached
+        largest = largest if largest <= _NEARLY * reached else reached
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
+
+
+def round_levels(low: float, high: float) -> np.ndarray:
+    """Return both stresses [Pa], a low one of 0 excepted, and multiples of a round one between."""
+    least = (high - low) / LEVELS
+    power = 10.0 ** np.floor(np.log10(least))
+    interval = next(digits * power for digits in _ROUND if digits * power >= (1.0 - 1e-9) * least)
+    inner = interval * np.arange(np.floor(low / interval) + 1.0, np.ceil(high / interval))
+    inner = inner[np.minimum(inner - low, high - inner) > _APART * interval]
+    return np.array([*[low] * (low > 0.0), *inner, high])
+
+
+def table_levels(history: xr.Dataset, at: Sequence[float] = ()) -> np.ndarray:
+    """Return the stresses [Pa] of `stress_table`: round ones from the seating stress to the stated
+    maximum, the maximum of every cycle, and those that are named, ``at``.
+
+    A joint that did not reach its maximum has its largest stress in place of it.
+    """
+    maxima, reached = maxima_of(history), float(history.normal_stress.max())
+    seating, stated = float(history.attrs["seating_stress_Pa"]), float(maxima.max())
+    largest = stated if stated <= _NEARLY * reached else reached
+    if not largest > seating:
+        return np.union1d([largest], at)
+    levels = np.union1d(round_levels(seating, largest), maxima[maxima <= largest])
+    return np.union1d(levels, at)
 
 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str | np.ndarray = NET) -> np.ndarray:
@@ -355,9 +389,8 @@ def closures_at(history: xr.Dataset, levels: np.ndarray, of: str | np.ndarray = 
     for (index, side), here in _branches(history, len(closures)):
         here = here[::-1] if side else here
         stress, closure = history.normal_stress.values[here], read_along(history, of)[here]
-        # a maximum within a percent below a level counts as reaching it
         largest = float(stress.max())
-        reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
+        reached = np.where((levels > largest) & (levels <= _NEARLY * largest), largest, levels)
         end = np.inf if side else landing_stress(history, index + 1)
         for known, asked in ((stress <= end, reached <= end), (stress >= end, reached > end)):
             if known.any():  # one cubic up to the landing, and one beyond
@@ -405,8 +438,10 @@ def normal_stiffness(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> 
     """
     cycles = range(1, int(history.load_cycle.max()) + 1)
     formers = np.array([former_maximum(history, cycle) for cycle in cycles])
-    turns = formers[(formers > levels[0]) & (formers < levels[-1])]
-    fine = np.union1d(np.linspace(levels[0], levels[-1], POINTS + 1), turns)
+    first, last = table_levels(history)[[0, -1]]  # whatever the levels are
+    turns = formers[(formers > first) & (formers < last)]
+    fine = np.union1d(np.linspace(first, last, POINTS + 1), turns)
+    fine = np.union1d(fine, levels[(levels < first) | (levels > last)])
     closures = closures_at(history, fine, of)
     stiffness = np.full((*closures.shape[:2], levels.size), np.nan)
     for index, side in np.ndindex(closures.shape[:2]):
@@ -442,8 +477,11 @@ def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -
 
 
 def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
-    """Tabulate closure, stiffness and aperture at stresses [Pa], by cycle and branch."""
-    levels = stress_levels(history) if levels is None else levels
+    """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
+
+    By default the stresses are those of `table_levels`.
+    """
+    levels = table_levels(history) if levels is None else levels
     columns: dict[str, np.ndarray] = {}
     begun = int(history.load_cycle.max())
     for kind, of in KINDS.items():
@@ -460,7 +498,7 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
             columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(history, levels, mean), 0.0)
         columns["flow_status"] = flow_status_at(history, levels)
     index = pd.MultiIndex.from_product(
-        [range(1, begun + 1), BRANCHES, 1e-6 * levels],
+        [range(1, begun + 1), BRANCHES, levels / 1e6],
         names=["cycle", "branch", "normal_stress_MPa"],
     )
     flat = {name: values.ravel() for name, values in columns.items()}
@@ -468,10 +506,14 @@ def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.Da
 
 
 def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
-    """Add the transmissivity of every hydraulic aperture in `stress_table`, or in its bands."""
-    name, words = "hydraulic_aperture_mm", "transmissivity_m2_per_s"
-    known = [*members(curves, name), name] if name in curves else []
-    return curves.assign(**{c.replace(name, words): WATER * (1e-3 * curves[c]) ** 3 for c in known})
+    """Add the transmissivity of every hydraulic aperture and bound of it in `stress_table`, or in
+    its bands, by `TRANSMISSIVITIES`.
+    """
+    added = {}
+    for name, words in TRANSMISSIVITIES.items():
+        for column in dict.fromkeys([*members(curves, name), name]) if name in curves else ():
+            added[column.replace(name, words)] = WATER * (1e-3 * curves[column]) ** 3
+    return curves.assign(**added)
 
 
 def members(curves: pd.DataFrame, name: str) -> list[str]:
