@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
-from jointclosure.joint.laws import barton_bandis
+from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
 from jointclosure.walls import Walls
@@ -403,14 +403,6 @@ def barton_bandis_table(
                     row |= {"ratio": ratio.value, "error": ratio.standard_error}
                     rows.append(row | {"barton_bandis": law[reading] / known[reading]})
     return pd.DataFrame(rows)
-
-
-def scaled_to(
-    length: float, jrc: float, strength: float, reference_length: float
-) -> tuple[float, float]:
-    """Scale JRC and JCS [Pa] to a joint of another length (Barton & Bandis 1982)."""
-    ratio = length / reference_length
-    return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
 def law_of_size(

@@ -23,7 +23,7 @@ from jointclosure.joint.curves import (
     stress_table,
     table_levels,
 )
-from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
 from jointclosure.storage.files import write
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING, closed, on_softer_half_spaces
@@ -226,6 +226,70 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     assert residual + opening - closes == pytest.approx(aperture, rel=0.01)
     fitted = 1e9 * parameter(fitted_laws(history), 2, "loading", "kni_MPa_per_mm")
     assert stiffness == pytest.approx(fitted, rel=0.02)  # at fewer stresses
+
+
+LAWS = laws_of_joint(9.0, 165e6, 0.5e6, 2, 1.0)
+
+
+def fish_constants(history, curves, laws=LAWS):
+    """Values of the FISH variables by name, and the function of the stiffness."""
+    text = exports.barton_bandis_commands(history, curves, laws)["barton_bandis.dat"]
+    values = {name: float(v) for name, v in re.findall(r"^\[global (\w+) = (\S+)\] ;", text, re.M)}
+    (rule,) = re.findall(r"^    bb_stiffness = (.*)$", text, re.M) or ("",)
+    return values, lambda stress: eval(rule.replace("^", "**"), {}, values | {"stress": stress})
+
+
+def test_constants_for_udec_and_3dec_are_those_of_the_laws(history):
+    values, stiffness = fish_constants(history, stress_table(history))
+    assert values["bb_lab_jrc"] == 9.0
+    assert (values["bb_jrc"], values["bb_jcs"]) == pytest.approx(LAWS.scaled, rel=1e-6)
+    assert (values["bb_lab_length"], values["bb_length"]) == (0.1, 1.0)
+    for cycle in (1, 2):
+        law = LAWS.from_zero(cycle)
+        assert values[f"bb_kni_cycle_{cycle}"] == pytest.approx(law.initial_stiffness, rel=1e-6)
+        assert values[f"bb_vm_cycle_{cycle}"] == pytest.approx(law.largest_closure, rel=1e-6)
+    stiff, opening, _ = porepy(history).values()
+    assert (values["bb_kni"], values["bb_vm"]) == pytest.approx((stiff, opening), rel=1e-6)
+    assert stiffness(0.5e6) == pytest.approx(stiff, rel=1e-6)
+    # the slope of the stress over the closure of the hyperbola
+    stress = np.array([2e6, 2.001e6])
+    closure = (stress - 0.5e6) * opening / (stiff * opening + stress - 0.5e6)
+    assert stiffness(2.0005e6) == pytest.approx(1e3 / np.diff(closure)[0], rel=1e-4)
+
+
+def test_the_law_for_udec_and_3dec_is_there_without_a_hyperbola_of_the_joint(history):
+    straight = stress_table(history)
+    closure = straight.normal_stress_MPa - 0.5
+    straight = straight.assign(closure_net_since_seating_mm=1e-3 * closure)
+    values, _ = fish_constants(history, straight)
+    assert "bb_kni" not in values
+    assert "bb_kni_cycle_1" in values
+    with pytest.raises(jc.InputError, match="UDEC, 3DEC: the loading of cycle 2 hardly bends"):
+        fish_constants(history, straight, laws_of_joint(2.0, 165e6, 0.5e6, 2))
+
+
+@pytest.mark.parametrize("flowing", [False, True])
+def test_bartonbandis_of_geos_gives_the_apertures_back(history, flowing):
+    """By its formula in BartonBandis.hpp, a0/(1 + 9 s/s_ref)."""
+    history = with_flow(history) if flowing else history
+    curves = stress_table(history)
+    text = exports.geos_barton_bandis(history, curves)["geos_barton_bandis.xml"]
+    law = ElementTree.fromstring(text).find("BartonBandis")
+    start, reference = (float(law.get(f"reference{w}")) for w in ("Aperture", "NormalStress"))
+    rows = curves[(curves.cycle == 2) & (curves.branch == "loading")]
+    read = start / (1.0 + 9.0 * 1e6 * rows.normal_stress_MPa / reference)
+    known = 1e-3 * rows["hydraulic_aperture_mm" if flowing else "mean_aperture_mm"]
+    (off,) = re.findall(r"off by up to (\S+) um", text)
+    assert np.abs(read - known).max() == pytest.approx(1e-6 * float(off), rel=0.1)
+    exact = curves.assign(mean_aperture_mm=0.2 / (1.0 + 9.0 * curves.normal_stress_MPa / 50.0))
+    if not flowing:
+        text = exports.geos_barton_bandis(history, exact)["geos_barton_bandis.xml"]
+        assert 'referenceAperture="2.000000e-04" referenceNormalStress="5.000000e+07"' in text
+    opens = curves.assign(
+        mean_aperture_mm=curves.normal_stress_MPa, hydraulic_aperture_mm=curves.normal_stress_MPa
+    )
+    with pytest.raises(jc.InputError, match="aperture must be known, and fall with stress"):
+        exports.geos_barton_bandis(history, opens)
 
 
 def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):

@@ -28,11 +28,13 @@ from jointclosure.joint.laws import (
     CYCLES,
     LAWS,
     barton_bandis,
+    check_joint_lengths,
     fit_law,
     fitted_laws,
     law_curves,
     laws_of_joint,
     parameter,
+    scaled_to,
 )
 from tests import joints
 from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair
@@ -347,3 +349,38 @@ def test_laws_of_barton_and_bandis_are_left_out_where_a_constant_is_not_above_ze
         laws = laws_of_joint(5.0, strength, 0.5e6, 5).by_cycle
         assert list(laws) == cycles
         assert all(min(law) > 0.0 for law in laws.values())
+
+
+def test_longer_joints_have_a_smaller_jrc_and_jcs():
+    """Barton & Bandis 1982: JRC 10 and 100 MPa of 100 mm at 400 mm, by hand."""
+    assert scaled_to(0.4, 10.0, 100e6) == pytest.approx((10.0 * 4.0**-0.2, 100e6 * 4.0**-0.3))
+    assert scaled_to(0.1, 10.0, 100e6) == (10.0, 100e6)
+    lab, field = (laws_of_joint(10.0, 150e6, 0.5e6, 2, length) for length in (None, 1.0))
+    assert field.scaled == scaled_to(1.0, 10.0, 150e6)
+    expected = barton_bandis(field.scaled[0], 150e6, 150e6 / field.scaled[1], 1)
+    assert field.by_cycle[1] == expected.since(0.5e6)
+    assert laws_of_joint(10.0, 150e6, 0.5e6, 2, 0.1).by_cycle == lab.by_cycle
+    for value in ("JRC 6.3 at 1000 mm", "JRC is 10", "JCS 75.2 MPa", "JCS 150 MPa"):
+        assert value in field.sentence()
+    record = field.record()
+    assert (record["lab_jrc"], record["joint_length_mm"]) == (10.0, 1000.0)
+    assert record["jrc"] == field.scaled[0]
+
+
+def test_a_law_is_left_out_by_the_jrc_of_its_length():
+    laws = laws_of_joint(6.0, 150e6, 0.5e6, 2, 10.0)
+    assert not laws.by_cycle
+    assert "not for 3.5 at 10000 mm, scaled from 6 at 100 mm" in laws.sentence()
+
+
+@pytest.mark.parametrize(
+    ("joint_length", "lab_length", "message"),
+    [
+        (0.05, 0.1, r"joint_length = 50 mm: must be at least lab_length = 100 mm"),
+        (-1.0, 0.1, r"joint_length = -1.0 m: must be positive"),
+        (None, 0.0, r"lab_length = 0.0 m: must be positive"),
+    ],
+)
+def test_lengths_that_scale_no_joint_are_refused(joint_length, lab_length, message):
+    with pytest.raises(jc.InputError, match=message):
+        check_joint_lengths(joint_length, lab_length)

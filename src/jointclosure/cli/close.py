@@ -109,7 +109,7 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    return files | export_files(history, title, joint.curves, laws.by_cycle)
+    return files | export_files(history, title, joint.curves, laws)
 
 
 def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
@@ -141,7 +141,7 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
-        "barton_bandis": {"jrc": laws.jrc, "jcs_MPa": 1e-6 * laws.strength, "results": values},
+        "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
         **answer,
     }

@@ -1,9 +1,9 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
 import warnings
-from collections.abc import Mapping
+from functools import partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,7 +24,7 @@ from jointclosure.joint.curves import (
     spacing_of,
     table_levels,
 )
-from jointclosure.joint.laws import BENDS, LAWS, BartonBandis, fit_law, fitted_laws
+from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
 from jointclosure.joint.protocol import LOADING
 
 OPENING_SLOPE = 0.95
@@ -51,7 +51,7 @@ def export_files(
     history: xr.Dataset,
     title: str,
     curves: pd.DataFrame,
-    laws: Mapping[int, BartonBandis] = {},
+    laws: JointLaws,
 ) -> dict[str, Any]:
     """Return the files of a joint from its `stress_table`, with known bands, and laws; print what
     is not written.
@@ -61,7 +61,7 @@ def export_files(
     from jointclosure.plotting.joint import engineering_figure
 
     curves, bandis = curves.copy(), "barton_bandis_mm"
-    for cycle, law in laws.items():
+    for cycle, law in laws.by_cycle.items():
         above = 1e6 * curves.normal_stress_MPa - float(history.attrs["seating_stress_Pa"])
         here = (curves.cycle == cycle) & (curves.branch == LOADING)
         curves.loc[here, bandis] = 1e3 * law.closure(above[here])
@@ -70,12 +70,14 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    for export in (itasca_tables, porepy_files, geos_files, fracture_mesh):
+    of_laws = partial(barton_bandis_commands, laws=laws)
+    exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
+    for export in exports:
         try:
             files |= export(history, curves)
         except InputError as error:  # the files of other programs are still written
             print(f"- not written: {error}")
-    return files | {"engineering.png": engineering_figure(history, title, curves, laws)}
+    return files | {"engineering.png": engineering_figure(history, title, curves, laws.by_cycle)}
 
 
 def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
@@ -103,13 +105,25 @@ def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[st
     return last
 
 
-def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Return PorePy's Barton-Bandis constants [Pa/m, m, m], net: it deforms the rock itself."""
+class Hyperbola(NamedTuple):
+    """Hyperbola of a loading: kni [Pa/m], Vm [m], mean aperture at seating [m] and cycle."""
+
+    stiffness: float
+    largest_closure: float
+    aperture: float
+    cycle: int
+
+
+def _hyperbolas(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
+    """Return the hyperbolas of the last loading by endings as in `_loading`; print what has none.
+
+    They are net, as programs deform the rock themselves, and count from the seating stress.
+    """
     seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
-    files, loadings = {}, _loading(history, curves, "PorePy")
+    found, loadings = {}, _loading(history, curves, program)
     if former := former_maximum(history, cycle := int(loadings[""].cycle.iloc[0])):
         raise InputError(
-            f"PorePy: the loading of cycle {cycle} goes beyond its former maximum, "
+            f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
     for ending, rows in loadings.items():
@@ -120,25 +134,85 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
         (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (
-                f"the loading of cycle {rows.cycle.iloc[0]} hardly bends: Vm is undetermined, more "
-                f"than {BENDS:g} times its largest closure or less than its standard error"
+                f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
+                f"{BENDS:g} times its largest closure or less than its standard error"
             )
             if not ending:
-                raise InputError(f"PorePy: {reason}")
-            print(f"- not written: porepy{ending}.json: at this end of the band {reason}")
+                raise InputError(f"{program}: {reason}")
+            end = ending.removeprefix("_")
+            print(f"- {program}: the {end} end of the band is not written: {reason}")
             continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             raise InputError(
-                f"PorePy: the hyperbola of cycle {rows.cycle.iloc[0]} has kni = {stiffness:g} "
-                f"MPa/mm and Vm = {largest:g} mm at a mean aperture of {aperture:g} mm: all must "
-                "be positive"
+                f"{program}: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm "
+                f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive"
             )
-        files[f"porepy{ending}.json"] = {
-            "fracture_normal_stiffness": 1e9 * stiffness,
-            "maximum_elastic_fracture_opening": 1e-3 * largest,
-            "residual_aperture": 1e-3 * max(aperture - largest, 0.0),
+        found[ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
+    return found
+
+
+def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Return PorePy's Barton-Bandis constants [Pa/m, m, m]."""
+    return {
+        f"porepy{ending}.json": {
+            "fracture_normal_stiffness": law.stiffness,
+            "maximum_elastic_fracture_opening": law.largest_closure,
+            "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
         }
-    return files
+        for ending, law in _hyperbolas(history, curves, "PorePy").items()
+    }
+
+
+_STIFFNESS_FUNCTION = """
+; tangent normal stiffness (Pa/m) at a normal stress (Pa, compression positive) from seating on
+fish define bb_stiffness(stress)
+    bb_stiffness = bb_kni * (1.0 + (stress - bb_seating) / (bb_kni * bb_vm))^2
+end
+"""
+
+
+def barton_bandis_commands(
+    history: xr.Dataset, curves: pd.DataFrame, laws: JointLaws
+) -> dict[str, str]:
+    """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
+
+    Those fitted to the last loading count from seating, with the ends of the band. Those of the
+    empirical law, of JRC and JCS at both lengths, count from zero stress.
+    """
+    values: dict[str, tuple[float, str]] = {}
+    if laws.by_cycle:
+        (jrc, wall_strength), length = laws.scaled, laws.joint_length or laws.lab_length
+        values |= {
+            "bb_lab_length": (laws.lab_length, "length of the laboratory joint L0 (m)"),
+            "bb_lab_jrc": (laws.jrc, "JRC0, at the length of the laboratory joint"),
+            "bb_lab_jcs": (laws.strength, "JCS0 (Pa), at the length of the laboratory joint"),
+            "bb_sigma_c": (laws.strength, "compressive strength of the rock (Pa)"),
+            "bb_length": (length, "length of the joint Ln (m)"),
+            "bb_jrc": (jrc, "JRCn, at the length of the joint"),
+            "bb_jcs": (wall_strength, "JCSn (Pa), at the length of the joint"),
+            "bb_aperture": (laws.from_zero(1).aperture, "aperture aj at zero stress (m)"),
+        }
+    for cycle in laws.by_cycle:
+        law, where = laws.from_zero(cycle), f"of the empirical law, cycle {cycle}, from zero stress"
+        values[f"bb_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
+        values[f"bb_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
+    try:
+        fitted, function = _hyperbolas(history, curves, "UDEC, 3DEC"), _STIFFNESS_FUNCTION
+    except InputError as error:
+        if not values:
+            raise
+        fitted, function = {}, f"; no constants of the simulated joint: {error}\n"
+    for ending, known in fitted.items():
+        end = {"": "", "_low": ", low end of the band", "_high": ", high end of the band"}[ending]
+        where = f"fitted to the simulated loading of cycle {known.cycle}, from seating{end}"
+        values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
+        values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
+    if fitted:
+        seating = float(history.attrs["seating_stress_Pa"])
+        values["bb_seating"] = seating, "seating stress (Pa)"
+    lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
+    head = "; Barton-Bandis constants in SI, net of the deformation of the rock"
+    return {"barton_bandis.dat": "\n".join([head, *lines]) + "\n" + function}
 
 
 def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
@@ -178,6 +252,43 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     lines = {name: [f"{value:.9e}\n" for value in values] for name, values in written.items()}
     form = _GEOS.replace("geos_aperture.csv", next(iter(apertures)))
     return {name: "".join(lines[name]) for name in lines} | {"geos.xml": form}
+
+
+_TENTH = 9.0
+"""GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
+
+
+def geos_barton_bandis(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
+    """Return GEOS' BartonBandis, fitted to apertures of the last loading, hydraulic or mean.
+
+    Its aperture a0/(1 + 9 s/s_ref) falls with the stress s from a0 at zero stress to a tenth at the
+    reference stress s_ref (`BartonBandis.hpp` of GEOS).
+    """
+    column = "hydraulic_aperture_mm" if has_flow(history) else "mean_aperture_mm"
+    title, lines = CURVES[column][0].removesuffix(" (mm)"), []
+    for ending, rows in _loading(history, curves, "GEOS").items():
+        known = rows[rows[column] > 0.0]
+        name, must = f"joint_aperture{ending}", f"the {title} must be known, and fall with stress"
+        stress, aperture = known.normal_stress_MPa.to_numpy(), known[column].to_numpy()
+        # 1/a = 1/a0 + 9 s/(a0 s_ref) is a straight line; by the weights errors are those of a
+        slope, start = (0.0, 0.0)
+        if stress.size > 2:
+            slope, start = np.polyfit(stress, 1.0 / aperture, 1, w=aperture**2)
+        if not (slope > 0.0 and start > 0.0):
+            if not ending:
+                raise InputError(f"GEOS: BartonBandis: {must}")
+            print(f"- not written: {name} of geos_barton_bandis.xml: {must}")
+            continue
+        reference = _TENTH * start / slope
+        miss = np.abs(1.0 / (start + slope * stress) - aperture)
+        lines += [
+            f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: off by up to "
+            f"{1e3 * miss.max():.2g} um, {100.0 * (miss / aperture).max():.2g} % -->",
+            f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
+            f'referenceNormalStress="{1e6 * reference:.6e}"/>',
+        ]
+    body = ["<Constitutive>", *lines, "</Constitutive>"]
+    return {"geos_barton_bandis.xml": "\n".join(body) + "\n"}
 
 
 def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

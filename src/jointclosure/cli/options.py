@@ -13,6 +13,7 @@ from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.laws import LAB_LENGTH, check_joint_lengths
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
@@ -30,6 +31,7 @@ UNITS = (
     | dict.fromkeys(("max_normal_stress", "seating_stress", "snapshots", "at", "strengths"), "MPa")
     | dict.fromkeys(("spacing", "scan_spacing", "largest_radius"), "mm")
     | dict.fromkeys(("roll_off", "mismatch_wavelength", "size"), "mm")
+    | dict.fromkeys(("joint_length", "lab_length"), "mm")
     | dict.fromkeys(("shifts", "crushed_strength_ratios"), "1")
 )
 """Units of options by keyword; other options have none."""
@@ -199,6 +201,8 @@ def add_conditions(
     if load and states:
         add_keywords(loads, simulate, snapshots={"default": ()})
         add_keywords(loads, close, at={"default": ()})
+        law = command.add_argument_group("law of Barton and Bandis")
+        add_keywords(law, close, "joint_length", "lab_length")
         add_file(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
     what = f"effects to leave out, of {', '.join(Effects._fields)}"
@@ -234,6 +238,13 @@ def add_measured(
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
     """Return the arguments that were given, of the named ones."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+
+
+def lengths_of_laws(arguments: argparse.Namespace) -> tuple[float | None, float]:
+    """Return the checked lengths [m] of the joint and of the laboratory joint."""
+    lengths = getattr(arguments, "joint_length", None), getattr(arguments, "lab_length", LAB_LENGTH)
+    check_joint_lengths(*lengths)
+    return lengths
 
 
 def keywords(

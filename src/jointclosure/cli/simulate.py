@@ -61,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     conditions.checked(kept)
     check_named_stresses(arguments.at, conditions.largest_stress)
+    lengths = options.lengths_of_laws(arguments)
     walls = wall_pair(**about)
     (ny, nx), size = arguments.shape, 1e3 * conditions.grid_spacing
     title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
@@ -69,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
-    laws = laws_of_joint(jrc, strength, closed.attrs["seating_stress_Pa"], cycles)
+    seating = closed.attrs["seating_stress_Pa"]
+    laws = laws_of_joint(jrc, strength, seating, cycles, *lengths)
     curves = stress_table(closed, table_levels(closed, arguments.at))
     print(results.summary(closed, laws, curves, at=arguments.at)[0])
     print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")
@@ -84,6 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exports = export_files(closed, title, curves, laws.by_cycle)
+        exports = export_files(closed, title, curves, laws)
         print(results.write_folder(arguments.tables, "simulate", exports))
     return int(results.failed(closed))

@@ -24,7 +24,12 @@ from jointclosure.joint.conditions import (
     conditions_from,
 )
 from jointclosure.joint.curves import cycle_table, stress_table, table_levels, with_snapshots
-from jointclosure.joint.laws import JointLaws, laws_of_joint
+from jointclosure.joint.laws import (
+    LAB_LENGTH,
+    JointLaws,
+    check_joint_lengths,
+    laws_of_joint,
+)
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import close_walls
@@ -57,7 +62,8 @@ class ClosedJoint(NamedTuple):
     ``pair`` has the walls that were closed, and describes their registration in its ``report``;
     ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
     only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
-    are named stresses [Pa] of its curves.
+    are named stresses [Pa] of its curves, ``joint_length`` and ``lab_length`` [m] those of its
+    laws.
     """
 
     pair: RegisteredPair
@@ -66,6 +72,8 @@ class ClosedJoint(NamedTuple):
     rock_name: str = "rock"
     budget: Budget | None = None
     at: tuple[float, ...] = ()
+    joint_length: float | None = None
+    lab_length: float = LAB_LENGTH
 
     @property
     def curves(self) -> pd.DataFrame:
@@ -102,7 +110,8 @@ class ClosedJoint(NamedTuple):
         jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
         strength = min(wall.compressive_strength for wall in both_walls(self.conditions.rock))
         seating = float(self.history.attrs["seating_stress_Pa"])
-        return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count)
+        lengths = self.joint_length, self.lab_length
+        return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count, *lengths)
 
     def _closures(self, column: str, table: pd.DataFrame) -> str:
         """Format a closure of each cycle, with its range if that is known."""
@@ -129,6 +138,8 @@ def close(
     report: Report | None = None,
     snapshots: Sequence[float] = (),
     at: Sequence[float] = (),
+    joint_length: float | None = None,
+    lab_length: float = LAB_LENGTH,
     rock_name: str | None = None,
     progress: bool = False,
     **changes: Unpack[Changes],
@@ -163,6 +174,11 @@ def close(
     at : sequence of float
         Stresses [Pa] at which stiffness kn, closure and aperture of loading are printed, besides
         the round ones of the curves. They lie above 0 and reach up to the maximum.
+    joint_length : float, optional
+        Length [m] of the joint in the rock mass to which the JRC and JCS of the law of Barton and
+        Bandis are scaled. By default they are not scaled.
+    lab_length : float
+        Length [m] of the laboratory joint to which the JRC and JCS of the walls refer.
     rock_name : str, optional
         Name of the rock in reports, by default the one that ``rock`` gives.
     progress : bool
@@ -191,6 +207,7 @@ def close(
     stated = conditions_from(conditions, changes, "close")
     checked = stated.checked(snapshots)
     check_named_stresses(at, checked.largest_stress)
+    check_joint_lengths(joint_length, lab_length)
     scans = {"units": units, "scan_spacing": scan_spacing, "variable": variable}
     pair = registered_walls(
         upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
@@ -232,7 +249,7 @@ def close(
         history = with_snapshots(history, snapshots)
         pair = pair._replace(report=[*pair.report, *about])
         remark(about, () if stated.unusual_values else cautions(about))
-    joint = ClosedJoint(pair, history, of_pair, name, at=tuple(at))
+    joint = ClosedJoint(pair, history, of_pair, name, None, tuple(at), joint_length, lab_length)
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
     walls = pair.upper, pair.lower

@@ -14,6 +14,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.inputs import InputError, check_length
 from jointclosure.joint import curves
 from jointclosure.joint.protocol import BRANCHES, LOADING
 
@@ -197,6 +198,36 @@ CYCLES = tuple(_CONSTANTS)
 UNCHECKED = (2,)  # cycles whose constants were not checked against a source
 
 
+LAB_LENGTH = 0.1
+"""Usual length [m] of laboratory joints, to which JRC0 and JCS0 refer: that of the profiles of
+Barton & Choubey (1977)."""
+
+
+def scaled_to(
+    length: float, jrc: float, strength: float, lab_length: float = LAB_LENGTH
+) -> tuple[float, float]:
+    """Scale JRC and JCS [Pa] of a laboratory joint to a joint of another length [m].
+
+    Barton & Bandis 1982, 1990 (Eqs. 9, 10): JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and
+    JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0).
+    """
+    ratio = length / lab_length
+    return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
+
+
+def check_joint_lengths(joint_length: float | None, lab_length: float) -> None:
+    """Raise `InputError` unless a joint is at least as long as the laboratory joint [m]."""
+    check_length("lab_length", lab_length)
+    if joint_length is None:
+        return
+    check_length("joint_length", joint_length)
+    if joint_length < lab_length:
+        raise InputError(
+            f"joint_length = {1e3 * joint_length:g} mm: must be at least lab_length = "
+            f"{1e3 * lab_length:g} mm, as JRC and JCS are scaled to longer joints only"
+        )
+
+
 def law_holds(jrc: float) -> bool:
     """Return whether a roughness is in the range of the law, JRC 5 to 15."""
     return 5.0 <= jrc <= 15.0
@@ -219,30 +250,93 @@ def barton_bandis(
 
 
 class JointLaws(NamedTuple):
-    """Laws of a joint by cycle since its seating stress [Pa], of its JRC and JCS [Pa]."""
+    """Laws of a joint by cycle since its seating stress [Pa], of its JRC and JCS [Pa].
+
+    ``jrc`` and ``strength`` are those of the laboratory joint, of ``lab_length`` [m]. A
+    ``joint_length`` [m] is that of the joint of the laws, to which both are scaled.
+    """
 
     jrc: float
     strength: float
     seating: float
     by_cycle: dict[int, BartonBandis]
+    joint_length: float | None = None
+    lab_length: float = LAB_LENGTH
+
+    @property
+    def scaled(self) -> tuple[float, float]:
+        """JRC and JCS [Pa] at the length of the joint."""
+        if self.joint_length is None:
+            return self.jrc, self.strength
+        return scaled_to(self.joint_length, self.jrc, self.strength, self.lab_length)
+
+    def from_zero(self, cycle: int) -> BartonBandis:
+        """Return the law of a cycle with stress and closure counted from zero stress."""
+        jrc, wall_strength = self.scaled
+        return barton_bandis(jrc, self.strength, self.strength / wall_strength, cycle)
 
     def sentence(self) -> str:
         """Describe the laws, and their constants from zero stress."""
+        jrc, wall_strength = self.scaled
+        of_length = "" if self.joint_length is None else f" at {1e3 * self.joint_length:g} mm"
         if not self.by_cycle:
-            return f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {self.jrc:.2g}"
-        first = barton_bandis(self.jrc, self.strength, 1.0, 1)
+            return f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {jrc:.2g}" + (
+                f"{of_length}, scaled from {self.jrc:.2g} at {1e3 * self.lab_length:g} mm"
+                if of_length
+                else ""
+            )
+        first, lab = self.from_zero(1), ""
+        if of_length:
+            lab = (
+                f"; at the laboratory length of {1e3 * self.lab_length:g} mm JRC is "
+                f"{self.jrc:.2g} and JCS {1e-6 * self.strength:.3g} MPa (scale corrections of "
+                "Barton & Bandis 1982)"
+            )
+        about = "scaled" if of_length else "by the slope of both walls"
         return (
-            f"Barton-Bandis: empirical law of mated joints for JRC {self.jrc:.2g} (by the slope of "
-            f"both walls) and JCS {1e-6 * self.strength:.3g} MPa, the strength, from "
+            f"Barton-Bandis: empirical law of mated joints for JRC {jrc:.2g}{of_length} ({about}) "
+            f"and JCS {1e-6 * wall_strength:.3g} MPa{'' if of_length else ', the strength'}, from "
             f"{1e-6 * self.seating:g} MPa on; from 0 MPa on its first cycle has kni "
             f"{1e-9 * first.initial_stiffness:.2g} MPa/mm and Vm "
-            f"{1e3 * first.largest_closure:.2g} mm"
+            f"{1e3 * first.largest_closure:.2g} mm{lab}"
         )
 
+    def record(self) -> dict[str, Any]:
+        """Return the constants with units in their names, those of cycles from zero stress."""
+        jrc, wall_strength = self.scaled
+        record = {
+            "jrc": jrc,
+            "jcs_MPa": 1e-6 * wall_strength,
+            "lab_jrc": self.jrc,
+            "lab_jcs_MPa": 1e-6 * self.strength,
+            "lab_length_mm": 1e3 * self.lab_length,
+            "joint_length_mm": 1e3 * (self.joint_length or self.lab_length),
+        }
+        return record | {
+            f"cycle {cycle}": {
+                "kni_MPa_per_mm": 1e-9 * law.initial_stiffness,
+                "vm_mm": 1e3 * law.largest_closure,
+                "aperture_mm": 1e3 * law.aperture,
+            }
+            for cycle in self.by_cycle
+            for law in [self.from_zero(cycle)]
+        }
 
-def laws_of_joint(jrc: float, strength: float, seating: float, cycles: int) -> JointLaws:
-    """Return the laws of a joint of a strength [Pa] whose walls are not weathered."""
-    known = CYCLES[: cycles if law_holds(jrc) else 0]
-    laws = {cycle: barton_bandis(jrc, strength, 1.0, cycle) for cycle in known}
-    since = {cycle: law.since(seating) for cycle, law in laws.items() if min(law) > 0.0}
-    return JointLaws(jrc, strength, seating, since)
+
+def laws_of_joint(
+    jrc: float,
+    strength: float,
+    seating: float,
+    cycles: int,
+    joint_length: float | None = None,
+    lab_length: float = LAB_LENGTH,
+) -> JointLaws:
+    """Return the laws of a joint of a strength [Pa] whose walls are not weathered.
+
+    With a ``joint_length`` [m] the JRC and JCS of the laboratory length are scaled to it.
+    """
+    laws = JointLaws(jrc, strength, seating, {}, joint_length, lab_length)
+    known = CYCLES[: cycles if law_holds(laws.scaled[0]) else 0]
+    of_cycles = {cycle: laws.from_zero(cycle) for cycle in known}
+    since = {cycle: law.since(seating) for cycle, law in of_cycles.items() if min(law) > 0.0}
+    return laws._replace(by_cycle=since)
