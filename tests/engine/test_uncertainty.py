@@ -30,7 +30,7 @@ from jointclosure.engine.uncertainty import (
     uncertainty_budget,
     variants_of,
 )
-from jointclosure.joint.curves import cycle_table
+from jointclosure.joint.curves import cycle_table, monotone_curve
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
 from jointclosure.walls.scan_errors import ScanErrors
@@ -166,6 +166,35 @@ def test_a_band_is_as_wide_as_the_range_of_the_same_results():
         np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
 
 
+def test_a_band_of_stiffness_is_a_curve_without_steps():
+    """Quantiles at each stress fall here and there: one mean of neighbours would be a step."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    name, random = "normal_stiffness_net_MPa_per_mm", np.random.default_rng(4)
+    stresses, rows = np.arange(1.0, 21.0), []
+    for source in ["", "a", "a", *[ALL] * DRAWS]:
+        saw = np.exp(0.3 * random.standard_normal(stresses.size))
+        rows.append(pd.DataFrame({"normal_stress_MPa": stresses, name: stresses * saw}))
+        rows[-1] = rows[-1].assign(cycle=1, branch="loading", source=source)
+    bands = bands_of(pd.concat(rows), sources, shares, further)
+    ends = {end: bands[f"{name}_{end}"].to_numpy() for end in ("low", "median", "high")}
+    for values in ends.values():
+        assert (np.diff(values) > 0.0).all()
+    assert (ends["low"] <= ends["median"]).all()
+    assert (ends["median"] <= ends["high"]).all()
+
+
+def test_a_monotone_curve_leads_through_the_middles_of_equal_values():
+    at, values = np.arange(7.0), np.array([0.0, 2.0, 4.0, 3.0, 2.0, 5.0, 6.0])
+    np.testing.assert_array_equal(monotone_curve(at, np.sort(values), True), np.sort(values))
+    blocked = np.array([0.3, 0.1, 0.2, 0.1, 0.0, 0.0, 0.0])  # a flow that is 0 stays 0
+    np.testing.assert_array_equal(monotone_curve(at, blocked, False)[4:], 0.0)
+    curve = monotone_curve(at, values, True)
+    assert (np.diff(curve) > 0.0).all()
+    assert curve[3] == pytest.approx(3.0, abs=0.3)
+    np.testing.assert_allclose(monotone_curve(at, -values, False), -curve)
+
+
 def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
     """As in each joint, though departures from the sum of the sources are of few joints."""
     sources = {"a": Source((0.0, 1.0), "range")}
@@ -177,7 +206,7 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
         results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
         ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
-        assert ends.loc["contact_at_max"].max() <= 1.0
+        assert ends.loc["contact_at_max"].max() < 1.0
         assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
         assert (ends.low >= 0.0).all()
 

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy
 import xarray as xr
 
 from jointclosure.engine.published_joints import measured_range
@@ -26,6 +25,7 @@ from jointclosure.joint.curves import (
     FLOW_STATUSES,
     ONLY_BOUNDS,
     cycle_table,
+    monotone_curve,
     net_responses,
     with_transmissivity,
 )
@@ -36,6 +36,8 @@ from jointclosure.statistics.standard_errors import significant
 
 RESIDUAL_NET = "residual_closure_seated_net_mm"
 CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
+CONTACT = "contact_at_max"
+_ALMOST_ALL = 1.0 - 1e-6  # largest share of cells in contact whose odds are used
 STIFFNESS, KNI, VM = "stiffness_net_MPa_per_mm", "kni_net_MPa_per_mm", "vm_net_mm"
 QUANTITIES = {
     column: HEADINGS[column]
@@ -47,7 +49,7 @@ QUANTITIES = {
         KNI,
         VM,
         "mean_aperture_at_max_mm",
-        "contact_at_max",
+        CONTACT,
     )
 }
 """Headings of results with a range, by column of `results_of`."""
@@ -283,10 +285,15 @@ def ranges_of(
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
         for quantity in QUANTITIES:
-            values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
+            of_quantity = of_cycle[quantity]
+            if quantity == CONTACT:  # odds have no upper limit, so that a share stays below 1
+                touching = of_quantity.clip(upper=_ALMOST_ALL)
+                of_quantity = touching / (1.0 - touching)
+            values = of_quantity.groupby(of_cycle.source).apply(np.array).to_dict()
             rows[cycle, quantity] = _range_of(values, sources, shares, further)
-        share = rows[cycle, "contact_at_max"]
-        share.update({end: min(share[end], 1.0) for end in NUMBERS})
+        share = rows[cycle, CONTACT]
+        share.update({end: share[end] / (1.0 + share[end]) for end in NUMBERS[1:]})
+        share[NUMBERS[0]] = float(of_cycle.loc[of_cycle.source == "", CONTACT].iloc[0])
         net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
         for end in NUMBERS[1:]:  # of every joint the net closure is the smaller one
             net[end], gross[end] = sorted((net[end], gross[end]))
@@ -363,8 +370,12 @@ def bands_of(
         for _, column in bands.groupby(places[:2])[name]:
             known = column.dropna()
             if len(known):
-                fit = scipy.optimize.isotonic_regression(known, increasing=rises)
-                bands.loc[known.index, name] = fit.x
+                at = bands.normal_stress_MPa[known.index].to_numpy()
+                bands.loc[known.index, name] = monotone_curve(at, known.to_numpy(), rises)
+    for name in shown:  # each end is a curve by itself, and does not cross the median
+        median, low, high = (f"{name}_{number}" for number in NUMBERS[1:])
+        bands[low] = np.minimum(bands[low], bands[median])
+        bands[high] = np.maximum(bands[high], bands[median])
     return with_transmissivity(bands)
 
 

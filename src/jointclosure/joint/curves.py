@@ -476,6 +476,31 @@ def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -
     return np.interp(levels, at, values)
 
 
+def monotone_curve(at: np.ndarray, values: np.ndarray, rises: bool) -> np.ndarray:
+    """Return a monotone curve near values (n,) at ascending places, without steps.
+
+    Neighbours that are against the order have one mean (isotonic regression). A monotone cubic
+    leads through the middles of such groups, so that the curve is not flat along them. It is
+    straight beyond the outer middles, and changes there by at most half of the outer mean.
+    """
+    fit = scipy.optimize.isotonic_regression(values, increasing=rises)
+    equal = np.logical_and.reduceat(fit.x == values, fit.blocks[:-1])  # and no mean of others
+    kept = np.flatnonzero(np.repeat(equal, np.diff(fit.blocks)))
+    starts = np.union1d(fit.blocks[:-1], kept)
+    weights = np.diff(np.append(starts, values.size))
+    if starts.size < 2 or starts.size == values.size:
+        return fit.x
+    middle, means = np.add.reduceat(at, starts) / weights, fit.x[starts]
+    slopes = np.diff(means)[[0, -1]] / np.diff(middle)[[0, -1]]
+    change = slopes * (at[[0, -1]] - middle[[0, -1]])
+    most = 0.5 * np.abs(means[[0, -1]])
+    ends = means[[0, -1]] + np.clip(change, -most, most)
+    inner = (middle > at[0]) & (middle < at[-1])
+    places = np.r_[at[0], middle[inner], at[-1]]
+    through = np.r_[ends[0], means[inner], ends[1]]
+    return scipy.interpolate.PchipInterpolator(places, through)(at)
+
+
 def stress_table(history: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
     """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
 
