@@ -134,7 +134,8 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
         if middle != name and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
-            fill(stress, low, high, color=colour, alpha=0.2, lw=0.0)
+            band = f"cycle {cycle}, band of nine in ten"
+            fill(stress, low, high, color=colour, alpha=0.2, lw=0.0, label=band)
         at = (rows[middle], stress) if across else (stress, rows[middle])
         axes.plot(*at, BRANCH_LINES[branch], color=colour, label=label, zorder=order)
     axes.set(xlabel="normal stress (MPa)", ylabel=CURVES[name][0], xlim=0.0)
