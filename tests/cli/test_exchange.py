@@ -24,12 +24,14 @@ from jointclosure.joint.curves import (
     table_levels,
 )
 from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
+from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.files import write
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING, closed, on_softer_half_spaces
 
 UNKNOWN = ["at_least", "not_solved"]
 """Statuses of a flow of which only bounds are known."""
+PLACE = "normal_stress_MPa"
 _ENDS = "smallest_", "", "largest_"
 
 
@@ -209,6 +211,18 @@ def test_named_stresses_change_no_input_of_other_programs_but_tables_for_dem(his
     assert exports.geos_files(history, named) == exports.geos_files(history, usual)
     text = exports.itasca_tables(history, named)["joint_stiffness.dat"]
     assert {0.2e6, 1.3e6} <= set(itasca_table(text, "kn-cycle-2-loading")[0])
+
+
+def test_the_engineering_figure_names_its_bands_and_square_metres(history):
+    curves = stress_table(with_flow(history))
+    names = [name for name in curves.select_dtypes("number") if name not in ("cycle", PLACE)]
+    ends = {"median": 1.0, "low": 0.9, "high": 1.1}
+    band = curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
+    figure = engineering_figure(with_flow(history), "a joint", band)
+    for axes in figure.axes:
+        shown = {text.get_text() for text in axes.get_legend().get_texts()}
+        assert {"cycle 1, band of nine in ten", "cycle 2, band of nine in ten"} <= shown
+    assert figure.axes[3].get_ylabel() == "transmissivity of water at 20 °C (m²/s)"
 
 
 def test_porepy_closes_as_the_joint_does(folder, history):

@@ -196,6 +196,7 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
     """Draw transmissivity over stress where it is known; its upper bound dotted."""
     name = "transmissivity_m2_per_s"
     _draw_along(axes, curves, name)
+    axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
         label = "upper bound" if cycle == 1 else None
