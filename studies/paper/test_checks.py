@@ -171,7 +171,9 @@ def test_the_surface_closest_to_the_mean_is_drawn_by_its_steps_which_are_the_sto
             curve = stored.sel(at)
             curve = curve[(curve.stress >= (seating or 0.0)).values]
             for stress, closure in zip(curve.stress.values, curve.values, strict=True):
-                read = crossing(line[:, 1], line[:, 0], 1e-6 * stress * (1.0 - 1e-9))
+                # a loading that ends a little below its maximum is read at its end
+                at_stress = min(1e-6 * stress * (1.0 - 1e-9), line[:, 1].max())
+                read = crossing(line[:, 1], line[:, 0], at_stress)
                 np.testing.assert_allclose(read, 1e3 * closure, rtol=1e-6, atol=1e-9)
 
 
