@@ -16,6 +16,7 @@ from jointclosure.solvers.contacts import energy as contacts_energy
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     FEW_FORCES,
+    add_changes_of_force,
     add_displacements,
     influence_matrix,
     influence_of,
@@ -132,6 +133,19 @@ def test_displacements_of_a_few_forces_are_added_one_by_one(count):
     of_contacts = np.zeros((1, cells.size))
     add_displacements(influence, influence_matrix(table, cells), cells, force, of_contacts)
     np.testing.assert_allclose(of_contacts[0], expected.ravel()[cells], rtol=0.0, atol=within)
+
+
+def test_the_interaction_follows_a_change_of_the_forces():
+    influence, cells = influence_of(table_of((12, 30), law_of())), np.arange(0, 350, 7)
+    force = np.random.default_rng(9).random((12, 30))
+    start = np.random.default_rng(10).random(cells.size)
+    interaction = interaction_field(influence, force)
+    within = 1e-6 * interaction.max()  # of single precision, over what changes
+    add_changes_of_force(influence, cells, start, force, interaction)
+    changed = np.zeros((12, 30))
+    changed.ravel()[cells] = start
+    expected = interaction_field(influence, changed)
+    np.testing.assert_allclose(interaction, expected, rtol=0.0, atol=within)
 
 
 @pytest.mark.parametrize("base_radius_in_cells", [0.1, 0.5, 1.0])

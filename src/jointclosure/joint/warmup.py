@@ -26,7 +26,11 @@ from jointclosure.parameters import (
     scene_of,
     well_posed_scenes,
 )
-from jointclosure.solvers.interaction_operator import influence_matrix
+from jointclosure.solvers.interaction_operator import (
+    add_changes_of_force,
+    influence_matrix,
+    influence_of,
+)
 from jointclosure.walls.synthesis import wall_pair
 
 
@@ -48,7 +52,10 @@ def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: A
     walls = wall_pair(8.0, (24, 24), joint["spacing"], seed=1)
     simulate(*walls, max_normal_stress=1e6, cycles=1, **joint)
     if effects.interaction and solver == "fast":  # with more contacts than the small joint has
-        influence_matrix(np.zeros(walls[0].shape), np.empty(0, np.int64))
+        table, cells = np.zeros(walls[0].shape), np.empty(0, np.int64)
+        influence_matrix(table, cells)
+        force, interaction = np.zeros((2, *table.shape))
+        add_changes_of_force(influence_of(table), cells, np.empty(0), force, interaction)
     strength_factor(0.2), von_mises_on_axis(0.5, 0.2)  # for a figure
     if not effects.breakage:
         equilibrium(*walls, closure=1e-4, **joint)

@@ -19,6 +19,7 @@ from jointclosure.solvers.interaction_operator import (
     add_displacements,
     interaction_product,
 )
+from jointclosure.solvers.products import assign
 
 MOST_NEWTON_STEPS = 200
 _MOST_POOR_STEPS = 8
@@ -98,7 +99,8 @@ def _iterate(problem, force, shift):
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
     if problem.matrix.size > 0:
-        field = elastic_displacement.reshape((1, force.size))
+        field = np.empty((1, force.size))
+        assign(field[0], elastic_displacement)
     else:
         field = problem.influence.field[:, : problem.grid.shape[1]].copy()
     return _judged(problem, force, field, shift)
