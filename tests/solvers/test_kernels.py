@@ -19,6 +19,7 @@ BOTH = (
     "tests/mechanics",
     "tests/solvers/test_equilibrium.py::test_each_point_is_an_equilibrium_at_its_closure",
     "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy_and_ends_at_the_solution",
+    "tests/solvers/test_equilibrium.py::test_the_interaction_follows_a_change_of_the_forces",
     "tests/solvers/test_honest_failure.py::test_any_start_leads_to_the_same_equilibrium",
     "tests/solvers/test_kernels.py::test_small_joints_close_in_every_scene",
     "tests/solvers/test_linear_algebra.py::test_products_are_those_of_linear_algebra",
