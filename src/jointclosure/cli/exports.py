@@ -1,6 +1,5 @@
 """Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
-import warnings
 from functools import partial
 from itertools import product
 from typing import Any, NamedTuple
@@ -8,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.optimize import OptimizeWarning
 
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.engine.quantities import CURVES
@@ -128,9 +126,7 @@ def _hyperbolas(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict
         )
     for ending, rows in loadings.items():
         stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
-        with warnings.catch_warnings():  # no error can be estimated: Vm is undetermined then
-            warnings.simplefilter("ignore", OptimizeWarning)
-            fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
+        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
         (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (

@@ -13,7 +13,6 @@ from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.laws import LAB_LENGTH, check_joint_lengths
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
@@ -238,13 +237,6 @@ def add_measured(
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
     """Return the arguments that were given, of the named ones."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
-
-
-def lengths_of_laws(arguments: argparse.Namespace) -> tuple[float | None, float]:
-    """Return the checked lengths [m] of the joint and of the laboratory joint."""
-    lengths = getattr(arguments, "joint_length", None), getattr(arguments, "lab_length", LAB_LENGTH)
-    check_joint_lengths(*lengths)
-    return lengths
 
 
 def keywords(

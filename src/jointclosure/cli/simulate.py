@@ -24,7 +24,7 @@ from jointclosure.engine.progress import closing_bar, duration
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, check_named_stresses
 from jointclosure.joint.curves import stress_table, table_levels
-from jointclosure.joint.laws import laws_of_joint
+from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import Numerics
 from jointclosure.walls.synthesis import wall_pair
@@ -61,7 +61,8 @@ def run(arguments: argparse.Namespace) -> int:
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     conditions.checked(kept)
     check_named_stresses(arguments.at, conditions.largest_stress)
-    lengths = options.lengths_of_laws(arguments)
+    lengths = options.given(arguments, ("joint_length", "lab_length"))
+    check_joint_lengths(**lengths)
     walls = wall_pair(**about)
     (ny, nx), size = arguments.shape, 1e3 * conditions.grid_spacing
     title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
@@ -71,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
     seating = closed.attrs["seating_stress_Pa"]
-    laws = laws_of_joint(jrc, strength, seating, cycles, *lengths)
+    laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
     curves = stress_table(closed, table_levels(closed, arguments.at))
     print(results.summary(closed, laws, curves, at=arguments.at)[0])
     print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")

@@ -6,6 +6,7 @@ mismatched joints): log10(sigma) = p + q D; power (Swan 1983): D = c (sigma - s)
 Barton and Bandis for mated joints is there for comparison; it is not measured data.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -126,13 +127,15 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
 
     names = _COLUMNS[-4:]
     try:
-        start = law.guess(stress, closure, seating)
-        fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, maxfev=20_000)
-        most = np.array([np.inf, _STRAIGHT * closure.max()])
-        if law.closure is _hyperbola and not ((fitted[0] > 0.0) & (fitted[0] <= most)).all():
-            bounds = np.zeros(2), most  # straighter than any hyperbola
-            start = tuple(np.clip(start, 1e-9, 0.5 * bounds[1]))
-            fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, bounds=bounds)
+        with warnings.catch_warnings():  # errors that cannot be estimated are infinite
+            warnings.simplefilter("ignore", scipy.optimize.OptimizeWarning)
+            start = law.guess(stress, closure, seating)
+            fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, maxfev=20_000)
+            most = np.array([np.inf, _STRAIGHT * closure.max()])
+            if law.closure is _hyperbola and not ((fitted[0] > 0.0) & (fitted[0] <= most)).all():
+                bounds = np.zeros(2), most  # straighter than any hyperbola
+                start = tuple(np.clip(start, 1e-9, 0.5 * bounds[1]))
+                fitted = scipy.optimize.curve_fit(predicted, stress, closure, start, bounds=bounds)
     except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
         nothing = np.full(len(law.parameters), np.nan)
         return nothing, nothing, dict.fromkeys(names, np.nan)
@@ -215,7 +218,7 @@ def scaled_to(
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
-def check_joint_lengths(joint_length: float | None, lab_length: float) -> None:
+def check_joint_lengths(joint_length: float | None = None, lab_length: float = LAB_LENGTH) -> None:
     """Raise `InputError` unless a joint is at least as long as the laboratory joint [m]."""
     check_length("lab_length", lab_length)
     if joint_length is None:
@@ -278,27 +281,26 @@ class JointLaws(NamedTuple):
     def sentence(self) -> str:
         """Describe the laws, and their constants from zero stress."""
         jrc, wall_strength = self.scaled
-        of_length = "" if self.joint_length is None else f" at {1e3 * self.joint_length:g} mm"
+        at_length = "" if self.joint_length is None else f" at {1e3 * self.joint_length:g} mm"
+        is_scaled, at_lab = bool(at_length), f"{1e3 * self.lab_length:g} mm"
         if not self.by_cycle:
-            return f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {jrc:.2g}" + (
-                f"{of_length}, scaled from {self.jrc:.2g} at {1e3 * self.lab_length:g} mm"
-                if of_length
-                else ""
+            left_out = f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {jrc:.2g}"
+            scaled_from = f"{at_length}, scaled from {self.jrc:.2g} at {at_lab}"
+            return left_out + scaled_from if is_scaled else left_out
+        strength, of_lab = f"JCS {1e-6 * wall_strength:.3g} MPa", ""
+        constants = f"JRC {jrc:.2g} (by the slope of both walls) and {strength}, the strength"
+        if is_scaled:
+            constants = f"JRC {jrc:.2g}{at_length} (scaled) and {strength}"
+            of_lab = (
+                f"; at the laboratory length of {at_lab} JRC is {self.jrc:.2g} and JCS "
+                f"{1e-6 * self.strength:.3g} MPa (scale corrections of Barton & Bandis 1982)"
             )
-        first, lab = self.from_zero(1), ""
-        if of_length:
-            lab = (
-                f"; at the laboratory length of {1e3 * self.lab_length:g} mm JRC is "
-                f"{self.jrc:.2g} and JCS {1e-6 * self.strength:.3g} MPa (scale corrections of "
-                "Barton & Bandis 1982)"
-            )
-        about = "scaled" if of_length else "by the slope of both walls"
+        first = self.from_zero(1)
         return (
-            f"Barton-Bandis: empirical law of mated joints for JRC {jrc:.2g}{of_length} ({about}) "
-            f"and JCS {1e-6 * wall_strength:.3g} MPa{'' if of_length else ', the strength'}, from "
+            f"Barton-Bandis: empirical law of mated joints for {constants}, from "
             f"{1e-6 * self.seating:g} MPa on; from 0 MPa on its first cycle has kni "
             f"{1e-9 * first.initial_stiffness:.2g} MPa/mm and Vm "
-            f"{1e3 * first.largest_closure:.2g} mm{lab}"
+            f"{1e3 * first.largest_closure:.2g} mm{of_lab}"
         )
 
     def record(self) -> dict[str, Any]:

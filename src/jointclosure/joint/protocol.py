@@ -334,7 +334,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
 
 
 def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> bool:
-    """Return whether the closure [m] of a state above the target is as good as the present one."""
+    """Return whether a closure [m] above the target is too near the present one for a trial."""
     room, reached = closure_above - run.closure, closure_above - run.cycle_start
     resolved = float(np.spacing(abs(run.joint.first_touch) + closure_above))
     return room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved

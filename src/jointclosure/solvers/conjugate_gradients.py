@@ -107,12 +107,7 @@ class Shares(NamedTuple):
 
 
 NO_COARSE_SPACE = CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
-
-
-@kernel
-def no_coarse_space():
-    """Return a `CoarseSpace` without patches, which changes nothing."""
-    return CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
+"""A `CoarseSpace` without patches, which changes nothing."""
 
 
 @large_kernel
@@ -125,7 +120,7 @@ def coarse_space(influence: Influence, cells, stiffness):
     """
     n = cells.size
     if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
-        return no_coarse_space()
+        return CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))  # `NO_COARSE_SPACE`
     rows, columns = influence.patch_table.shape
     number = np.full(rows * columns, -1)
     place = np.empty((rows * columns, 2), np.int64)
