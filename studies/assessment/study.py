@@ -22,7 +22,7 @@ from jointclosure.engine.assess import (
 )
 from jointclosure.engine.assess import Assessment as Assessed
 from jointclosure.engine.uncertainty import COPIES
-from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
+from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
 from jointclosure.storage.files import read_csv

@@ -15,7 +15,7 @@ from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import KINDS, rising_slopes
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.commands import study_of

@@ -9,7 +9,7 @@ import xarray as xr
 
 from jointclosure.engine.joints import Reading, Row, close_joint, stacked
 from jointclosure.engine.quantities import QUANTITIES
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.walls import CrushedWalls, Walls
 from studies.frame.settings import ClosureSettings, Point, seeds_of

@@ -11,7 +11,7 @@ import xarray as xr
 
 from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.inputs import InputError
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from studies.frame.settings import Case, Point
 from studies.frame.tables import join_cases

@@ -17,7 +17,7 @@ import scipy
 
 from jointclosure.engine.published_joints import JOINTS, measured
 from jointclosure.engine.quantities import heading
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of

@@ -15,7 +15,7 @@ import scipy
 from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import COLUMNS, QUANTITIES
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means
 from studies.frame.configuration import Configuration

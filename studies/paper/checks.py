@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import Numerics, scene_of
 from jointclosure.statistics.standard_errors import Estimate, rounded
 from studies.frame.tables import over_stress, succeeded

@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.joint.curves import branch_of, read_along, seat_of
 from jointclosure.joint.laws import CYCLES, UNCHECKED, barton_bandis, law_holds
-from jointclosure.joint.protocol import LOADING, TARGET_JUMPED, UNLOADING
+from jointclosure.joint.status import LOADING, TARGET_JUMPED, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import PROPERTIES

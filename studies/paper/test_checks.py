@@ -9,7 +9,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engine.quantities import names_of_case
 from jointclosure.joint.curves import branch_of, crossing
-from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
+from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from studies.frame.cases import block_settings, cases_of, closed_keys
 from studies.frame.closing import close_joints
 from studies.frame.datasets import of_case

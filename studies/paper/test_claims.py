@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.repetitions import Design, DrawnResponse
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import pool_of

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
 
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import subplots
 from jointclosure.statistics.repetitions import Design

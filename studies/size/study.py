@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.joint.laws import barton_bandis, scaled_to
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
 from jointclosure.walls import Walls
 from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc

@@ -8,7 +8,7 @@ import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.protocol import FLAGS
+from jointclosure.joint.status import FLAGS
 from jointclosure.walls.synthesis import wall_pair
 from studies.frame.rocks import intact_keys
 

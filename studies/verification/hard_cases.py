@@ -25,8 +25,8 @@ from jointclosure.engine.assess import FEATURES, closures_of, features_of
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
-from jointclosure.joint.protocol import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
+from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si

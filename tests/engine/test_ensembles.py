@@ -23,7 +23,7 @@ from jointclosure.engine.joints import NOT_SIMULATED
 from jointclosure.engine.uncertainty import sources_of, variants_of
 from jointclosure.engine.workers import in_threads
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from tests.engine.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python

@@ -31,8 +31,8 @@ from jointclosure.engine.uncertainty import (
     variants_of,
 )
 from jointclosure.joint.curves import cycle_table, monotone_curve
-from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair

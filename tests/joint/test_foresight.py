@@ -9,7 +9,8 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint import protocol, simulation
-from jointclosure.joint.protocol import FAILURE, FLAGS, closure_limit
+from jointclosure.joint.protocol import closure_limit
+from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.joint.step_control import LARGEST_STEP
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.solvers import fast

@@ -11,12 +11,8 @@ import jointclosure as jc
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.joint.curves import branch_of, curve_table, cycle_table, stress_table
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
-from jointclosure.joint.protocol import (
-    LARGEST_UNBREAKABLE_SHARE,
-    OUTSIDE_MODEL_RANGE,
-    TARGET_JUMPED,
-)
 from jointclosure.joint.rocks import ROCKS
+from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from tests import joints
 from tests.joints import COARSE, ELASTIC, SPACING, pair
 from tests.studied import study_of

@@ -9,8 +9,8 @@ import jointclosure as jc
 from jointclosure.engine import oracle
 from jointclosure.engine.judging import tolerances_of
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import close_walls, height_datum
+from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.solvers.registry import solver_named
 from jointclosure.walls.synthesis import Spectrum, gaussian_field

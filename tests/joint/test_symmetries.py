@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.status import FAILURE
 from tests import joints
 from tests.joints import DOLERITE, SPACING
 

@@ -9,8 +9,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import branch_of, closures_at, read_along
-from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.calibration import (
     likelihood_of,
     logs_of,

@@ -11,8 +11,9 @@ from tests.processes import ROOT, python
 
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
-    "numba", "numpy", "pandas", "pydantic", "rasterio", "rich", "scipy.interpolate",
-    "scipy.optimize", "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "trimesh", "xarray",
+    "numba", "numpy", "pandas", "pydantic", "rasterio", "rich", "scipy.fft",
+    "scipy.interpolate", "scipy.optimize", "scipy.spatial", "scipy.stats", "seaborn", "snakemake",
+    "trimesh", "xarray",
 }  # fmt: skip
 
 
@@ -45,15 +46,19 @@ def test_help_loads_no_command_and_a_command_no_other():
 
 FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 """What reading and writing datasets takes."""
-CLOSES = FILES | {"numba"}
+CLOSES = FILES | {"numba", "scipy.fft"}
 """What the equations of the solver, and the names of its quantities, take beside."""
 JOBS = [
     ("state_configuration", {"numpy", "pandas"}),
     ("make_surfaces", FILES),
     ("close_joints", CLOSES),
     ("close_points", CLOSES),
-    ("aggregate", CLOSES),
-    ("fit_correlations", CLOSES),
+    ("aggregate", FILES),
+    ("measure_covariates", FILES),
+    ("fit_correlations", FILES),
+    ("predict_table_3", FILES),
+    ("judge_claims", FILES),
+    ("check_results", FILES),
     ("write_tables", CLOSES | {"pydantic"}),
     ("require_checks", {"numpy", "pandas"}),
     ("tabulate_experiment", CLOSES | {"pydantic"}),

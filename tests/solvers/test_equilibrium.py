@@ -6,7 +6,7 @@ import scipy.optimize
 
 import jointclosure as jc
 from jointclosure.engine import oracle
-from jointclosure.joint.protocol import FLAGS
+from jointclosure.joint.status import FLAGS
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.parameters import SOLVER_NAMES, Choices, Effects
 from jointclosure.solvers import elastic, equilibrium

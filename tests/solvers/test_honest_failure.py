@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.solvers import fast
 from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of

@@ -7,7 +7,8 @@ import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.curves import branch_of, net_responses
-from jointclosure.joint.protocol import LOADING, UNLOADING, run_cycles
+from jointclosure.joint.protocol import run_cycles
+from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
 from jointclosure.solvers import fast
 from jointclosure.solvers.interaction_operator import dense_limit, interaction_field

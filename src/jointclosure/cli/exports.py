@@ -23,7 +23,7 @@ from jointclosure.joint.curves import (
     table_levels,
 )
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where

@@ -20,7 +20,7 @@ from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 from jointclosure.statistics.standard_errors import ABSENT, number_text
 from jointclosure.storage.files import add_file, read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf

@@ -34,7 +34,7 @@ from jointclosure.joint.curves import (
     with_snapshots,
 )
 from jointclosure.joint.laws import JointLaws
-from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.joint.status import FAILURE, LOADING, UNLOADING
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain

@@ -30,7 +30,7 @@ from jointclosure.joint.curves import (
     with_transmissivity,
 )
 from jointclosure.joint.laws import BENDS, fitted_laws, parameter
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 

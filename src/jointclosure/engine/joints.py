@@ -15,8 +15,8 @@ from jointclosure.engine.workers import Failed, ProcessLostError, number_of_work
 from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
-from jointclosure.joint.protocol import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
 

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import (
     ATTRIBUTES,
@@ -22,9 +21,8 @@ from jointclosure.joint.curves import (
     values_at_stresses,
 )
 from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.joint.protocol import LOADING, unbreakable_share
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.simulation import height_datum
+from jointclosure.joint.status import LOADING, unbreakable_share
 from jointclosure.walls import Walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 
@@ -210,7 +208,10 @@ def _oracle_ratio(joint: ClosedWalls) -> float:
 
     NaN for more cells in contact than it can judge, and where breakage passed the maximum.
     """
-    from jointclosure.engine import oracle  # few joints are judged, and its libraries load slowly
+    # few joints are judged, and these load slowly
+    from jointclosure.engine import oracle
+    from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
+    from jointclosure.joint.simulation import height_datum
 
     closed, given = joint.closed, joint.conditions
     loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)

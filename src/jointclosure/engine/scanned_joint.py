@@ -30,9 +30,10 @@ from jointclosure.joint.laws import (
     check_joint_lengths,
     laws_of_joint,
 )
-from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import Numerics
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc

@@ -30,9 +30,10 @@ from jointclosure.engine.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import stress_table, table_levels
-from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of

@@ -9,7 +9,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.joint.protocol import BRANCHES, FLAGS, LOADING, UNLOADING
+from jointclosure.joint.status import BRANCHES, FLAGS, LOADING, UNLOADING
 
 NET, GROSS = "closure_net", "closure"
 """Names of closures: net, as laboratories report it, without the displacement of the half-spaces

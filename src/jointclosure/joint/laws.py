@@ -17,7 +17,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError, check_length
 from jointclosure.joint import curves
-from jointclosure.joint.protocol import BRANCHES, LOADING
+from jointclosure.joint.status import BRANCHES, LOADING
 
 POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
 BENDS = 10.0

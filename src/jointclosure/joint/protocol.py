@@ -2,30 +2,28 @@
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.joint.conditions import LoadCycle
+from jointclosure.joint.status import (
+    BRANCHES,
+    FAILURE,
+    FLAGS,
+    LARGEST_UNBREAKABLE_SHARE,
+    LOADING,
+    OUTSIDE_MODEL_RANGE,
+    TARGET_JUMPED,
+    UNLOADING,
+    unbreakable_share,
+)
 from jointclosure.joint.step_control import StepControl, must_repeat
 from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled, Solver
 
-FLAGS = {
-    1: "target_jumped",
-    2: "outside_model_range",
-    16: "not_converged",
-    32: "breakage_not_at_rest",
-    64: "rigid_contact",
-    128: "stress_not_reached",
-    256: "too_many_steps",
-}
-"""Bits of a simulation's status: below `FAILURE` remarks on a success, from it on failures."""
-TARGET_JUMPED, OUTSIDE_MODEL_RANGE, *_FAILURES, _NOT_REACHED, _TOO_MANY_STEPS = FLAGS
+*_FAILURES, _NOT_REACHED, _TOO_MANY_STEPS = (flag for flag in FLAGS if flag >= FAILURE)
 FLAG_OF_OUTCOME = dict(zip(list(Outcome)[1:], _FAILURES, strict=True))
-FAILURE = _FAILURES[0]
-LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
-BRANCHES = LOADING, UNLOADING = "loading", "unloading"
 Observer = Callable[[Joint, "Step"], None]
 """Called with the joint at every step of the history, in order; must not change the joint."""
 Report = Callable[[int, str, float], None]
@@ -190,11 +188,6 @@ def run_cycles(
         joint.held_to = max(maximum, joint.held_to if intact else -np.inf) if elastic else -np.inf
     idle = run.idle_steps, run.idle_displacement
     return History(run.steps, run.status, run.effort, replayed, *idle)
-
-
-def unbreakable_share(joint: Any) -> Any:
-    """Return the share of the force on contacts that cannot break, locked or flat."""
-    return joint.locked_share + joint.flat_share
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:

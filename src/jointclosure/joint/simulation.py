@@ -21,6 +21,7 @@ from jointclosure.joint.conditions import (
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
+from jointclosure.joint.status import UNLOADING
 from jointclosure.joint.step_control import check_elastic_steps, check_foreseen
 from jointclosure.parameters import (
     AS_IT_IS,
@@ -307,9 +308,7 @@ def _history_dataset(
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    unloading = (
-        curves.branch_of(closed, number, protocol.UNLOADING) for number in closed.cycle.values
-    )
+    unloading = (curves.branch_of(closed, number, UNLOADING) for number in closed.cycle.values)
     maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
     along_cycle = curves.cycle_closures(closed, curves.GROSS, reached)
     along_cycle["unloading_excess"] = curves.unloading_excess(closed, reached)

@@ -17,7 +17,7 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.curves import closures_at
-from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.logs import LEAST_POINTS, exceeding
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant

@@ -18,8 +18,8 @@ from jointclosure.engine.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
-from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (

@@ -17,7 +17,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import crossing
-from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured import logs
 from jointclosure.measured.headings import (
     CLOSURE_UNITS,

@@ -24,7 +24,7 @@ from jointclosure.joint.curves import (
     stress_table,
 )
 from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 

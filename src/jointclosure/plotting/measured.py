@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from scipy import ndimage
 
-from jointclosure.joint.protocol import LOADING
+from jointclosure.joint.status import LOADING
 from jointclosure.measured.calibration import Likelihood
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import MECHANISMS, NEITHER, Region

@@ -15,7 +15,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.status import LOADING, UNLOADING
 
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 """Line style of each branch in every figure."""

@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, JUDGED
-from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
 from studies.frame.tables import succeeded
