@@ -25,6 +25,7 @@ endif
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
+DEVELOPMENT := $(VENV)/jointclosure-has-development-tools
 
 # On Linux a recipe ends with make, whatever ends that, also by kill -9. `timeout` passes a signal on,
 # and kills what has not ended 15 seconds later. What was started by a process that has ended before
@@ -74,9 +75,9 @@ help: ## List the targets
 	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
 	@echo "  PROFILE=profiles/slurm runs it on a cluster (docs/reference.md#run-on-a-cluster)."
 
-setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
-	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
-	-@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship close
+setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), and compile all kernels
+	@echo "Compiling the kernels (a minute and a half when they are new) ..."
+	-@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship
 	-@$(WITH_MAKE) $(BIN)/jointclosure doctor
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
@@ -96,6 +97,13 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	fi'
 	@touch $@
 	@echo "The environment is set up in $(VENV)."
+
+$(DEVELOPMENT): $(STAMP) requirements-development.lock
+	@$(WITH_MAKE) /bin/sh -c 'if [ -x $(BIN)/uv ]; \
+	    then $(BIN)/uv pip install --quiet --require-hashes --compile-bytecode --python $(BIN)/python --requirement requirements-development.lock; \
+	    else $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-development.lock; fi'
+	@touch $@
+	@echo "Tools for development are in $(VENV) too: linters, and what makes the documentation."
 
 setup-slurm: $(STAMP) ## Add what Slurm needs to it
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-slurm.lock
@@ -137,7 +145,7 @@ estimate: $(STAMP) ## Say what the experiments of CONFIG would take, and close a
 	@$(SNAKEMAKE) $(GIVEN) -- estimate
 
 test: $(STAMP) ## Pass the tests
-	@echo "Compiling the kernels of all scenes (a minute and a half when they are new), beside tests without kernels ..."
+	@echo "Compiling the kernels (a minute and a half when they are new), beside tests without kernels ..."
 	@$(BIN)/python -m jointclosure.joint.warmup ship & \
 	$(BIN)/python -m pytest -q -m "not slow" $(WITHOUT_KERNELS); passed=$$?; \
 	wait $$! && exit $$passed
@@ -148,7 +156,7 @@ test-all: $(STAMP) ## Pass the tests, the slow ones too
 	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-lint: $(STAMP) ## Check style, types, layers and workflow
+lint: $(DEVELOPMENT) ## Check style, types, layers and workflow
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check --compact-diff Snakefile workflow
@@ -156,7 +164,7 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 	$(BIN)/lint-imports
 	$(BIN)/snakemake --lint
 
-docs: $(STAMP) ## Write the pages made of templates, and build the site, without a network, to build/docs/index.html
+docs: $(DEVELOPMENT) ## Write the pages made of templates, and build the site, without a network, to build/docs/index.html
 	@$(BIN)/python docs/site/templates.py
 	@$(BIN)/python docs/site/rulegraph.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
@@ -168,7 +176,7 @@ mutants: $(STAMP) ## Ask whether the fast tests notice wrong lines of the librar
 	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m tests.mutants
 
-coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
+coverage: $(DEVELOPMENT) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
 	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=html:build/coverage --cov-report=term:skip-covered
 
 wheel: $(STAMP) ## Build the package with its compiled kernels to build/wheel
@@ -177,8 +185,9 @@ wheel: $(STAMP) ## Build the package with its compiled kernels to build/wheel
 
 LOCK := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --generate-hashes --no-header --no-annotate
 
-lock: $(STAMP) ## Write requirements.lock anew, keeping the versions that still fit (needs a network)
-	$(LOCK) --extra workflow --extra walls --extra exchange --group dev pyproject.toml --output-file requirements.lock
+lock: $(DEVELOPMENT) ## Write requirements.lock and requirements-development.lock anew, keeping the versions that still fit (needs a network)
+	$(LOCK) --extra workflow --extra walls --extra exchange --group test pyproject.toml --output-file requirements.lock
+	$(LOCK) --extra workflow --extra walls --extra exchange --group dev pyproject.toml --constraint requirements.lock --output-file requirements-development.lock
 
 clean: ## Remove the environment and all that was compiled, but no results
 	rm -rf src/jointclosure/compiled $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache .coverage

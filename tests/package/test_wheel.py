@@ -84,14 +84,41 @@ def test_the_library_does_without_the_extras(program):
     assert re.search(r"InputError: .* not installed: pip install 'matplotlib", plot.stderr)
 
 
-def test_after_the_compilation_for_close_nothing_is_left_to_compile(program, tmp_path):
+@pytest.mark.parametrize(
+    "work",
+    [
+        "jc.close(*walls, rock='granite', max_normal_stress=2e6, single=True)",
+        "jc.assess([walls], rock='granite', max_normal_stress=2e6)",
+        "simulate(breakage='fixed_step', strength_bound='none')",
+    ],
+    ids=["close", "assess", "study"],
+)
+def test_after_the_compilation_nothing_is_left_to_compile(work, program, tmp_path):
     python = program.with_name("python")
-    run(python, "-m", "jointclosure.joint.warmup", "close", cwd=tmp_path)
+    run(python, "-m", "jointclosure.joint.warmup", cwd=tmp_path)
     walls = [str(ROOT / f"config/walls/joint_{name}.npz") for name in ("upper", "lower")]
-    closing = f"jc.close(*{walls}, rock='granite', max_normal_stress=2e6)"
-    count = "from jointclosure.compilation.kernels import compiles; print(compiles())"
-    done = run(python, "-c", f"import jointclosure as jc; {closing}; {count}", cwd=tmp_path)
-    assert done.stdout == "0\n"
+    code = f"""
+import jointclosure as jc
+from jointclosure.compilation.kernels import compiles
+
+walls = {walls}
+
+def simulate(breakage, strength_bound):
+    pair = jc.wall_pair(8, (24, 24), 0.25e-3, seed=1)
+    jc.simulate(
+        *pair,
+        spacing=0.25e-3,
+        rock="granite",
+        max_normal_stress=2e6,
+        choices=jc.Choices(strength_bound=strength_bound),
+        numerics=jc.Numerics(breakage=breakage),
+    )
+
+{work}
+print("compiled:", compiles())
+"""
+    done = run(python, "-c", code, cwd=tmp_path)
+    assert done.stdout.splitlines()[-1] == "compiled: 0"
 
 
 def test_a_joint_is_closed_in_an_empty_folder_and_a_missing_extra_is_one_line(program, tmp_path):

@@ -72,24 +72,22 @@ def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
 
 
 def main(words: list[str]) -> None:
-    """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only.
+    """Compile the kernels of all scenes, or load them.
 
-    With "ship" first they are compiled for many processors, as a part of the package (`SHIPPED`).
+    With "ship" they are compiled for many processors, as a part of the package (`SHIPPED`).
     """
-    if words[:1] == ["ship"]:
+    if words == ["ship"]:
         environment = {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}
         environment |= {"NUMBA_DISABLE_INTEL_SVML": "1", "JOINTCLOSURE_CACHE": str(SHIPPED)}
-        program = [sys.executable, "-m", "jointclosure.joint.warmup", *words[1:]]
+        program = [sys.executable, "-m", "jointclosure.joint.warmup"]
         for old in set(SHIPPED.glob("*")) - {SHIPPED / cache_folder().name}:
             shutil.rmtree(old) if old.is_dir() else old.unlink()
         os.execve(sys.executable, program, os.environ | environment)
-    only_close = words == ["close"]
-    scenes = [Effects()] if only_close else well_posed_scenes()
-    for scene, peaks in product(scenes, ("pristine", "current")):
-        bounds = ("base", "none") if scene.breakage and not only_close else ("base",)
-        reference = [] if only_close else [("base", "reference", "fixed_step")]
-        for kernel in (*product(bounds, ("fast",), ("fixed_step", "resolved")), *reference):
-            compile_kernels(scene_name(scene), peaks, *kernel)
+    for scene, peaks in product(well_posed_scenes(), ("pristine", "current")):
+        compile_kernels(scene_name(scene), peaks, "base", "reference", "fixed_step")
+        for bound in ("base", "none") if scene.breakage else ("base",):
+            for breakage in ("fixed_step", "resolved"):
+                compile_kernels(scene_name(scene), peaks, bound, "fast", breakage)
 
 
 if __name__ == "__main__":
