@@ -1,6 +1,6 @@
 """Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra
-jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean plane.
-Every measure has a 95 % confidence interval.
+jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean plane; or of a
+profile, heights along a line. Every measure has a 95 % confidence interval.
 """
 
 import argparse
@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.cli import options, results
-from jointclosure.inputs import InputError, check_length
+from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.walls.gridding import (
     LARGEST_FILLED_SHARE,
@@ -23,6 +23,7 @@ from jointclosure.walls.levelling import levelled
 from jointclosure.walls.measures import Measure, measure_wall
 from jointclosure.walls.outliers import without_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.profiles import levelled_profile, measure_profile, read_profile
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_quality import resolution_remarks
@@ -32,7 +33,9 @@ _MISSING = "cells without a height: an error (refuse), left out (avoid, the defa
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    command.add_argument("file", type=Path, help="the scanned wall")
+    command.add_argument("file", type=Path, help="the scanned wall, or the profile")
+    text = "the file is a profile: lines of a place and a height, or columns x and z of a text file"
+    command.add_argument("--profile", action="store_true", help=text)
     options.add_keywords(command, read_scan, *options.SCANS)
     grid = {"help": "interpolate to this spacing first"}
     options.add_keywords(command, registered, spacing=grid, spikes={"default": "keep"})
@@ -43,7 +46,9 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the measures, and draw the wall if requested."""
+    """Print the measures, and draw the wall or the profile if requested."""
+    if arguments.profile:
+        return _run_profile(arguments)
     if getattr(arguments, "spacing", None) is not None:
         check_length("spacing", arguments.spacing)
     if arguments.picture:  # drawing takes a second to load, and needs an extra
@@ -67,28 +72,67 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         reasons = [str(error), *cautions(scan.remarks)]
         raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
-    print(_text(measures, str(arguments.file), wall, step))
+    print(_text(measures, str(arguments.file), _size_of(wall, step)))
     doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
     remarks = [*scan.remarks, *smoothed, *map(caution, doubts)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")
     print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
-    if arguments.table:
-        columns = ["measure", *Measure._fields[1:]]
-        results.write(pd.DataFrame(measures, columns=columns), arguments.table)
     if arguments.picture:
         figure = roughness_figure(wall, step, arguments.file.name)
         results.write(figure, arguments.picture)
+    _write_table(measures, arguments)
     return 0
 
 
-def _text(measures: list[Measure], title: str, wall: np.ndarray, spacing: float) -> str:
-    """Format measures of a wall (y, x) [m] for reading, with its size and missing cells."""
+def _run_profile(arguments: argparse.Namespace) -> int:
+    """Print the measures of a profile, and draw it if requested."""
+    for option, stands in (
+        ("--spacing", getattr(arguments, "spacing", None) is not None),
+        ("--scan-spacing", getattr(arguments, "scan_spacing", None) is not None),
+        ("--spikes", arguments.spikes != "keep"),
+        ("--missing", arguments.missing != "avoid"),
+    ):
+        if stands:
+            raise InputError(f"{option}: must be left out with --profile, it is for walls")
+    if arguments.picture:  # drawing takes a second to load, and needs an extra
+        from jointclosure.plotting.walls import profile_figure
+    given = options.given(arguments, ("units", "variable"))
+    profile = read_profile(arguments.file, **given)
+    with naming(str(arguments.file)):
+        heights, step, inclination = levelled_profile(profile)
+        measures = measure_profile(heights, step)
+    missing = int(np.isnan(heights).sum())
+    gaps = f", {missing} of them without a height" if missing else ""
+    size = f"{heights.size} places {1e3 * step:.4g} mm apart{gaps}; mean line removed"
+    size += f", which is inclined by {inclination:.3g} degrees"
+    print(_text(measures, str(arguments.file), size))
+    remarks = profile.remarks
+    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
+    if arguments.picture:
+        results.write(profile_figure(heights, step, arguments.file.name), arguments.picture)
+    _write_table(measures, arguments)
+    return 0
+
+
+def _write_table(measures: list[Measure], arguments: argparse.Namespace) -> None:
+    """Write measures to the file that the command line names, if it names one."""
+    if arguments.table:
+        columns = ["measure", *Measure._fields[1:]]
+        results.write(pd.DataFrame(measures, columns=columns), arguments.table)
+
+
+def _size_of(wall: np.ndarray, spacing: float) -> str:
+    """Describe the size of a wall (y, x) and its missing cells."""
     ny, nx = wall.shape
     gaps = int(np.isnan(wall).sum())
     missing = f", {gaps} of them without a height" if gaps else ""
-    size = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed"
+    return f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed"
+
+
+def _text(measures: list[Measure], title: str, size: str) -> str:
+    """Format measures of a wall or a profile for reading, below its size."""
     lines = [title, size, "", f"{'':32s} {'value':>9s}   {'95 % interval':20s}"]
     for m in measures:
         unit = "" if m.unit == "1" else m.unit

@@ -36,10 +36,11 @@ from jointclosure.walls import Walls
 
 CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
 JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch
+STIFFNESS = "stiffness_net"
 ASSESSED = {
     CLOSURE: "net closure",
     "max_closure": "gross closure",
-    "stiffness_net": "net stiffness",
+    STIFFNESS: "net stiffness",
     "mean_aperture_at_max": "aperture",
 }
 """Quantities that are compared, and their short titles."""
@@ -132,8 +133,10 @@ class Assessment:
 
     @property
     def price(self) -> pd.DataFrame:
-        """Seconds and difference from the finest setting (%), one row per setting."""
-        return self._table(False, JUDGED)
+        """Seconds, and difference of net closure and net stiffness from the finest setting (%), one
+        row per setting.
+        """
+        return self._table(False, (CLOSURE, STIFFNESS))
 
     @property
     def effects(self) -> pd.DataFrame:

@@ -130,6 +130,16 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     return figure
 
 
+def profile_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
+    """Draw a level profile (n,) [m]; the scale of heights is larger than that of distances."""
+    figure, axes = subplots(1, 1, figsize=(9.0, 3.0), title=title)
+    place = 1e3 * spacing * np.arange(heights.size)
+    axes.plot(place, 1e3 * heights, color="C0", lw=1.0)
+    axes.set(xlabel="distance along the mean line (mm)", ylabel="height (mm)")
+    sns.despine(figure)
+    return figure
+
+
 def _draw_increments(axes, distances: np.ndarray, rms: dict[str, np.ndarray]) -> None:
     distances = 1e3 * distances
     kinds = {"": ("o", "of two heights"), "second_": ("^", "second differences")}

@@ -59,7 +59,7 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     first = scatter["H by first differences"]
     add("H by first differences", first, remark=f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        jrc, remark = _jrc(relation, scatter, spacing, first[0])
+        jrc, remark = jrc_by(relation, scatter, scatter[_SLOPES[2]], spacing, first[0])
         add(f"JRC, {name}", jrc, remark=remark)
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
@@ -108,7 +108,7 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     slopes = np.array([rms["x"][0], rms["y"][0], both]) / spacing
     scaling = {"rms height": float(np.nanstd(heights))}
     scaling |= dict(zip(_SLOPES, slopes.tolist(), strict=True))
-    for lag in sorted({_lag(relation, spacing) for relation in RELATIONS.values()}):
+    for lag in sorted({lag_of(relation.interval, spacing) for relation in RELATIONS.values()}):
         if 0 < lag <= lags_of(min(heights.shape))[-1]:
             squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
             scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
@@ -195,9 +195,9 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dic
     return means
 
 
-def _lag(relation: Relation, spacing: float) -> int:
-    """Return the relation's interval in cells, or 0 if it is not a whole number of cells."""
-    ratio = relation.interval / spacing
+def lag_of(interval: float, spacing: float) -> int:
+    """Return an interval [m] in cells, or 0 if it is not a whole number of cells."""
+    ratio = interval / spacing
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
@@ -208,15 +208,34 @@ def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
     return float(np.mean(jrcs)) if jrcs else float("nan")
 
 
-def _jrc(
-    relation: Relation, scatter: dict[str, np.ndarray], spacing: float, hurst: float
+def slope_at(
+    interval: float,
+    scatter: dict[str, np.ndarray],
+    slope: np.ndarray,
+    spacing: float,
+    hurst: float | np.ndarray,
 ) -> tuple[np.ndarray, str]:
-    """Return JRC (n,) by a relation with the scatter of its slope, and a remark."""
-    interval, at_interval = relation.interval, scatter.get(f"Z2 at {_lag(relation, spacing)}")
-    how = f"Z2 at its {1e3 * interval:g} mm"
-    if at_interval is None:
-        at_interval = scatter[_SLOPES[2]] * (interval / spacing) ** (hurst - 1.0)
-        how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * interval:g} mm by H"
+    """Return the slope (n,) at an interval [m], and how it was found.
+
+    It is that of heights so far apart ("Z2 at" so many cells in ``scatter``), otherwise the
+    ``slope`` (n,) at the spacing [m], carried to the interval by the Hurst exponent.
+    """
+    known = scatter.get(f"Z2 at {lag_of(interval, spacing)}")
+    if known is not None:
+        return known, f"Z2 at its {1e3 * interval:g} mm"
+    carried = slope * (interval / spacing) ** (hurst - 1.0)
+    return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by H"
+
+
+def jrc_by(
+    relation: Relation,
+    scatter: dict[str, np.ndarray],
+    slope: np.ndarray,
+    spacing: float,
+    hurst: float | np.ndarray,
+) -> tuple[np.ndarray, str]:
+    """Return JRC (n,) by a relation with the scatter of its slope (`slope_at`), and a remark."""
+    at_interval, how = slope_at(relation.interval, scatter, slope, spacing, hurst)
     jrc = relation.jrc(at_interval)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
     remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"

@@ -118,7 +118,7 @@ def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
     return [*usual], f"{spans}, plausible in {' or '.join(usual.values())}" if usual else spans
 
 
-def _settled(
+def settled(
     what: str,
     of_file: str | None,
     stated: str | None,
@@ -255,10 +255,10 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
     """Return contents in metres, with missing heights as NaN."""
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
-    height = size_of(_settled("heights", contents.height_units, units, hint, contents.unread))
+    height = size_of(settled("heights", contents.height_units, units, hint, contents.unread))
     lengths, stated = "m", np.array(contents.spacing)
     if contents.points is not None or not np.isnan(stated).all():
-        lengths = _settled("distances", contents.length_units, units, sides, contents.unread)
+        lengths = settled("distances", contents.length_units, units, sides, contents.unread)
     elif spacing is not None:
         stated = np.full(2, spacing)
         contents = contents._replace(spacing=(spacing, spacing))

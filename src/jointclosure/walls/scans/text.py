@@ -1,6 +1,7 @@
 """Text files, as instruments and people write them: points, columns, matrices of heights."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -63,7 +64,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
     if variable is None and (matrix := _matrix(table)) is not None:
         return matrix
     columns = _columns(table, variable)
-    units = [_unit_of(table, column) for column in columns]
+    units = [unit_of_column(table, column) for column in columns]
     return placed(table.values[:, columns], units, table.header, table.remarks)
 
 
@@ -110,7 +111,7 @@ def read_matrix(path: Path) -> Contents:
     return Contents(table.values, height_units=height_units, remarks=table.remarks, unread=unread)
 
 
-def _unit_of(table: Table, column: int) -> str | None:
+def unit_of_column(table: Table, column: int) -> str | None:
     """Return the unit of a column from its name or from the line of units below the names."""
     name = table.names[column] if table.names else ""
     return same_units(f"the column {name!r}", split_name(name)[1], table.units[column])
@@ -143,8 +144,11 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     raise InputError(f"variable = {variable!r}: {must}; there are {listed}")
 
 
-def read_table(path: Path) -> Table:
-    """Read a table of numbers; separators, decimal commas, names and comments are detected."""
+def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Table:
+    """Read a table of numbers; separators, decimal commas, names and comments are detected.
+
+    A line of names has all ``axes`` of one of the sets, or more than two words.
+    """
     content = path.read_bytes()
     if not is_text(content):
         raise InputError("is not text: it contains binary data")
@@ -155,7 +159,7 @@ def read_table(path: Path) -> Table:
     lines = [line for line in kept if not line.lstrip().startswith(COMMENTS)]
     head += [line for line in kept if line.lstrip().startswith(COMMENTS)]
     names, units, remarks, others = _names(
-        head, len(_form_of(lines[0]).words(lines[0])) if lines else 0
+        head, len(_form_of(lines[0]).words(lines[0])) if lines else 0, axes
     )
     if start is None:
         if not lines:
@@ -246,7 +250,9 @@ def _is_data(line: str) -> bool:
         return False
 
 
-def _names(head: list[str], width: int) -> tuple[list[str], list[str | None], list[str], list[str]]:
+def _names(
+    head: list[str], width: int, axes: Sequence[set[str]]
+) -> tuple[list[str], list[str | None], list[str], list[str]]:
     """Return names of columns (also of a comment), their units, remarks, and the other lines."""
     names: list[str] = []
     units: list[str | None] = []
@@ -255,7 +261,7 @@ def _names(head: list[str], width: int) -> tuple[list[str], list[str | None], li
         comment = line.startswith(COMMENTS)
         words = _split_names(line.lstrip("#%/! ") if comment else line)
         bare = [word.strip("()[]").strip() for word in words]
-        if {axis_name(word) for word in words} >= {"x", "y", "z"}:
+        if any({axis_name(word) for word in words} >= each for each in axes):
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words
