@@ -10,6 +10,10 @@ Each joint is closed by the paper's steps and by resolved breakage at several --
 at the --finest tolerance, from which errors are taken: its errors are in them. Times are processor
 times over those of the paper's steps on the same joints, all in one process, so that other work on
 the machine matters little. --output is a folder.
+
+Another checkout of the project, with this script in its benchmarks/, is compared by --reference:
+the joints.csv of this one. Errors are then taken from its finest tolerance, and times are stated
+over those of its paper's steps.
 """
 
 from collections.abc import Iterator
@@ -32,6 +36,7 @@ JOINTS = ((48, 7e6, None), (56, 15e6, None), (64, 30e6, None), (56, 10e6, 3e-3),
 """Cells along a side, largest stress [Pa], and wavelength [m] beyond which the walls are mated."""
 FIRST_SEED = 9100
 RESPONSES = {"closure": "max_closure_seated_net", "stiffness": "stiffness_net"}
+NAMES_OF_RESPONSES = [f"{title} {cycle}" for title in RESPONSES for cycle in (1, 2)]
 PAPER = "paper's steps"
 
 
@@ -64,17 +69,20 @@ def closed(name: str, given: tuple, numerics: jc.Numerics) -> dict:
     return row
 
 
-def summarised(table: pd.DataFrame, finest: str) -> pd.DataFrame:
-    """Errors [%] of means with standard errors, and of single joints, by setting."""
+def summarised(table: pd.DataFrame, finest: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
+    """Errors [%] of means with standard errors, and of single joints, by setting.
+
+    They are from the joints of the ``finest`` setting, and times over those of the ``paper``'s.
+    """
     of_joint = table.set_index(["setting", "joint"])
-    paper, reference = of_joint.loc[PAPER], of_joint.loc[finest]
+    reference, paper = finest.set_index("joint"), paper.set_index("joint")
     rows = []
     for setting in table.setting.unique():
         joints = of_joint.loc[setting]
         row = {"setting": setting, "joints": len(joints), "seconds": joints.seconds.sum()}
         row["time over the paper's"] = joints.seconds.sum() / paper.seconds.sum()
         row["equilibria of a joint"] = joints.equilibria.mean()
-        for name in [f"{title} {cycle}" for title in RESPONSES for cycle in (1, 2)]:
+        for name in NAMES_OF_RESPONSES:
             errors = 100.0 * (joints[name] / reference[name] - 1.0).to_numpy()
             mean, error = mean_of(errors)
             row |= {f"{name} mean %": mean, f"{name} standard error %": error}
@@ -83,11 +91,17 @@ def summarised(table: pd.DataFrame, finest: str) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def main(tolerances: list[float], finest: float, scans: list[Path], output: Path | None) -> None:
+def main(
+    tolerances: list[float],
+    finest: float,
+    scans: list[Path],
+    output: Path | None,
+    reference: Path | None,
+) -> None:
     """Print machine and table, and write them."""
     print(yardstick.machine(), flush=True)
     settings = {PAPER: jc.Numerics()}
-    for tolerance in sorted({*tolerances, finest}, reverse=True):
+    for tolerance in sorted({*tolerances, *([] if reference else [finest])}, reverse=True):
         numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
         settings[f"tolerance {tolerance:g}"] = numerics
     for numerics in settings.values():  # to compile
@@ -98,7 +112,9 @@ def main(tolerances: list[float], finest: float, scans: list[Path], output: Path
         for name, given in joints(scans)
     ]
     table = pd.DataFrame(rows)
-    summary = summarised(table, f"tolerance {finest:g}")
+    known = pd.read_csv(reference) if reference else table
+    by_setting = dict(tuple(known.groupby("setting")))
+    summary = summarised(table, by_setting[f"tolerance {finest:g}"], by_setting[PAPER])
     yardstick.show("errors from the finest tolerance, and times", summary, output, "price")
     if output:
         table.to_csv(output / "joints.csv", index=False)
@@ -107,5 +123,5 @@ def main(tolerances: list[float], finest: float, scans: list[Path], output: Path
 
 if __name__ == "__main__":
     given = {"tolerances": [0.04, 0.02, 0.01, 0.005], "finest": 0.00125, "scans": [MATED]}
-    asked = yardstick.options(__doc__, **given, output=Path)
-    main(asked.tolerances, asked.finest, asked.scans, asked.output)
+    asked = yardstick.options(__doc__, **given, output=Path, reference=Path)
+    main(asked.tolerances, asked.finest, asked.scans, asked.output, asked.reference)

@@ -17,6 +17,9 @@ import jointclosure as jc
 from jointclosure.plotting.assessment import assessment_figure
 from studies.frame.tables import since_seating
 
+# isort: split
+from templates import stored
+
 IMAGES = Path(__file__).parents[1] / "images"
 FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"
 """Colours of boxes: files, steps or rules, decisions."""
@@ -149,6 +152,34 @@ def assessment() -> Figure:
     return assessment_figure(assessed, "joint_upper.npz on joint_lower.npz")
 
 
+def price_of_accuracy() -> Figure:
+    """Draw errors of means and of single joints over the time of a joint, now and before."""
+    tables = {"": stored("price_of_accuracy/price"), "before": stored("price_before/price")}
+    figure, panels = plt.subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
+    for axes, response in zip(panels.T.flat, ("closure 1", "closure 2", "stiffness 1",
+                                              "stiffness 2"), strict=True):  # fmt: skip
+        for solver, table in tables.items():
+            seconds = table.seconds / table.joints
+            known = table[f"{response} rms %"] > 0.0  # not the setting from which errors are taken
+            look = {"ls": ":", "mfc": "none"} if solver else {"ls": "-"}
+            for colour, name, errors in (
+                ("C0", "mean", table[f"{response} mean %"].abs()),
+                ("C1", "single joint (rms)", table[f"{response} rms %"]),
+            ):
+                label = f"{name}, {solver}" if solver else name
+                axes.plot(
+                    seconds[known], errors[known], color=colour, marker="o", label=label, **look
+                )
+        axes.set(xscale="log", yscale="log", title=f"net {response[:-1]}, cycle {response[-1]}")
+        axes.grid(alpha=0.3)
+    for axes in panels[-1]:
+        axes.set_xlabel("processor time of a joint (s)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("size of the error (%)")
+    panels[0, 0].legend(frameon=False)
+    return figure
+
+
 def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return jc.wall_pair(jrc=8, shape=(100, 100), spacing=0.25e-3, seed=seed)
 
@@ -183,6 +214,7 @@ def main() -> None:
         figure.savefig(IMAGES / f"{name}.svg", metadata={"Date": None}, facecolor="white")
     overview().savefig(IMAGES / "overview.png", dpi=110)
     assessment().savefig(IMAGES / "assessment.png", dpi=110)
+    price_of_accuracy().savefig(IMAGES / "price_of_accuracy.png", dpi=110)
 
 
 if __name__ == "__main__":
