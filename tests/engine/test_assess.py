@@ -167,6 +167,17 @@ def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
         jc.assess(walls, **SCENE | changes)
 
 
+@pytest.mark.parametrize(("apart", "verdict"), [(0.14, "hard"), (0.15, "not stable")])
+def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_not_stable(apart, verdict):
+    """Two copies that are 2 x apart have a standard deviation of x sqrt(2)."""
+    closed = closures(scatter=0.0, joints=1)
+    copies = closed.copy_of_walls == "mirrored"
+    closed.loc[copies, list(ASSESSED)] *= (1.0 + apart) / (1.0 - apart)
+    hardness = Assessment(closed, LADDER, "middle", 0.05).hardness
+    assert hardness.verdict[0] == verdict
+    assert ("not stable: more than 20 %" in hardness.reason[0]) == (verdict == "not stable")
+
+
 @pytest.mark.parametrize(
     ("apart", "share", "verdict"),
     [(0.017, 0.1, "easy"), (0.018, 0.1, "hard"), (0.017, 0.101, "hard")],

@@ -21,6 +21,7 @@ import pandas as pd
 from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.cache import digest
 from jointclosure.engine.joints import Reading, close_joint
+from jointclosure.engine.numerical_error import NOT_STABLE
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls, takes_scans
 from jointclosure.engine.uncertainty import COPIES, coarser
 from jointclosure.engine.workers import Failed, number_of_workers, shared
@@ -219,6 +220,11 @@ class Assessment:
         elif judged > 1.0:
             found = f"a state {judged:.2g} times beyond a limit"
             reason = f"the independent implementation finds {found}"
+        elif features["spread"] > NOT_STABLE:
+            reason = (
+                f"copies that must close alike scatter by {100 * features['spread']:.2g} % (not "
+                f"stable: more than {100 * NOT_STABLE:.0f} %)"
+            )
         else:
             easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
             verdict = "easy" if easy else "hard"
