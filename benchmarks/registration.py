@@ -69,7 +69,7 @@ class Truth:
         shape = (2 * cells, 2 * cells)
         walls = jc.wall_pair(
             self.about["jrc"], shape, fine, number, roll_off=None,
-            mismatch_wavelength=max(self.about["mating"], 0.0), unusual_values=True,
+            mismatch_wavelength=self.about["mating"], unusual_values=True,
         )  # fmt: skip
         self.fine, self.upper, self.lower = fine, -walls[0], walls[1]
         middle = 0.5 * fine * (np.array([shape[1], shape[0], 0]) - 1.0)

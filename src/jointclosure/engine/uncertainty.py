@@ -6,6 +6,7 @@ the other sources. With resolved breakage all variants have twice the tolerance,
 time and hardly changes what a source does.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ import xarray as xr
 
 from jointclosure.engine.budget import (
     ALL,
+    MULTIPLE,
     ORDER,
     QUANTITIES,
     SHARED,
@@ -131,13 +133,13 @@ def sources_of(
     """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
     _check_ranges(conditions, ranges)
     effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
-    sources, step = {}, COARSER
+    sources = {}
     if "spacing" in ranges:
-        step = round(ranges["spacing"][1] / conditions.grid_spacing)
-    if errors and errors.step > 1 and "spacing" not in ranges:
+        sources["spacing"] = Source((1, round(ranges["spacing"][1] / conditions.grid_spacing)))
+    elif errors and errors.step > 1:
         sources["spacing"] = Source((1, 1 / errors.step))
-    elif min(shape) >= 8 * step:
-        sources["spacing"] = Source((1, step))
+    elif min(shape) >= 8 * COARSER:
+        sources["spacing"] = Source((1, COARSER), MULTIPLE, False)
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
         resolved = numerics.breakage == "resolved"
         if resolved and numerics.tolerance <= 0.05:  # it is at most 0.1
@@ -158,13 +160,29 @@ def sources_of(
     acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
     acting["peaks"] = effects.soft_peaks and effects.breakage
     for name, ends in PLAUSIBLE.items():
-        values = tuple(ranges.get(name, ends))
-        if acting[name] and isinstance(values[0], str):
-            joint = getattr(choices, name)
-            sources[name] = Source((joint, *(value for value in values if value != joint)))
-        elif acting[name]:
-            sources[name] = Source(values, "range")
-    return sources | {name: Source(ranges[name], "range") for name in OF_ROCK if name in ranges}
+        values, stated = tuple(ranges.get(name, ends)), name in ranges
+        if not acting[name]:
+            continue
+        joint = getattr(choices, name)
+        if isinstance(joint, str):
+            others = (value for value in values if value != joint)
+            sources[name] = Source((joint, *others), "choice", stated)
+        else:
+            sources[name] = _range_about(joint, values, stated)
+    for name in OF_ROCK:
+        if name in ranges:
+            joint = getattr(both_walls(conditions.rock)[0], name)
+            sources[name] = _range_about(joint, ranges[name], True)
+    return sources
+
+
+def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
+    """Return the source of a number that the joint has and that may be between two ends."""
+    low, high = min(joint, ends[0]), max(joint, ends[1])
+    part = (
+        math.log(joint / low) / math.log(high / low) if low > 0.0 else (joint - low) / (high - low)
+    )
+    return Source((low, high), "range", varied, part)
 
 
 def variants_of(
@@ -178,11 +196,14 @@ def variants_of(
     for name, source in sources.items():
         for value in source.values[0 if source.kind == "range" else 1 :]:
             yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
-    for row in random_shares(sources, draws, seed):
-        drawn = joint._replace(source=ALL)
-        texts = []
+    fixed = {name for name, source in sources.items() if source.kind == SHARED or not source.varied}
+    for number, row in enumerate(random_shares(sources, draws, seed)):
+        drawn, texts = joint._replace(source=ALL), []
+        if not sources.keys() - fixed - {ORDER}:  # only the order of breakage is left
+            copy = list(COPIES)[1 + number % (len(COPIES) - 1)]
+            drawn, texts = drawn.changed(ORDER, copy), [f"{TITLES[ORDER]} {copy}"]
         for share, (name, source) in zip(row, sources.items(), strict=True):
-            if name == ORDER or source.kind == SHARED:  # another order, and the same steps, in all
+            if name == ORDER or name in fixed:  # another order, and the same steps, in all
                 continue
             value = source.at(float(share))
             drawn = drawn.changed(name, value)
@@ -266,9 +287,30 @@ def uncertainty_budget(
     exact = "registration", *acting(both_walls(conditions.rock)[0])
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
-    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.0
+    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
-    return Budget(results, ranges_of(results, sources, shares, further), omitted, bands)
+    ranges_found = ranges_of(results, sources, shares, further)
+    return Budget(results, ranges_found, omitted, bands, _choices(sources))
+
+
+def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
+    """Describe the choices of the model that are not varied in the range, and their values."""
+    lines = []
+    for name, source in sources.items():
+        if source.varied or source.kind == SHARED:
+            continue
+        if source.kind == MULTIPLE:
+            factor = source.values[1]
+            lines.append(
+                f"half to twice the {TITLES[name]}"
+                if factor == 2
+                else f"1/{factor} to {factor} times the {TITLES[name]}"
+            )
+        else:
+            low, high = (_text(name, value) for value in source.values)
+            between = "to" if source.kind == "range" else "or"
+            lines.append(f"{TITLES[name]} {low} {between} {high}")
+    return tuple(lines)
 
 
 def threads_for(cells: int, workers: int | None = None) -> int:

@@ -131,8 +131,8 @@ class Choices(NamedTuple):
 
 
 PLAUSIBLE: dict[str, tuple[Any, Any]] = {
-    "peak_modulus_ratio": (0.01, 0.2),
-    "base_radius_in_cells": (0.25, 0.5),
+    "peak_modulus_ratio": (0.0125, 0.2),
+    "base_radius_in_cells": (0.35, 0.71),
     "peaks": ("pristine", "current"),
 }
 """Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range, or

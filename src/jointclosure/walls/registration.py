@@ -34,6 +34,7 @@ from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
 from jointclosure.walls.scan_quality import (
     MOVED,
+    noise_of_scan,
     resolution_remarks,
     rounding_of,
     shortest_wave,
@@ -93,6 +94,9 @@ class RegisteredPair(NamedTuple):
     fine: FineWalls | None = None
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    scan_noise: tuple[tuple[str, float, float], ...] = ()
+    """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
+    its white noise, NaN if it is not known (`jointclosure.walls.scan_quality.noise_of_scan`)."""
 
     @property
     def warnings(self) -> list[Caution]:
@@ -208,6 +212,7 @@ def registered(
         for side in _SIDES
     )
     waves = upper_wave, lower_wave
+    noises = tuple((side, *noise_of_scan(scan)) for side, scan in measured.items())
     steps = [rounding_of(scan).heights for scan in measured.values()]
     rounding = float(np.sqrt(np.sum(np.square(steps)) / 12.0))
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
@@ -270,7 +275,7 @@ def registered(
         spacing *= step
     in_frame = name == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _described(overlap, spacing, name, fits, motion, mated, in_frame, report)
-    pair = pair._replace(fine=finer, waves=waves, rounding=rounding)
+    pair = pair._replace(fine=finer, waves=waves, rounding=rounding, scan_noise=noises)
     if not flat and differs(*(scale := scale_of(*walls_at))):
         report.append(_scaled(*scale))
     walls = {"upper": pair.upper, "lower": pair.lower}
