@@ -174,29 +174,48 @@ def noise_of_scan(scan: Scan | Cloud) -> tuple[float, float]:
 def noise_of_grid(scan: Scan) -> tuple[float, float]:
     """Estimate the white noise of a scanned grid's heights, its 95 % interval [m].
 
-    Heights of rock at the nodes of a grid have mean squared fourth differences that grow with the
-    distance d as d^(2H), whatever waves are shorter than the grid, and white noise of standard
-    deviation s adds 70 s^2 at each distance. The fit has an amplitude along x and along y, H from
-    0.3 to 1, and s^2, which may come out negative. Its standard error is that of a jackknife over
-    `_BLOCKS` x `_BLOCKS` parts of the scan. Rounding is subtracted. Returned is NaN where the scan
-    is too small, or where a filter, which also took noise, has left its trace.
+    White noise of standard deviation s adds 70 s^2 to the mean squared fourth differences of
+    heights at each distance d. Those of a self-affine wall grow as d^(2H) where waves are shorter
+    than the grid as well, which its nodes sample, and otherwise as those of a wall whose spectrum
+    ends at the grid. Heights do not tell which law holds: the interval has those of both. Each fit
+    has an amplitude along x and along y, H from 0.3 to 1, and s^2, which may come out negative. Its
+    standard error is that of a jackknife over `_BLOCKS` x `_BLOCKS` parts of the scan. Rounding is
+    subtracted. Returned is NaN where the scan is too small, or where a filter, which took noise
+    too, has left its trace.
     """
     if shortest_wave(scan) > 0.0:
         return math.nan, math.nan
     sums, counts = _squares_by_block(scan.heights, rounding_of(scan).heights)
     blocks = np.flatnonzero(counts[0] > 0)
-    if len(blocks) < 4 or counts.sum(axis=1).min() < 100:
-        return math.nan, math.nan
     whole, all_counts = sums.sum(axis=1), counts.sum(axis=1)
-    variance = _white_noise(whole / all_counts)
-    without = np.array([
-        _white_noise((whole - sums[:, block]) / (all_counts - counts[:, block])) for block in blocks
-    ])  # fmt: skip
-    error = math.sqrt((len(blocks) - 1) * without.var())
-    half = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1)) * error
-    most = max(float((whole / all_counts)[:: len(_NOISE_LAGS)].min()) / _WHITE, 0.0)
-    low, high = (math.sqrt(np.clip(variance + part, 0.0, most)) for part in (-half, half))
-    return low, high
+    if len(blocks) < _BLOCKS or all_counts.min() < 100:
+        return math.nan, math.nan
+    squares = whole / all_counts
+    if not (squares > 0.0).all():
+        return math.nan, math.nan
+    most = float(squares[:: len(_NOISE_LAGS)].min()) / _WHITE
+    student, ends = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1), []
+    for law in _growth_laws():
+        without = np.array([
+            _white_noise((whole - sums[:, block]) / (all_counts - counts[:, block]), law)
+            for block in blocks
+        ])  # fmt: skip
+        half = float(student) * math.sqrt((len(blocks) - 1) * without.var())
+        variance = _white_noise(squares, law)
+        ends += [np.clip(variance - half, 0.0, most), np.clip(variance + half, 0.0, most)]
+    return math.sqrt(min(ends)), math.sqrt(max(ends))
+
+
+@lru_cache(maxsize=1)
+def _growth_laws() -> tuple[np.ndarray, np.ndarray]:
+    """Return squared differences (exponents, lags) of walls with and without shorter waves."""
+    lags = np.array(_NOISE_LAGS, float)
+    wave = np.pi * (np.arange(256) + 0.5) / 256.0
+    square = wave[:, None] ** 2 + wave[None, :] ** 2
+    along = np.array([(2.0 * np.sin(0.5 * wave * lag)) ** (2 * _NOISE_ORDER) for lag in lags])
+    with_shorter = [lags ** (2.0 * exponent) for exponent in _NOISE_EXPONENTS]
+    without = [along @ (square ** (-exponent - 1.0)).sum(axis=0) for exponent in _NOISE_EXPONENTS]
+    return np.array(with_shorter), np.array([rows / rows[0] for rows in without])
 
 
 def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
@@ -214,13 +233,14 @@ def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray,
     return np.array(sums), np.array(counts)
 
 
-def _white_noise(squares: np.ndarray) -> float:
-    """Fit the variance of white noise [m^2] to mean squared differences over axes and lags."""
-    lags, fits = np.array(_NOISE_LAGS, float), []
-    weight = 1.0 / np.tile(lags, 2)  # about so many differences are independent
-    for exponent in _NOISE_EXPONENTS:
-        grown = lags ** (2.0 * exponent)
-        zero, one = np.zeros_like(lags), np.ones_like(lags)
+def _white_noise(squares: np.ndarray, law: np.ndarray) -> float:
+    """Fit the variance of white noise [m^2] to mean squared differences over axes and lags, beside
+    one of the laws (exponents, lags) by which those of the wall grow.
+    """
+    fits = []
+    weight = 1.0 / np.tile(_NOISE_LAGS, 2)  # about so many differences are independent
+    for grown in law:
+        zero, one = np.zeros_like(grown), np.ones_like(grown)
         columns = np.block([[grown, zero], [zero, grown], [one, one]]).T
         scaled = columns * (weight / squares)[:, None]
         parts, *_ = np.linalg.lstsq(scaled, weight, rcond=None)
