@@ -38,6 +38,7 @@ from jointclosure.engine.budget import (
     WIDER,
     results_of,
 )
+from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.engine.scanned_joint import ClosedJoint
 from jointclosure.engine.uncertainty import Variant, sources_of, variants_of
 from jointclosure.joint.curves import members, stress_table
@@ -191,6 +192,7 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
         drawn = random.integers(len(pairs), size=(RESAMPLES, len(pairs)))
         needed = [np.quantile(np.concatenate([pairs[n] for n in row]), HELD) for row in drawn]
         row = dict(zip(("truth", "quantity", "part", "cycle"), place, strict=True))
+        row["result"] = HEADINGS[name] if (name := row["quantity"]) in HEADINGS else CURVES[name][0]
         row |= {"pairs": len(pairs), "inside": inside.mean()}
         row["inside_error"] = inside[drawn].mean(axis=1).std()
         row |= {"below": (part.true < part.low).mean(), "above": (part.true > part.high).mean()}

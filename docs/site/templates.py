@@ -33,7 +33,7 @@ OLDER_SOLVER = (
     "global_sensitivity", "global_sensitivity_full", "growth", "growth_once", "jrc_range",
     "large_pool", "later_loadings", "measured_fit", "measured_joints", "misalignment", "mismatch",
     "numerics", "peers", "price_of_accuracy", "readings_average", "registration",
-    "registration_ranges", "size", "solver_speed", "strength_bound", "variance_reduction",
+    "size", "solver_speed", "strength_bound", "variance_reduction",
 )  # fmt: skip
 """Stored runs of a solver before 5cfd014e, since when joints land on their maximum as they do.
 

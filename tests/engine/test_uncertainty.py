@@ -432,7 +432,7 @@ def test_sources_that_do_not_add_up_count_by_what_they_do_together_and_at_most_i
 
 
 def test_only_what_is_uncertain_of_a_joint_is_a_source():
-    none = np.zeros((20, 24), bool)
+    none, hole = np.zeros((20, 24), bool), np.ones((20, 24), bool)
 
     def names(shape=(20, 24), errors=None, **changes):
         return set(sources_of(CONDITIONS._replace(**changes), shape, {}, errors))
@@ -445,6 +445,7 @@ def test_only_what_is_uncertain_of_a_joint_is_a_source():
     noisy = exact._replace(noise=(0.0, 1e-6))
     moved = exact._replace(covariance=np.eye(3))
     assert names(errors=noisy) - usual == {"noise"}
+    assert names(errors=exact._replace(holes=hole)) - usual == {"holes"}
     assert names(errors=moved) - usual == {"registration"}
     hard = jc.Effects(soft_peaks=False)
     assert usual - names(effects=hard) == {"peak_modulus_ratio", "peaks"}

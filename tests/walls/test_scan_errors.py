@@ -83,6 +83,24 @@ def test_the_noise_may_be_all_that_keeps_mated_walls_apart():
     assert min(apart) < 0.5 * high < 0.8 * high < max(apart)
 
 
+def test_heights_in_holes_are_drawn_as_high_and_as_rough_as_the_walls_around_them(walls):
+    holes = np.zeros(SHAPE, bool)
+    for y, x in np.ndindex(4, 4):
+        holes[20 * y + 5 : 20 * y + 11, 20 * x + 5 : 20 * x + 11] = True
+    upper = np.where(holes, walls[0] - 0.5e-3, walls[0])  # out of contact
+    drawn = [errors()._replace(holes=holes).with_filled_holes(upper, walls[1], n) for n in (1, 2)]
+    true = sum(walls)
+    for pair in drawn:
+        np.testing.assert_array_equal(pair[1], walls[1])
+        np.testing.assert_array_equal(pair[0][~holes], upper[~holes])
+        apart = (sum(pair) - true)[holes]
+        assert abs(apart.mean()) < 0.1e-3
+        steps = [rms_slope(np.where(holes, field, true), SPACING) for field in (sum(pair), true)]
+        assert steps[0] == pytest.approx(steps[1], rel=0.1)
+    between = (drawn[0][0] - drawn[1][0])[holes].std()
+    assert 0.7 * apart.std() < between < 2.0 * apart.std()
+
+
 def test_short_waves_that_interpolation_took_from_a_wall_are_restored(walls):
     scanned = scipy.ndimage.gaussian_filter(walls[0], 0.6, mode="mirror"), walls[1]
     drawn = errors(5e-6).with_other_noise(*scanned, 1)

@@ -114,10 +114,12 @@ def summary(
     if len(named):
         lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
     lines += [f"- {remark}" for remark in remarks]
-    wider = budget.wider_table().to_dict() if budget is not None else {}
+    choices = list(budget.choices) if budget is not None else []
+    wider = budget.wider_table().to_dict() if budget is not None and choices else {}
     answer = {
         "table": table.to_dict(),
         "with_other_choices": wider,
+        "choices": choices,
         "at": named.to_dict("records"),
         "remarks": remarks,
     }

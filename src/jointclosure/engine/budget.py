@@ -72,6 +72,7 @@ TITLES = {
     "noise": "noise of the scans",
     "resolution": "waves that the scans lost",
     "scale": "scale of heights",
+    "holes": "missing heights",
     ORDER: "order of breakage",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",

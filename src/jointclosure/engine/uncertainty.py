@@ -64,15 +64,16 @@ COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 """Copies of a wall that close alike but for rounding and the order of breakage."""
 _FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
-    name: name for name in ("noise", "resolution", "scale")
+    name: name for name in ("noise", "resolution", "scale", "holes")
 }
 """Fields of a variant by the names of the sources that change its walls."""
 
 
 class Variant(NamedTuple):
     """A joint with other values: every ``step``-th cell of the grid, random draws of errors of the
-    scans by their number (``place``, ``noise``, ``resolution``, ``scale``; 0 for none), and one of
-    `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not resolve.
+    scans by their number (``place``, ``noise``, ``resolution``, ``scale``, ``holes``; 0 for none),
+    and one of `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not
+    resolve.
     """
 
     source: str
@@ -83,6 +84,7 @@ class Variant(NamedTuple):
     noise: int = 0
     resolution: int = 0
     scale: int = 0
+    holes: int = 0
     copy: str = "as it is"
 
     def walls(self, upper: np.ndarray, lower: np.ndarray, errors: ScanErrors | None) -> Walls:
@@ -98,6 +100,8 @@ class Variant(NamedTuple):
             upper, lower = errors.with_other_noise(upper, lower, self.noise)
         if errors and self.place:
             upper = errors.displaced(upper, self.place)
+        if errors and self.holes:
+            upper, lower = errors.with_filled_holes(upper, lower, self.holes)
         upper, lower = (COPIES[self.copy](wall) for wall in (upper, lower))
         return upper[::step, ::step], lower[::step, ::step]
 
@@ -155,6 +159,8 @@ def sources_of(
         sources["resolution"] = Source((0, 1, 2), "random")
     if errors and errors.scale != 1.0:
         sources["scale"] = Source((0, 1, 2), "random")
+    if errors and errors.holes.any():
+        sources["holes"] = Source((0, 1, 2), "random")
     if effects.breakage:
         sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
     acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
@@ -226,7 +232,7 @@ def _text(name: str, value: Any) -> str:
         if value < 1:
             return f"a spacing {1 / value:.0f} times as fine"
         return f"every {value}. cell" if value > 1 else "every cell"
-    if name in ("registration", "noise", "resolution", "scale"):
+    if name in ("registration", "noise", "resolution", "scale", "holes"):
         return f"draw {value}"
     if name == "breakage":
         resolved = value.breakage == "resolved"

@@ -9,7 +9,7 @@ from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.standard_errors import CONFIDENCE
-from jointclosure.walls import gridding, plausibility
+from jointclosure.walls import Walls, gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
 from jointclosure.walls.levelling import levelled, slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
@@ -103,6 +103,20 @@ class RegisteredPair(NamedTuple):
         """Warnings among the sentences of the report."""
         return cautions(self.report)
 
+    def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
+        """Return the least and largest noise [m] of the sum of walls (y, x) [m] on the grid.
+
+        It has all that departs at the shortest waves, of which waves too short for the grid are a
+        part that turning a wall replaces by others. Where the spectra tell none, it is that of the
+        scanners.
+        """
+        low, high = noise_of(*walls)
+        intervals = np.array([ends for _, *ends in self.scan_noise]).reshape(-1, 2)
+        if not np.isfinite(intervals).all() or not intervals.size:
+            return low, high
+        least, most = np.sqrt((intervals**2).sum(axis=0))
+        return max(low, float(least)), max(high, float(least if high > 0.0 else most))
+
     @property
     def errors(self) -> ScanErrors:
         """Errors of the fit, 0 if the walls stayed as scanned, and those of the scans' heights."""
@@ -114,7 +128,7 @@ class RegisteredPair(NamedTuple):
             offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
             covariance = self.motion.covariance / np.outer(scale, scale)
         middle = (self.motion.place[:2] - self.first) / spacing
-        noise, waves = noise_of(*walls), [wave / spacing for wave in self.waves]
+        noise, waves = self._noise_of_sum(walls), [wave / spacing for wave in self.waves]
         steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
         if self.rounding**2 > MOVED * float(np.mean(steps**2)):
             noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
