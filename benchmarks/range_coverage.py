@@ -10,7 +10,7 @@ The truth of a range is the result of the true walls, without noise and missing 
 position, on the cells of the registered pair, and with the usual choices of the model. That of the
 range with other choices is the result of the same walls with random choices: peak modulus ratio
 and base radius uniform in their logarithm over `jointclosure.parameters.PLAUSIBLE`, either
-choice of soft peaks, and the usual spacing or twice as much.
+choice of soft peaks, and the usual spacing or twice as much. Grids cannot be finer than the scans.
 
     .venv/bin/python -m benchmarks.range_coverage [--first 2000] [--pairs 60] [--output FOLDER]
 

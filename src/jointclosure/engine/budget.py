@@ -104,7 +104,9 @@ NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the mode
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
 UNRESOLVED = 0.005
 """Share of the net closure of a cycle below which what stays of it is the error of its steps."""
-MULTIPLE = "multiple"  # kind of a source between a value, its inverse and, in the middle, 1
+MULTIPLE = "multiple"
+"""Kind of a source with the value of the joint, a multiple of it, or its inverse, whose change is
+opposite."""
 SHARED = "shared"  # kind of a source whose second value all variants have
 
 
@@ -138,8 +140,10 @@ class Source(NamedTuple):
         changes = np.nan_to_num(changes)  # what is not known counts as 0
         if self.kind == "range":
             return np.interp(shares, [0.0, self.usual, 1.0], [changes[0], 0.0, changes[1]])
-        if self.kind in (SHARED, MULTIPLE):  # the opposite change is as likely
+        if self.kind == SHARED:  # the error may as well have the other sign
             return (2.0 * shares - 1.0) * changes[0]
+        if self.kind == MULTIPLE:
+            return np.array([-changes[0], 0.0, changes[0]])[(3.0 * shares).astype(int)]
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
 
 

@@ -306,12 +306,7 @@ def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
         if source.varied or source.kind == SHARED:
             continue
         if source.kind == MULTIPLE:
-            factor = source.values[1]
-            lines.append(
-                f"half to twice the {TITLES[name]}"
-                if factor == 2
-                else f"1/{factor} to {factor} times the {TITLES[name]}"
-            )
+            lines.append(f"half or twice the {TITLES[name]}")
         else:
             low, high = (_text(name, value) for value in source.values)
             between = "to" if source.kind == "range" else "or"
