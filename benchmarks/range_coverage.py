@@ -222,7 +222,7 @@ def main() -> None:
             continue
         write_csv(pd.DataFrame(rows), stored)
         print(number, "closed", flush=True)
-    result = coverage(pd.DataFrame(rows))
+    result = coverage(pd.DataFrame(rows)).assign(tried=options.pairs)
     write_csv(result, options.output / "coverage.csv")
     write_origin(options.output, f"--first {options.first} --pairs {options.pairs}")
     print(result.round(3).to_string(index=False))

@@ -1,9 +1,10 @@
-"""Closures of a joint in which what the model leaves open has other values.
+"""Closures of a joint in which what is not known of it, or chosen by the model, has other values.
 
-Each source of uncertainty is varied alone, then all together: 16 joints have random values, drawn
-as a Latin hypercube (McKay, Beckman & Conover 1979). Random numbers of a source do not depend on
-the other sources. With resolved breakage all variants have twice the tolerance, which halves their
-time and hardly changes what a source does.
+Each source of uncertainty is varied alone. Then those that the range is due to are varied together:
+16 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
+the model that no range is stated of keep their usual values in these. Random numbers of a source do
+not depend on the other sources. With resolved breakage all variants have twice the tolerance, which
+halves their time and hardly changes what a source does.
 """
 
 import math
