@@ -4,16 +4,13 @@ Each upper scan is rotated by up to 180 degrees and tilted by up to 5, has anoth
 turned over or a cloud of points in some pairs; both scans have noise and missing heights.
 
     .venv/bin/python -m benchmarks.registration [--pairs 40] [--close] [--output FOLDER]
-    .venv/bin/python -m benchmarks.registration --ranges --first 100 --pairs 40
 
-The second command closes pairs of 48 cells with their range, and the walls without noise in their
-true position with random values of the inputs that are not known: does the range contain these?
+Whether ranges contain closures of the true walls is measured by `benchmarks.range_coverage`.
 """
 
 import argparse
 import math
 import time
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +18,8 @@ import pandas as pd
 import scipy
 
 import jointclosure as jc
-from jointclosure.engine.budget import ALL, CLOSURE_NET, results_of
+from jointclosure.engine.budget import CLOSURE_NET
 from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.uncertainty import Variant, sources_of, variants_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
@@ -69,7 +65,7 @@ class Truth:
         shape = (2 * cells, 2 * cells)
         walls = jc.wall_pair(
             self.about["jrc"], shape, fine, number, roll_off=None,
-            mismatch_wavelength=max(self.about["mating"], 0.0), unusual_values=True,
+            mismatch_wavelength=self.about["mating"], unusual_values=True,
         )  # fmt: skip
         self.fine, self.upper, self.lower = fine, -walls[0], walls[1]
         middle = 0.5 * fine * (np.array([shape[1], shape[0], 0]) - 1.0)
@@ -186,77 +182,25 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame([row])
 
 
-def covered(number: int, cells: int = 48, draws: int = 4) -> list[dict[str, float]]:
-    """Return ranges of a pair, and closures of its true walls [mm] with random inputs by cycle."""
-    truth = Truth(number, cells=cells)
-    spacing = paper_spacing(truth.cell)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        joint = jc.close(*truth.scans(), rock="granite", max_normal_stress=10e6, spacing=spacing)
-    assert joint.budget is not None
-    ranges = joint.budget.ranges.xs(CLOSURE_NET, level="quantity")
-    upper, lower = truth.walls(joint.pair)
-    variants = variants_of(
-        joint.conditions, sources_of(joint.conditions, upper.shape), draws, seed_of(2, number)
-    )
-    usual = Variant("usual", "", joint.conditions)
-    rows = []
-    for draw, variant in enumerate([usual, *(v for v in variants if v.source == ALL)]):
-        closed = close_walls(*variant.walls(upper, lower, None), variant.conditions)
-        table = results_of(closed).set_index("cycle")
-        for cycle, row in ranges.iterrows():
-            about = {"number": number, "draw": draw, "cycle": cycle}
-            rows.append(about | {"true": table.loc[cycle, CLOSURE_NET]} | row.to_dict())
-    return rows
-
-
-def coverage(table: pd.DataFrame) -> pd.DataFrame:
-    """Return shares of true closures within the ranges by cycle, errors from the pairs."""
-    rows = []
-    for cycle, of_cycle in table.groupby("cycle"):
-        inside = of_cycle.true.between(of_cycle.low, of_cycle.high)
-        ratios = (of_cycle["median"] / of_cycle.true)[of_cycle.draw == 0]
-        for name, kept in (("random", of_cycle.draw > 0), ("usual", of_cycle.draw == 0)):
-            of_pairs = inside[kept].groupby(of_cycle.number).mean()
-            rows.append({
-                "cycle": cycle, "inputs": name, "pairs": len(of_pairs), "inside": of_pairs.mean(),
-                "inside_error": of_pairs.std() / math.sqrt(len(of_pairs)),
-                "below": (of_cycle.true < of_cycle.low)[kept].mean(),
-                "above": (of_cycle.true > of_cycle.high)[kept].mean(),
-                "median_over_true": ratios.median(),
-                "high_over_low": (of_cycle.high / of_cycle.low).median(),
-            })  # fmt: skip
-    return pd.DataFrame(rows)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--pairs", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--close", action="store_true")
-    parser.add_argument("--ranges", action="store_true")
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
-    run = "registration_ranges" if options.ranges else "registration"
-    output = options.output or Path("benchmarks/results") / run
+    output = options.output or Path("benchmarks/results/registration")
     output.mkdir(parents=True, exist_ok=True)
     rows = []
     for number in range(options.first, options.first + options.pairs):
-        if options.ranges:
-            try:
-                rows += covered(number)
-            except jc.InputError as error:  # such as an ambiguous fit
-                print(number, error, flush=True)
-            continue
         rows.append(compared(number, options.close))
         print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
     table = pd.DataFrame(rows)
-    result = coverage(table) if options.ranges else summary(table)
-    write_csv(table, output / ("ranges.csv" if options.ranges else "registration.csv"))
-    write_csv(result, output / ("coverage.csv" if options.ranges else "summary.csv"))
-    words = [name for name in ("close", "ranges") if getattr(options, name)]
-    stated = [f"--first {options.first}", f"--pairs {options.pairs}", *(f"--{w}" for w in words)]
-    write_origin(output, " ".join(stated))
+    result = summary(table)
+    write_csv(table, output / "registration.csv")
+    write_csv(result, output / "summary.csv")
+    words = f"--first {options.first} --pairs {options.pairs}"
+    write_origin(output, words + (" --close" if options.close else ""))
     print(result.T.to_string(header=False))
 
 

@@ -8,7 +8,7 @@ appear as longer ones; a scan may be added by --scans. Warnings of undamaged wal
     .venv/bin/python -m benchmarks.scan_defects --close --pairs 4
 
 The second command closes pairs of 64 cells (granite, 10 MPa) with their range: closures over those
-of the undamaged walls, before (damaged walls as they are) and after (median and range of `close`).
+of the undamaged walls, before (damaged walls as they are) and after (best and range of `close`).
 """
 
 import argparse
@@ -238,8 +238,8 @@ def closed(pairs: int, defects: dict[str, Defect]) -> pd.DataFrame:
                 rows.append({
                     "defect": name, "number": number, "cycle": cycle, "true_mm": truth,
                     "before": before[cycle - 1] / truth, "best": row.best / truth,
-                    "median": row["median"] / truth, "low": row.low / truth,
-                    "high": row.high / truth, "inside": row.low <= truth <= row.high,
+                    "low": row.low / truth, "high": row.high / truth,
+                    "inside": row.low <= truth <= row.high,
                     "warnings": len(joint.pair.warnings),
                     "spacing_mm": 1e3 * joint.pair.spacing,
                 })  # fmt: skip
@@ -249,11 +249,11 @@ def closed(pairs: int, defects: dict[str, Defect]) -> pd.DataFrame:
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
     """Return geometric means over pairs of closures over the true ones, and ranges that hold."""
-    ratios = ["before", "best", "median", "low", "high"]
+    ratios = ["before", "best", "low", "high"]
     logs = table.assign(**{name: np.log(table[name]) for name in ratios})
     by = logs.groupby(["defect", "cycle"], sort=False)
     result = np.exp(by[ratios].mean())
-    result["median_factor"] = np.exp(by["median"].std() / math.sqrt(table.number.nunique()))
+    result["best_factor"] = np.exp(by["best"].std() / math.sqrt(table.number.nunique()))
     return result.assign(inside=by["inside"].sum(), pairs=by.size()).reset_index()
 
 

@@ -46,10 +46,11 @@ print(joint)
 print("\n".join(f"- {line}" for line in joint.pair.report))
 
 # %% [markdown]
-# How far the joint closes is known to a range only: over what the model leaves open, by source.
+# How far the joint closes is known to a range only, by errors of the scans and of the numerics. A
+# wider range has other choices of the model too.
 
 # %%
-print(joint.budget.table())
+print("\n".join(joint.budget.tables()))
 print("\n".join(f"- {line}" for line in joint.budget.sentences()))
 
 # %% [markdown]

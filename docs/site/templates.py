@@ -32,8 +32,8 @@ OLDER_SOLVER = (
     "accuracy_requests", "assessment", "conclusions", "continuum", "effects_auto", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "growth_once", "jrc_range",
     "large_pool", "later_loadings", "measured_fit", "measured_joints", "misalignment", "mismatch",
-    "numerics", "peers", "price_before", "readings_average", "registration",
-    "registration_ranges", "size", "solver_speed", "strength_bound", "variance_reduction",
+    "numerics", "peers", "price_before", "readings_average", "registration", "size",
+    "solver_speed", "strength_bound", "variance_reduction",
 )  # fmt: skip
 """Stored runs of a solver before 5cfd014e, since when joints land on their maximum as they do.
 

@@ -13,7 +13,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.results import summary
 from jointclosure.engine import scanned_joint
-from jointclosure.engine.budget import ALL
+from jointclosure.engine.budget import ALL, QUANTITIES
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.curves import stress_table
 from jointclosure.joint.rocks import named_rock
@@ -150,7 +150,9 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     closure = record["range"][0]
     assert closure["quantity"] == "max_closure_seated_net_mm"
     assert closure["best"] == record["per_cycle"]["max_closure_seated_net_mm"][0]
-    assert closure["low"] <= closure["median"] <= closure["high"]
+    for row in record["range"]:
+        assert row["low_with_choices"] <= row["low"] <= row["best"]
+        assert row["best"] <= row["high"] <= row["high_with_choices"]
     assert closure["text"] in out
     assert sum(closure["shares"].values()) >= 1.0 - 1e-9  # interactions count for each source
     assert {"spacing", "registration", "order", "compressive_strength"} <= set(closure["shares"])
@@ -159,10 +161,10 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     assert (tmp_path / "range.png").stat().st_size > 20000
     curves = pd.read_csv(tmp_path / "answer.csv")
     for name in ("closure_net_since_seating_mm", "normal_stiffness_net_MPa_per_mm"):
-        for end in ("low", "median", "high"):
-            along = curves[curves.branch == "loading"][f"{name}_{end}"]
+        for column in (f"{name}_low", name, f"{name}_high"):
+            along = curves[curves.branch == "loading"][column]
             assert (along.diff().dropna() >= -1e-9).all()
-        middle = curves[f"{name}_median"]
+        middle = curves[name]
         assert (curves[f"{name}_low"] <= middle * (1.0 + 1e-6)).all()
         assert (middle <= curves[f"{name}_high"] * (1.0 + 1e-6)).all()
     (kni,) = (row for row in record["range"] if row["quantity"] == "kni_net_MPa_per_mm")
@@ -170,6 +172,35 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
     # an end whose largest closure Vm is undetermined is not written
     assert {"porepy_high.json"} <= set(contents(tmp_path))
     assert command("report", tmp_path)[0] == 0
+
+
+def test_all_files_are_of_the_joint_as_it_was_closed(scans, tmp_path, command):
+    """Of the walls as registered, with the usual choices of the model."""
+    assert command("close", *scans, *WORDS, *COARSE, "--output", tmp_path)[0] == 0
+    answer, cycles = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("answer", "cycles"))
+    record = json.loads((tmp_path / "joint.json").read_text())
+    results = {(row["cycle"], row["quantity"]): row for row in record["range"]}
+    for cycle, rows in answer[answer.branch == "loading"].groupby("cycle"):
+        last, of_cycle = rows.iloc[-1], cycles[cycles.cycle == cycle].iloc[0]
+        for along, name in (
+            ("closure_net_since_seating_mm", "max_closure_seated_net_mm"),
+            ("mean_aperture_mm", "mean_aperture_at_max_mm"),
+        ):
+            assert last[along] == pytest.approx(of_cycle[name], rel=1e-4)
+            assert results[cycle, name]["best"] == pytest.approx(of_cycle[name], rel=1e-6)
+            assert last[f"{along}_low"] <= last[along] <= last[f"{along}_high"]
+            assert record["table"][f"cycle {cycle}"][QUANTITIES[name]].startswith(
+                results[cycle, name]["text"].split()[0]
+            )
+
+
+def test_the_noise_of_each_scan_is_stated_apart_from_roughness_below_the_grid(
+    scans, tmp_path, command
+):
+    _, out, _ = command("close", *scans, *WORDS, *COARSE, "--cycles", 1, "--output", tmp_path)
+    for side in ("upper", "lower"):
+        assert f"{side} wall: the noise of the scanner" in out
+    assert "roughness too short for the grid" in out
 
 
 STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.02, "--breakage fixed_step": None}

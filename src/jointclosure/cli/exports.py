@@ -81,7 +81,7 @@ def export_files(
 def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
     """Return the rows of the last loading from seating by endings of files.
 
-    The ending "" is that of the median, "_low" and "_high" are those of the ends of a band.
+    The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band.
     """
     usual = curves.normal_stress_MPa.isin(table_levels(history) / 1e6)  # no further named ones
     loading = curves[usual & (curves.branch == LOADING)]
@@ -96,8 +96,10 @@ def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[st
         must = f"no loading begins at or below the seating stress, {seating:g} Pa"
         raise InputError(f"{program}: {must}")
     rows, last = known[known.cycle == cycles[-1]], {}
-    for ending, end in zip(("", "_low", "_high"), members(curves, ""), strict=False):
-        of_end = {str(n).removesuffix(end): rows[n] for n in rows if str(n).endswith(end)}
+    shown = [name for name in CURVES if name in rows]
+    for number, _ in enumerate(members(curves, shown[0])):
+        ending = ("", "_low", "_high")[number]
+        of_end = {name: rows[members(curves, name)[number]] for name in shown}
         about = rows[["cycle", "normal_stress_MPa"]]
         last[ending] = pd.DataFrame(of_end | dict(about))
     return last

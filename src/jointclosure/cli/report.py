@@ -86,6 +86,9 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     }  # fmt: skip
     if record.get("at"):
         tables["named"] = pd.DataFrame(record["at"])
+    if record.get("with_other_choices"):
+        wider = pd.DataFrame(record["with_other_choices"])
+        tables["choices"] = wider.rename_axis("result").reset_index()
     return record | {
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "text": text,

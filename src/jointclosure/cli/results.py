@@ -28,6 +28,7 @@ from jointclosure.joint.curves import (
     branch_of,
     cycle_table,
     flow_statuses,
+    has_bands,
     has_flow,
     maxima_of,
     members,
@@ -102,13 +103,26 @@ def summary(
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
     head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     if budget is not None:
-        head += "; in brackets the range of 9 in 10 random sets of the inputs that are not known"
+        head += (
+            "; in brackets the range of 9 in 10 joints, by what is not known of the scans and by "
+            "stated ranges"
+        )
     lines = [head, table.to_string()]
+    if budget is not None:
+        lines += budget.tables()[1:]
     named = named_table(curves, at)
     if len(named):
         lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
     lines += [f"- {remark}" for remark in remarks]
-    answer = {"table": table.to_dict(), "at": named.to_dict("records"), "remarks": remarks}
+    choices = list(budget.choices) if budget is not None else []
+    wider = budget.wider_table().to_dict() if budget is not None and choices else {}
+    answer = {
+        "table": table.to_dict(),
+        "with_other_choices": wider,
+        "choices": choices,
+        "at": named.to_dict("records"),
+        "remarks": remarks,
+    }
     return "\n".join(lines), answer
 
 
@@ -121,7 +135,7 @@ def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
     shown = rows[["cycle", "normal_stress_MPa"]].rename(
         columns={"normal_stress_MPa": "normal stress (MPa)"}
     )
-    figures = 2 if members(curves, "")[0] else 4
+    figures = 2 if has_bands(curves) else 4
     for name in _NAMED:
         if name in curves:
             shown[CURVES[name][0]] = with_bands(rows, name, figures)

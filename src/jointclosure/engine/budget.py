@@ -1,10 +1,16 @@
 """Uncertainty budget of a joint: ranges of its results, and the share of each source in them.
 
-The change of a result is expected to be the sum of its changes with each source varied alone.
-The departures from it are those of joints that were closed with random values of all sources. The
-range is between the 5 and 95 % quantiles of the expected changes for further random values, which
-need no closures, with each of these departures: the sum is a control variate (JCGM 101:2008).
-Changes of positive results are those of logarithms, as the model's open choices act as factors.
+The range is due to what is not known of this joint: errors of the scans and of the numerics, the
+order of breakage, and properties whose ranges are stated. The change of a result is expected to be
+the sum of its changes with each source varied alone. The departures from it are those of joints
+that were closed with random values of all these sources. The range is between the 5 and 95 %
+quantiles of the expected changes for further random values, which need no closures, with
+departures of a further joint: Student's t of the few that are known (JCGM 101:2008). Changes of
+positive results are those of logarithms, those of a share are of its odds. The range contains the
+joint as it was closed.
+
+Choices of the model, such as the grid spacing, hold for all joints. Each is changed alone; their
+effects are added in the wider range with other choices, centred on the usual ones.
 
 The share of a source is its total index: the part of the variance that it takes part in, alone or
 together with others (Homma & Saltelli 1996). Variances of random sources are those among their
@@ -13,12 +19,15 @@ the departures is due to pairs of sources, in proportion to the products of thei
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
+from jointclosure.engine.numerical_error import NOT_STABLE, numerical_error, scatter_of
 from jointclosure.engine.published_joints import measured_range
 from jointclosure.engine.quantities import CURVES, HEADINGS
 from jointclosure.joint.curves import (
@@ -32,6 +41,7 @@ from jointclosure.joint.curves import (
 from jointclosure.joint.laws import BENDS, fitted_laws, parameter
 from jointclosure.joint.status import LOADING
 from jointclosure.parameters import OF_ROCK, key_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import significant
 
 RESIDUAL_NET = "residual_closure_seated_net_mm"
@@ -63,6 +73,7 @@ TITLES = {
     "noise": "noise of the scans",
     "resolution": "waves that the scans lost",
     "scale": "scale of heights",
+    "holes": "missing heights",
     ORDER: "order of breakage",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
@@ -83,11 +94,20 @@ MEASURED = (
 ALL = "all together"  # source of the variants in which all sources have random values
 OUTLYING = 0.15  # share of joints with random values beyond a best value that lies at their edge
 OUTSIDE = 0.05  # probability of a result below the range, and of one above it
-NUMBERS = ["best", "median", "low", "high"]  # columns of `Budget.ranges` that are no shares
+ENDS = ["low", "high"]  # of a range
+WIDER = [
+    "low_with_choices",
+    "high_with_choices",
+]  # of that which has other choices of the model too
+NUMBERS = ["best", *ENDS, *WIDER]
+"""Columns of `Budget.ranges` that are no shares."""
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
 UNRESOLVED = 0.005
 """Share of the net closure of a cycle below which what stays of it is the error of its steps."""
+MULTIPLE = "multiple"
+"""Kind of a source with the value of the joint, a multiple of it, or its inverse, whose change is
+opposite."""
 SHARED = "shared"  # kind of a source whose second value all variants have
 
 
@@ -96,11 +116,14 @@ class Source(NamedTuple):
 
     Of a "range" the ends, of a "choice" the alternatives, that of the joint first; of what is
     "random" the draws, that of the joint (none) first. Of a "shared" source all other variants have
-    the second value, and are compared with the joint that differs by it alone.
+    the second value, and are compared with the joint that differs by it alone. A source that is not
+    ``varied`` is a choice of the model: it is changed alone, and is no part of the range.
     """
 
     values: tuple
     kind: str = "choice"
+    varied: bool = True
+    usual: float = 0.5  # share of a "range" at which the joint lies
 
     def at(self, share: float) -> Any:
         """Return the value at a share, in [0, 1), of its range or of its alternatives."""
@@ -117,7 +140,11 @@ class Source(NamedTuple):
             return np.zeros(shares.shape)
         changes = np.nan_to_num(changes)  # what is not known counts as 0
         if self.kind == "range":
-            return changes[0] + shares * (changes[1] - changes[0])
+            return np.interp(shares, [0.0, self.usual, 1.0], [changes[0], 0.0, changes[1]])
+        if self.kind == SHARED:  # the error may as well have the other sign
+            return (2.0 * shares - 1.0) * changes[0]
+        if self.kind == MULTIPLE:
+            return np.array([-changes[0], 0.0, changes[0]])[(3.0 * shares).astype(int)]
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
 
 
@@ -126,28 +153,42 @@ class Budget(NamedTuple):
 
     ``results`` has a row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for
     random values of all), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if not closed.
-    ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``median``,
-    ``low`` and ``high`` of joints with random values, of which 9 in 10 lie between the latter; and
-    the share of each source, interactions included. Sources taken as exact are ``omitted``.
-    ``curves`` is the `stress_table` of the joint, with median, low and high of each of `CURVES`;
-    ``flow_status`` is there that of the variant of whose flow least is known.
+    ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``low`` and
+    ``high``, between which 9 in 10 joints with random values lie; the same with other choices of
+    the model too (`WIDER`); and the share of each source in the latter, interactions included.
+    Sources taken as exact are ``omitted``. ``curves`` is the `stress_table` of the joint, with low
+    and high of each of `CURVES`; ``flow_status`` is there that of the variant of whose flow least
+    is known. ``choices`` describes the choices of the model that were changed. ``numerical`` is
+    that of `numerical_errors_of`.
     """
 
     results: pd.DataFrame
     ranges: pd.DataFrame
     omitted: tuple[str, ...]
     curves: pd.DataFrame = pd.DataFrame()
+    choices: tuple[str, ...] = ()
+    numerical: pd.DataFrame = pd.DataFrame(columns=["cycle", "quantity", "error", "scatter", "by"])
 
     def __str__(self) -> str:
-        return "\n".join([self.table().to_string(), *(f"- {line}" for line in self.sentences())])
+        return "\n".join([*self.tables(), *(f"- {line}" for line in self.sentences())])
+
+    def tables(self) -> list[str]:
+        """Format the results, and below them the ranges with other choices of the model."""
+        lines = [self.table().to_string()]
+        if self.choices:
+            about = ", ".join(self.choices)
+            lines += [f"range with other choices of the model besides ({about})"]
+            lines += [self.wider_table().to_string()]
+        return lines
 
     def sentences(self) -> list[str]:
         """Describe what the range is due to, what it leaves out, and what is known of the model."""
         closure = next(iter(QUANTITIES))
         cycles = self.ranges.index.unique("cycle")
         lines = [
-            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources in the range, interactions "
-            f"included: {self._shares(cycle, closure)}"
+            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources in the range"
+            f"{' with other choices of the model' if self.choices else ''}, interactions included: "
+            f"{self._shares(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
         for quantity in (closure, STIFFNESS):
@@ -189,15 +230,26 @@ class Budget(NamedTuple):
         return lines
 
     def _numerical_error(self, quantity: str) -> list[str]:
-        """Describe the change of a result by other steps, which is about its numerical error."""
-        varied = self.results[self.results.source == "breakage"].set_index("cycle")
-        best = self.results[self.results.source == ""].set_index("cycle")[quantity]
-        changes = (100.0 * (varied[quantity] / best - 1.0).abs()).dropna()
-        if not len(changes):
+        """Describe the numerical error of a result, and of which cycles it is not stable."""
+        known = self.numerical[self.numerical.quantity == quantity].dropna(subset="error")
+        if known.empty:
             return []
-        of_cycles = ", ".join(f"{change:.2g} % on cycle {n}" for n, change in changes.items())
-        by = varied.value.iloc[0]
-        return [f"{QUANTITIES[quantity]}: numerical error about {of_cycles} (by {by})"]
+        errors = (f"{100.0 * row.error:.2g} % on cycle {row.cycle}" for row in known.itertuples())
+        by = ", ".join(known.by.unique())
+        lines = [
+            f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} in nine of ten "
+            f"joints (by {by})"
+        ]
+        unstable = known[known.scatter > NOT_STABLE]
+        if len(unstable):
+            scatter = (
+                f"{100.0 * row.scatter:.2g} % on cycle {row.cycle}" for row in unstable.itertuples()
+            )
+            lines.append(
+                f"{QUANTITIES[quantity]}: this joint is not stable, as copies that must close "
+                f"alike scatter by {', '.join(scatter)} (stable: up to {100.0 * NOT_STABLE:.0f} %)"
+            )
+        return lines
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
         """Describe a joint whose best value is at the edge of those of random inputs."""
@@ -215,11 +267,14 @@ class Budget(NamedTuple):
         ]
 
     def record(self) -> list[dict]:
-        """Return `ranges` for JSON, one entry per cycle and quantity."""
+        """Return `ranges` and numerical errors for JSON, one entry per cycle and quantity."""
         rows = self.ranges.astype(object).where(self.ranges.notna(), None)
+        numerical = self.numerical.dropna(subset="error").set_index(["cycle", "quantity"])
+        errors = numerical.error.astype(float).to_dict()
         return [
             {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
             | row[NUMBERS].to_dict()
+            | {"numerical_error": errors.get((cycle, quantity))}
             | {"shares": row.drop(NUMBERS).to_dict()}
             for (cycle, quantity), row in rows.iterrows()
         ]
@@ -229,16 +284,25 @@ class Budget(NamedTuple):
         return table_of(self.ranges.index.unique("cycle"), self.text)
 
     def text(self, cycle: int, quantity: str) -> str:
-        """Format the median and the range of a result with two digits: "0.18 (0.13 to 0.24)"."""
+        """Format a result of the joint and its range with two digits: "0.18 (0.13 to 0.24)"."""
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
-        if quantity == VM and np.isnan(row["median"]):
+        if quantity == VM and np.isnan(row.best):
             return UNDETERMINED
-        least = 0.005 * (row.high - row.low)  # less is shown as 0
-        values = (row["median"], row.low, row.high)
-        first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
+        first, low, high = _shown(row.best, row.low, row.high)
         return f"{first} ({low} to {high})"
+
+    def wider_table(self) -> pd.DataFrame:
+        """Return the ranges with other choices of the model as text, as in `table`."""
+
+        def text(cycle: int, quantity: str) -> str:
+            row = self.ranges.loc[cycle, quantity]
+            if not self.modelled(cycle, quantity) or np.isnan(row[WIDER].astype(float)).any():
+                return ""
+            return " to ".join(_shown(*row[WIDER]))
+
+        return table_of(self.ranges.index.unique("cycle"), text)
 
     def modelled(self, cycle: int, quantity: str) -> bool:
         """Return whether any variant has a result other than 0."""
@@ -251,6 +315,12 @@ class Budget(NamedTuple):
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
         return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
+
+
+def _shown(*values: float) -> tuple[str, ...]:
+    """Format numbers with two digits, and as 0 what is little beside the distance of the last."""
+    least = 0.005 * (values[-1] - values[-2])
+    return tuple(_two_digits(0.0 if abs(value) < least else value) for value in values)
 
 
 def _two_digits(value: float) -> str:
@@ -274,6 +344,40 @@ def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataF
     """Arrange texts of results, quantities over cycles."""
     columns = {f"cycle {cycle}": [text(cycle, name) for name in QUANTITIES] for cycle in cycles}
     return pd.DataFrame(columns, index=list(QUANTITIES.values()))
+
+
+def numerical_errors_of(results: pd.DataFrame, shared: bool, cells: int) -> pd.DataFrame:
+    """Return the numerical error of net closure and net stiffness, from the rows of a budget.
+
+    Parameters
+    ----------
+    results : DataFrame
+        As `Budget.results`.
+    shared : bool
+        Whether copies have the changed steps, and not those of the joint.
+    cells : int
+        Number of cells of the joint.
+
+    Returns
+    -------
+    DataFrame
+        One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
+        other steps are known), the ``scatter`` of copies [1], and ``by`` which steps and copies.
+    """
+    rows = []
+    for cycle, here in results.groupby("cycle"):
+        joint, steps, copies = (here[here.source == name] for name in ("", "breakage", ORDER))
+        for quantity in (CLOSURE_NET, STIFFNESS):
+            value = float(joint[quantity].iloc[0])
+            others, alike = steps[quantity].tolist(), copies[quantity].tolist()
+            same = [*others, *alike] if shared else [value, *alike]
+            changed = [*others, *alike] if shared else others
+            contacts = float(joint[CONTACT].iloc[0]) * cells
+            every = [value, *same] if shared else same
+            error = numerical_error(value, changed, every, contacts)
+            by = f"{', '.join(steps.value)} and {len(alike)} copies"
+            rows.append((cycle, quantity, error, scatter_of(same), by))
+    return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
 
 
 def ranges_of(
@@ -331,15 +435,39 @@ def _range_of(
         }
         for of_joints in (shares, further)
     )
-    slope, departures = _departures(drawn, np.sum(list(expected.values()), axis=0))
-    all_joints = slope * np.sum(list(of_further.values()), axis=0)[:, None] + departures
-    middle = np.quantile(all_joints, [0.5, OUTSIDE, 1.0 - OUTSIDE])
-    numbers = best * np.exp(middle) if factors else best + middle
+    slope, departures = _departures(drawn, _sum(expected, sources, True))
+    centre, scatter = departures.mean(), np.sqrt((departures.size + 1) / departures.size)
+    scatter *= departures.std(ddof=1) if departures.size > 1 else 0.0
+    further_departures = centre + scatter * _student_t(len(further), max(departures.size - 1, 1))
+    of_range = slope * _sum(of_further, sources, True) + further_departures
+    wider = of_range + _sum(of_further, sources, False)
+    ends = np.quantile([of_range, wider], [OUTSIDE, 1.0 - OUTSIDE], axis=1).T
+    ends[:, 0], ends[:, 1] = np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)
+    ends[1] = min(ends[0, 0], ends[1, 0]), max(ends[0, 1], ends[1, 1])
+    numbers = best * np.exp(ends.ravel()) if factors else best + ends.ravel()
     numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
-    variances = {name: slope**2 * float(values.var()) for name, values in of_further.items()}
-    scatter = {name: changes[name] for name in sources if sources[name].kind == "random"}
+    variances = {
+        name: (slope**2 if sources[name].varied else 1.0) * float(of_source.var())
+        for name, of_source in of_further.items()
+    }
+    random = {name: changes[name] for name in sources if sources[name].kind == "random"}
     row = dict(zip(NUMBERS, (best, *numbers), strict=True))
-    return row | total_indices(variances, scatter, float(departures.var()))
+    return row | total_indices(variances, random, float(departures.var()))
+
+
+@lru_cache
+def _student_t(count: int, freedom: int) -> np.ndarray:
+    """Return quantiles (count,) of Student's t at equal probabilities, in random order."""
+    order = generator(seed_of(1, "departures")).permutation(count)
+    return scipy.stats.t.ppf((order + 0.5) / count, freedom)
+
+
+def _sum(
+    changes: Mapping[str, np.ndarray], sources: Mapping[str, Source], varied: bool
+) -> np.ndarray:
+    """Return the sum of the changes (n,) by sources that are varied in the range, or not."""
+    chosen = [values for name, values in changes.items() if sources[name].varied == varied]
+    return np.sum(chosen, axis=0) if chosen else np.zeros(next(iter(changes.values())).shape)
 
 
 def bands_of(
@@ -362,28 +490,28 @@ def bands_of(
                 known &= row["flow_status"] not in ONLY_BOUNDS
             about = sources, shares, further, least[stress > curves.normal_stress_MPa.min()][name]
             numbers = _range_of(values, *about) if known else {}
-            for number in NUMBERS[1:]:
+            for number in ENDS:
                 row[f"{name}_{number}"] = numbers.get(number, np.nan)
         rows.append(row)
     bands = pd.DataFrame(rows).infer_objects().reset_index(drop=True)
-    for name, rises in [(f"{name}_{n}", CURVES[name][1]) for name in shown for n in NUMBERS[1:]]:
-        for _, column in bands.groupby(places[:2])[name]:
-            known = column.dropna()
-            if len(known):
-                at = bands.normal_stress_MPa[known.index].to_numpy()
-                bands.loc[known.index, name] = monotone_curve(at, known.to_numpy(), rises)
-    for name in shown:  # each end is a curve by itself, and does not cross the median
-        median, low, high = (f"{name}_{number}" for number in NUMBERS[1:])
-        bands[low] = np.minimum(bands[low], bands[median])
-        bands[high] = np.maximum(bands[high], bands[median])
+    for name in shown:
+        rises, (low, high) = CURVES[name][1], (f"{name}_{end}" for end in ENDS)
+        for _, rows in bands.groupby(places[:2]):
+            known = rows[[name, low, high]].dropna()
+            if known.empty:
+                continue
+            stress, joint = rows.normal_stress_MPa[known.index].to_numpy(), known[name].to_numpy()
+            ends = [monotone_curve(stress, known[end].to_numpy(), rises) for end in (low, high)]
+            if (np.diff(joint) * (1.0 if rises else -1.0) >= 0.0).all():
+                ends = [np.minimum(ends[0], joint), np.maximum(ends[1], joint)]
+            bands.loc[known.index, [low, high]] = np.transpose(ends)
     return with_transmissivity(bands)
 
 
 def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:
     """Return the slope of changes (draws,) against those expected, and departures from the line.
 
-    It is at most 1, as sources with the same effect do not add up. Departures are scaled from a
-    sample to a further joint.
+    It is at most 1, as sources with the same effect do not add up.
     """
     known = np.isfinite(drawn)
     drawn, sums = drawn[known], sums[known]
@@ -392,9 +520,7 @@ def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]
     centred = sums - sums.mean()
     square = float(centred @ centred)
     slope = float(np.clip(centred @ drawn / square, 0.0, 1.0)) if square > 0.0 else 1.0
-    departures = drawn - slope * sums
-    centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
-    return slope, centre + scale * (departures - centre)
+    return slope, drawn - slope * sums
 
 
 def total_indices(

@@ -49,7 +49,7 @@ def coarser(shape: tuple[int, int], spacing: float) -> str:
     step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
     return (
         f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
-        "less, but a cell is an asperity: its effect is in the range as grid spacing"
+        "less, but a cell is an asperity: its effect is in the range with other choices"
     )
 
 

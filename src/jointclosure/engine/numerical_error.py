@@ -1,4 +1,4 @@
-"""Numerical error of a result of one joint, as a statement that holds in 95 % of joints.
+"""Numerical error of a result of one joint, as a statement that holds in at least nine of ten.
 
 Two things are observed. The joint with other steps shows how results move with the tolerance. Its
 copies, which must close alike but for rounding (`engine.uncertainty.COPIES`), show how results
@@ -32,7 +32,7 @@ NOT_STABLE = 0.2
 def numerical_error(
     value: float, changed: Sequence[float], copies: Sequence[float], contacts: float
 ) -> float:
-    """Return the largest numerical error of a result, over it, with a probability of 95 %.
+    """Return the numerical error of a result, over it, that at least nine of ten joints keep.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -38,6 +39,7 @@ from jointclosure.parameters import Numerics
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.scans import read_scan
 
 Wall = str | Path | Sequence[str | Path] | Scan | Cloud
@@ -231,14 +233,9 @@ def close(
         print(f"{rock_text(of_pair.rock, name)}; {cells}: {of_pair.load_text()}")
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
     errors = None if single else pair.errors
-    if errors and errors.noise[1] > 0.0:
-        size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
-        noisy = (
-            f"noise of both scans together, with waves too short for the grid: {size} um, by their "
-            "power spectra"
-        )
-        pair = pair._replace(report=[*pair.report, noisy])
-        remark([noisy], ())
+    noisy = _about_noise(pair, errors)
+    pair = pair._replace(report=[*pair.report, *noisy])
+    remark(noisy, ())
     if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors, workers):
         forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
         remark(forecast, forecast)
@@ -265,6 +262,28 @@ def close(
         )
         return joint._replace(pair=pair._replace(report=[*pair.report, stopped]))
     return joint._replace(budget=budget)
+
+
+def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
+    """State the noise of each scan, and what keeps the walls apart at the shortest waves."""
+    lines = []
+    for side, low, high in pair.scan_noise:
+        if np.isfinite(high):
+            least = f"{1e6 * low:.2g} to" if low > 0.0 else "0 (not significant) to"
+            lines.append(
+                f"{side} wall: the noise of the scanner is {least} {1e6 * high:.2g} um (white "
+                "noise of each height, 95 % interval)"
+            )
+        else:
+            lines.append(f"{side} wall: the noise of the scanner cannot be told from the heights")
+    if errors and errors.noise[1] > 0.0:
+        size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
+        lines.append(
+            f"at the shortest waves of the grid both walls together depart from a smooth spectrum "
+            f"or from each other by {size} um rms: noise of the scanner, and roughness too short "
+            "for the grid, which turning a wall interpolates; the range has other draws of both"
+        )
+    return lines
 
 
 def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:

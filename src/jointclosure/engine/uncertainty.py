@@ -1,11 +1,13 @@
-"""Closures of a joint in which what the model leaves open has other values.
+"""Closures of a joint in which what is not known of it, or chosen by the model, has other values.
 
-Each source of uncertainty is varied alone, then all together: 16 joints have random values, drawn
-as a Latin hypercube (McKay, Beckman & Conover 1979). Random numbers of a source do not depend on
-the other sources. With resolved breakage all variants have twice the tolerance, which halves their
-time and hardly changes what a source does.
+Each source of uncertainty is varied alone. Then those that the range is due to are varied together:
+16 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
+the model that no range is stated of keep their usual values in these. Random numbers of a source do
+not depend on the other sources. With resolved breakage all variants have twice the tolerance, which
+halves their time and hardly changes what a source does.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -16,6 +18,7 @@ import xarray as xr
 
 from jointclosure.engine.budget import (
     ALL,
+    MULTIPLE,
     ORDER,
     QUANTITIES,
     SHARED,
@@ -23,6 +26,7 @@ from jointclosure.engine.budget import (
     Budget,
     Source,
     bands_of,
+    numerical_errors_of,
     ranges_of,
     results_of,
 )
@@ -63,15 +67,16 @@ COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 """Copies of a wall that close alike but for rounding and the order of breakage."""
 _FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
-    name: name for name in ("noise", "resolution", "scale")
+    name: name for name in ("noise", "resolution", "scale", "holes")
 }
 """Fields of a variant by the names of the sources that change its walls."""
 
 
 class Variant(NamedTuple):
     """A joint with other values: every ``step``-th cell of the grid, random draws of errors of the
-    scans by their number (``place``, ``noise``, ``resolution``, ``scale``; 0 for none), and one of
-    `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not resolve.
+    scans by their number (``place``, ``noise``, ``resolution``, ``scale``, ``holes``; 0 for none),
+    and one of `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not
+    resolve.
     """
 
     source: str
@@ -82,6 +87,7 @@ class Variant(NamedTuple):
     noise: int = 0
     resolution: int = 0
     scale: int = 0
+    holes: int = 0
     copy: str = "as it is"
 
     def walls(self, upper: np.ndarray, lower: np.ndarray, errors: ScanErrors | None) -> Walls:
@@ -97,6 +103,8 @@ class Variant(NamedTuple):
             upper, lower = errors.with_other_noise(upper, lower, self.noise)
         if errors and self.place:
             upper = errors.displaced(upper, self.place)
+        if errors and self.holes:
+            upper, lower = errors.with_filled_holes(upper, lower, self.holes)
         upper, lower = (COPIES[self.copy](wall) for wall in (upper, lower))
         return upper[::step, ::step], lower[::step, ::step]
 
@@ -132,13 +140,13 @@ def sources_of(
     """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
     _check_ranges(conditions, ranges)
     effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
-    sources, step = {}, COARSER
+    sources = {}
     if "spacing" in ranges:
-        step = round(ranges["spacing"][1] / conditions.grid_spacing)
-    if errors and errors.step > 1 and "spacing" not in ranges:
+        sources["spacing"] = Source((1, round(ranges["spacing"][1] / conditions.grid_spacing)))
+    elif errors and errors.step > 1:
         sources["spacing"] = Source((1, 1 / errors.step))
-    elif min(shape) >= 8 * step:
-        sources["spacing"] = Source((1, step))
+    elif min(shape) >= 8 * COARSER:
+        sources["spacing"] = Source((1, COARSER), MULTIPLE, False)
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
         resolved = numerics.breakage == "resolved"
         if resolved and numerics.tolerance <= 0.05:  # it is at most 0.1
@@ -154,18 +162,36 @@ def sources_of(
         sources["resolution"] = Source((0, 1, 2), "random")
     if errors and errors.scale != 1.0:
         sources["scale"] = Source((0, 1, 2), "random")
+    if errors and errors.holes.any():
+        sources["holes"] = Source((0, 1, 2), "random")
     if effects.breakage:
         sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
     acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
     acting["peaks"] = effects.soft_peaks and effects.breakage
     for name, ends in PLAUSIBLE.items():
-        values = tuple(ranges.get(name, ends))
-        if acting[name] and isinstance(values[0], str):
-            joint = getattr(choices, name)
-            sources[name] = Source((joint, *(value for value in values if value != joint)))
-        elif acting[name]:
-            sources[name] = Source(values, "range")
-    return sources | {name: Source(ranges[name], "range") for name in OF_ROCK if name in ranges}
+        values, stated = tuple(ranges.get(name, ends)), name in ranges
+        if not acting[name]:
+            continue
+        joint = getattr(choices, name)
+        if isinstance(joint, str):
+            others = (value for value in values if value != joint)
+            sources[name] = Source((joint, *others), "choice", stated)
+        else:
+            sources[name] = _range_about(joint, values, stated)
+    for name in OF_ROCK:
+        if name in ranges:
+            joint = getattr(both_walls(conditions.rock)[0], name)
+            sources[name] = _range_about(joint, ranges[name], True)
+    return sources
+
+
+def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
+    """Return the source of a number that the joint has and that may be between two ends."""
+    low, high = min(joint, ends[0]), max(joint, ends[1])
+    part = (
+        math.log(joint / low) / math.log(high / low) if low > 0.0 else (joint - low) / (high - low)
+    )
+    return Source((low, high), "range", varied, part)
 
 
 def variants_of(
@@ -179,11 +205,14 @@ def variants_of(
     for name, source in sources.items():
         for value in source.values[0 if source.kind == "range" else 1 :]:
             yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
-    for row in random_shares(sources, draws, seed):
-        drawn = joint._replace(source=ALL)
-        texts = []
+    fixed = {name for name, source in sources.items() if source.kind == SHARED or not source.varied}
+    for number, row in enumerate(random_shares(sources, draws, seed)):
+        drawn, texts = joint._replace(source=ALL), []
+        if not sources.keys() - fixed - {ORDER}:  # only the order of breakage is left
+            copy = list(COPIES)[1 + number % (len(COPIES) - 1)]
+            drawn, texts = drawn.changed(ORDER, copy), [f"{TITLES[ORDER]} {copy}"]
         for share, (name, source) in zip(row, sources.items(), strict=True):
-            if name == ORDER or source.kind == SHARED:  # another order, and the same steps, in all
+            if name == ORDER or name in fixed:  # another order, and the same steps, in all
                 continue
             value = source.at(float(share))
             drawn = drawn.changed(name, value)
@@ -206,7 +235,7 @@ def _text(name: str, value: Any) -> str:
         if value < 1:
             return f"a spacing {1 / value:.0f} times as fine"
         return f"every {value}. cell" if value > 1 else "every cell"
-    if name in ("registration", "noise", "resolution", "scale"):
+    if name in ("registration", "noise", "resolution", "scale", "holes"):
         return f"draw {value}"
     if name == "breakage":
         resolved = value.breakage == "resolved"
@@ -267,9 +296,28 @@ def uncertainty_budget(
     exact = "registration", *acting(both_walls(conditions.rock)[0])
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
-    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.0
+    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
-    return Budget(results, ranges_of(results, sources, shares, further), omitted, bands)
+    ranges_found = ranges_of(results, sources, shares, further)
+    of_steps = sources.get("breakage")
+    shared = of_steps is not None and of_steps.kind == SHARED
+    numerical = numerical_errors_of(results, shared, upper.size)
+    return Budget(results, ranges_found, omitted, bands, _choices(sources), numerical)
+
+
+def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
+    """Describe the choices of the model that are not varied in the range, and their values."""
+    lines = []
+    for name, source in sources.items():
+        if source.varied or source.kind == SHARED:
+            continue
+        if source.kind == MULTIPLE:
+            lines.append(f"half or twice the {TITLES[name]}")
+        else:
+            low, high = (_text(name, value) for value in source.values)
+            between = "to" if source.kind == "range" else "or"
+            lines.append(f"{TITLES[name]} {low} {between} {high}")
+    return tuple(lines)
 
 
 def threads_for(cells: int, workers: int | None = None) -> int:

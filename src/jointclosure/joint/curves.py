@@ -541,10 +541,15 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
     return curves.assign(**added)
 
 
+def has_bands(curves: pd.DataFrame) -> bool:
+    """Return whether a `stress_table` has bands."""
+    return "closure_net_since_seating_mm_low" in curves
+
+
 def members(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return the columns of a quantity: median, low and high, or one; endings for the name ""."""
-    if f"{name or 'closure_net_since_seating_mm'}_median" in curves:
-        return [f"{name}_{member}" for member in ("median", "low", "high")]
+    """Return the columns of a quantity: that of the joint, and low and high if it has a band."""
+    if f"{name}_low" in curves:
+        return [name, f"{name}_low", f"{name}_high"]
     return [name]
 
 

@@ -131,12 +131,14 @@ class Choices(NamedTuple):
 
 
 PLAUSIBLE: dict[str, tuple[Any, Any]] = {
-    "peak_modulus_ratio": (0.01, 0.2),
-    "base_radius_in_cells": (0.25, 0.5),
+    "peak_modulus_ratio": (0.0125, 0.2),
+    "base_radius_in_cells": (0.35, 0.71),
     "peaks": ("pristine", "current"),
 }
-"""Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range, or
-the alternatives. ASSUMPTION: the ends; the paper cites two sources for a ratio of 0.05."""
+"""Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range about
+the usual value, which is the middle of their logarithms, or the alternatives. ASSUMPTION: the ends;
+the paper cites two sources for a ratio of 0.05. A circle around a cell has a radius of 0.71, one in
+it 0.5."""
 
 
 class Numerics(NamedTuple):

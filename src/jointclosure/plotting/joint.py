@@ -9,7 +9,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.budget import ALL, CLOSURE_GROSS, CLOSURE_NET, NUMBERS, TITLES, Budget
+from jointclosure.engine.budget import (
+    ALL,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    NUMBERS,
+    TITLES,
+    WIDER,
+    Budget,
+)
 from jointclosure.engine.quantities import CURVES
 from jointclosure.joint.curves import (
     GROSS,
@@ -17,6 +25,7 @@ from jointclosure.joint.curves import (
     WATER,
     branch_of,
     former_maximum,
+    has_bands,
     has_flow,
     members,
     read_along,
@@ -37,11 +46,11 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
         if ranges is not None:
             # at the largest stress, each cycle above the one before
             for row, (cycle, ends) in enumerate(ranges.xs(column, level=1).iterrows(), start=1):
-                median, stress = ends["median"], 1e-6 * float(closed.normal_stress.max())
+                stress = 1e-6 * float(closed.normal_stress.max())
                 axes.errorbar(
-                    median, stress * (1.0 + 0.03 * row),
-                    xerr=[[median - ends.low], [ends.high - median]], fmt="o", ms=4, capsize=3,
-                    color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
+                    ends.best, stress * (1.0 + 0.03 * row),
+                    xerr=[[ends.best - ends.low], [ends.high - ends.best]], fmt="o", ms=4,
+                    capsize=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
                 )  # fmt: skip
         draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
@@ -70,11 +79,13 @@ def range_figure(budget: Budget, title: str) -> Figure:
             label = None if place else "one source changed"
             axes.plot(values, [place] * values.size, "o", color="C0", label=label)
         drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
-        label = "9 in 10 of random sets, with their median as a gap"
+        label = "range of 9 in 10"
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
+        if budget.choices:
+            label = "with other choices of the model"
+            axes.plot(row[WIDER], [len(shares)] * 2, "-", color="C1", lw=1, label=label)
         label = "random sets that were closed"
         axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5, label=label)
-        axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
         axes.plot(row.best, len(shares), "o", color="C1", label="best value")
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
         labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
@@ -127,16 +138,15 @@ def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
 
 def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = False) -> None:
     """Draw a column over stress, or ``across`` it, by cycle and branch, with bands of loadings."""
-    middle = members(curves, name)[0]
     fill = axes.fill_betweenx if across else axes.fill_between
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
         order, colour = above(cycle, branch), f"C{cycle - 1}"
         stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
-        if middle != name and branch == LOADING:
+        if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
             fill(stress, low, high, color=colour, alpha=0.2, lw=0.0, label=band)
-        at = (rows[middle], stress) if across else (stress, rows[middle])
+        at = (rows[name], stress) if across else (stress, rows[name])
         axes.plot(*at, BRANCH_LINES[branch], color=colour, label=label, zorder=order)
     axes.set(xlabel="normal stress (MPa)", ylabel=CURVES[name][0], xlim=0.0)
 
@@ -151,8 +161,8 @@ def engineering_figure(
     """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
     curves = stress_table(history) if curves is None else curves
     shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
-    if members(curves, "")[0]:
-        title += ": medians, and nine in ten of the joints that inputs allow"
+    if has_bands(curves):
+        title += ": with bands of nine in ten joints that the scans allow"
     _, panels = subplots(*shape, figsize=size, title=title)
     panels = panels.ravel()
     _draw_closure(panels[0], history, curves, laws)
@@ -176,7 +186,7 @@ def _draw_closure(
     _draw_along(axes, loading, "closure_net_since_seating_mm", across=True)
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
-    middle, law = members(curves, "closure_net_since_seating_mm")[0], LAWS["hyperbolic"]
+    middle, law = "closure_net_since_seating_mm", LAWS["hyperbolic"]
     for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
         if not former_maximum(history, int(cycle)):  # a loading beyond it is no hyperbola
             known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
@@ -202,7 +212,7 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
         label = "upper bound" if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
-    known = curves[members(curves, name)[0]]
+    known = curves[name]
     if (known > 0.0).any():
         top = 3.0 * known.max()
         axes.set(yscale="log", ylim=(1e-9 * top, None))

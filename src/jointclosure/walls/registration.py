@@ -9,7 +9,7 @@ from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.standard_errors import CONFIDENCE
-from jointclosure.walls import gridding, plausibility
+from jointclosure.walls import Walls, gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
 from jointclosure.walls.levelling import levelled, slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
@@ -34,6 +34,7 @@ from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
 from jointclosure.walls.scan_quality import (
     MOVED,
+    noise_of_scan,
     resolution_remarks,
     rounding_of,
     shortest_wave,
@@ -93,11 +94,28 @@ class RegisteredPair(NamedTuple):
     fine: FineWalls | None = None
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    scan_noise: tuple[tuple[str, float, float], ...] = ()
+    """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
+    its white noise, NaN if it is not known (`jointclosure.walls.scan_quality.noise_of_scan`)."""
 
     @property
     def warnings(self) -> list[Caution]:
         """Warnings among the sentences of the report."""
         return cautions(self.report)
+
+    def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
+        """Return the least and largest noise [m] of the sum of walls (y, x) [m] on the grid.
+
+        It has all that departs at the shortest waves, of which waves too short for the grid are a
+        part that turning a wall replaces by others. Where the spectra tell none, it is that of the
+        scanners.
+        """
+        low, high = noise_of(*walls)
+        intervals = np.array([ends for _, *ends in self.scan_noise]).reshape(-1, 2)
+        if not np.isfinite(intervals).all() or not intervals.size:
+            return low, high
+        least, most = np.sqrt((intervals**2).sum(axis=0))
+        return max(low, float(least)), max(high, float(least if high > 0.0 else most))
 
     @property
     def errors(self) -> ScanErrors:
@@ -110,7 +128,7 @@ class RegisteredPair(NamedTuple):
             offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
             covariance = self.motion.covariance / np.outer(scale, scale)
         middle = (self.motion.place[:2] - self.first) / spacing
-        noise, waves = noise_of(*walls), [wave / spacing for wave in self.waves]
+        noise, waves = self._noise_of_sum(walls), [wave / spacing for wave in self.waves]
         steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
         if self.rounding**2 > MOVED * float(np.mean(steps**2)):
             noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
@@ -208,6 +226,7 @@ def registered(
         for side in _SIDES
     )
     waves = upper_wave, lower_wave
+    noises = tuple((side, *noise_of_scan(scan)) for side, scan in measured.items())
     steps = [rounding_of(scan).heights for scan in measured.values()]
     rounding = float(np.sqrt(np.sum(np.square(steps)) / 12.0))
     (fine, finest), scans = scans, _not_finer(scans, spacing, report)
@@ -270,7 +289,7 @@ def registered(
         spacing *= step
     in_frame = name == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _described(overlap, spacing, name, fits, motion, mated, in_frame, report)
-    pair = pair._replace(fine=finer, waves=waves, rounding=rounding)
+    pair = pair._replace(fine=finer, waves=waves, rounding=rounding, scan_noise=noises)
     if not flat and differs(*(scale := scale_of(*walls_at))):
         report.append(_scaled(*scale))
     walls = {"upper": pair.upper, "lower": pair.lower}

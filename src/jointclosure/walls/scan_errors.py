@@ -18,6 +18,7 @@ import scipy
 
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
+from jointclosure.walls.gridding import filled
 from jointclosure.walls.roughness import detrended
 
 _EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents of walls without noise
@@ -110,6 +111,21 @@ class ScanErrors(NamedTuple):
             drawn.append(scipy.fft.idctn(kept[ring] * waves + scatter[ring] * other, norm="ortho"))
         one = detrended(np.where(self.holes, upper, drawn[0]))
         return one, detrended(np.where(self.holes, lower, drawn[1]))
+
+    def with_filled_holes(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
+        """Draw heights in the holes, which are out of contact in walls (y, x) [m] as registered.
+
+        The sum of both walls is interpolated, and departs from that as a random field with its
+        spectrum departs from its interpolation (conditional simulation, Journel & Huijbregts 1978).
+        """
+        random = generator(seed_of(1, "holes", number))
+        together = upper + lower
+        smooth = filled(np.where(self.holes, np.nan, together), "linear", 1.0)
+        power = _ring_means(_waves(smooth) ** 2)[_ring_numbers(upper.shape)]
+        drawn = scipy.fft.idctn(np.sqrt(power) * random.standard_normal(power.shape), norm="ortho")
+        departure = drawn - filled(np.where(self.holes, np.nan, drawn), "linear", 1.0)
+        change = np.where(self.holes, smooth + departure - together, 0.0)
+        return upper + change * upper.any(), lower + change * (not upper.any())
 
     def with_one_scale(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
         """Bring walls (y, x) [m] to one scale of heights, between those of both scans."""

@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
 from jointclosure.walls.measures import difference
 from jointclosure.walls.outliers import neighbours
@@ -39,6 +40,13 @@ _ORDER = 3  # of the differences
 _LAGS = (1, 2, 3, 4, 6, 8)
 _HALF = 2.0 * math.pi / math.sqrt(math.log(2.0))
 """Wavelength at which a Gaussian filter leaves half of the power, over its standard deviation."""
+_NOISE_ORDER, _NOISE_LAGS = 4, (1, 2, 3)
+"""Order and distances of differences beside which noise is fitted. Waves near a roll-off of 3 mm
+hardly enter; with second differences, or to six cells, they were taken for a law without noise."""
+_WHITE = float(math.comb(2 * _NOISE_ORDER, _NOISE_ORDER))
+"""Mean square of such a difference of white noise, over its variance."""
+_BLOCKS = 4  # parts of a scan along each side, of which one is left out by the jackknife
+_NOISE_EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents beside which noise is fitted
 _WIDTHS = np.concatenate([[0.0], np.geomspace(0.3, 8.0, 40)])
 _EXPONENTS = np.linspace(0.5, 1.0, 6)  # Hurst exponents of rock
 
@@ -150,6 +158,94 @@ def _expected() -> np.ndarray:
         power = (square ** (-exponent - 1.0) * np.exp(-square * width**2)).sum(axis=0)
         rows.append(np.log(along @ power))
     return np.reshape(rows, (len(_EXPONENTS), len(_WIDTHS), len(_LAGS)))
+
+
+def noise_of_scan(scan: Scan | Cloud) -> tuple[float, float]:
+    """Estimate the standard deviation [m] of a scan's white noise: its 95 % interval, or NaN.
+
+    Of points without a grid the least is 0, and the largest that of `noise_of_points`.
+    """
+    if isinstance(scan, Scan):
+        return noise_of_grid(scan)
+    most = noise_of_points(scan)
+    return (0.0, most) if most > 0.0 else (math.nan, math.nan)
+
+
+def noise_of_grid(scan: Scan) -> tuple[float, float]:
+    """Estimate the white noise of a scanned grid's heights, its 95 % interval [m].
+
+    White noise of standard deviation s adds 70 s^2 to the mean squared fourth differences of
+    heights at each distance d. Those of a self-affine wall grow as d^(2H) where waves are shorter
+    than the grid as well, which its nodes sample, and otherwise as those of a wall whose spectrum
+    ends at the grid. Heights do not tell which law holds: the interval has those of both. Each fit
+    has an amplitude along x and along y, H from 0.3 to 1, and s^2, which may come out negative. Its
+    standard error is that of a jackknife over `_BLOCKS` x `_BLOCKS` parts of the scan. Rounding is
+    subtracted. Returned is NaN where the scan is too small, or where a filter, which took noise
+    too, has left its trace.
+    """
+    if shortest_wave(scan) > 0.0:
+        return math.nan, math.nan
+    sums, counts = _squares_by_block(scan.heights, rounding_of(scan).heights)
+    blocks = np.flatnonzero(counts[0] > 0)
+    whole, all_counts = sums.sum(axis=1), counts.sum(axis=1)
+    if len(blocks) < _BLOCKS or all_counts.min() < 100:
+        return math.nan, math.nan
+    squares = whole / all_counts
+    if not (squares > 0.0).all():
+        return math.nan, math.nan
+    most = float(squares[:: len(_NOISE_LAGS)].min()) / _WHITE
+    student, ends = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1), []
+    for law in _growth_laws():
+        without = np.array([
+            _white_noise((whole - sums[:, block]) / (all_counts - counts[:, block]), law)
+            for block in blocks
+        ])  # fmt: skip
+        half = float(student) * math.sqrt((len(blocks) - 1) * without.var())
+        variance = _white_noise(squares, law)
+        ends += [np.clip(variance - half, 0.0, most), np.clip(variance + half, 0.0, most)]
+    return math.sqrt(min(ends)), math.sqrt(max(ends))
+
+
+@lru_cache(maxsize=1)
+def _growth_laws() -> tuple[np.ndarray, np.ndarray]:
+    """Return squared differences (exponents, lags) of walls with and without shorter waves."""
+    lags = np.array(_NOISE_LAGS, float)
+    wave = np.pi * (np.arange(256) + 0.5) / 256.0
+    square = wave[:, None] ** 2 + wave[None, :] ** 2
+    along = np.array([(2.0 * np.sin(0.5 * wave * lag)) ** (2 * _NOISE_ORDER) for lag in lags])
+    with_shorter = [lags ** (2.0 * exponent) for exponent in _NOISE_EXPONENTS]
+    without = [along @ (square ** (-exponent - 1.0)).sum(axis=0) for exponent in _NOISE_EXPONENTS]
+    return np.array(with_shorter), np.array([rows / rows[0] for rows in without])
+
+
+def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return sums of squared fourth differences less those of rounding, and their counts, over
+    axes and `_NOISE_LAGS` (n,) and parts of the scan.
+    """
+    sums, counts = [], []
+    for axis, lag in itertools.product("yx", _NOISE_LAGS):
+        squares = difference(heights, axis, lag, _NOISE_ORDER) ** 2 - _WHITE * rounding**2 / 12.0
+        ny, nx = (max(size, 1) for size in squares.shape)
+        y, x = np.indices(squares.shape)
+        block = (y * _BLOCKS // ny * _BLOCKS + x * _BLOCKS // nx)[known := np.isfinite(squares)]
+        sums.append(np.bincount(block, squares[known], _BLOCKS**2))
+        counts.append(np.bincount(block, minlength=_BLOCKS**2))
+    return np.array(sums), np.array(counts)
+
+
+def _white_noise(squares: np.ndarray, law: np.ndarray) -> float:
+    """Fit the variance of white noise [m^2] to mean squared differences over axes and lags, beside
+    one of the laws (exponents, lags) by which those of the wall grow.
+    """
+    fits = []
+    weight = 1.0 / np.tile(_NOISE_LAGS, 2)  # about so many differences are independent
+    for grown in law:
+        zero, one = np.zeros_like(grown), np.ones_like(grown)
+        columns = np.block([[grown, zero], [zero, grown], [one, one]]).T
+        scaled = columns * (weight / squares)[:, None]
+        parts, *_ = np.linalg.lstsq(scaled, weight, rcond=None)
+        fits.append((float(((scaled @ parts - weight) ** 2).sum()), float(parts[2])))
+    return min(fits)[1] / _WHITE
 
 
 def rank_filtered(scan: Scan) -> bool:
