@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 import jointclosure as jc
 from jointclosure.plotting.assessment import assessment_figure
@@ -170,7 +171,11 @@ def price_of_accuracy() -> Figure:
                 axes.plot(
                     seconds[known], errors[known], color=colour, marker="o", label=label, **look
                 )
-        axes.set(xscale="log", yscale="log", title=f"net {response[:-1]}, cycle {response[-1]}")
+        axes.set(xscale="log", yscale="log", title=f"net {response[:-2]}, cycle {response[-1]}")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_locator(NullLocator())
         axes.grid(alpha=0.3)
     for axes in panels[-1]:
         axes.set_xlabel("processor time of a joint (s)")
