@@ -35,6 +35,7 @@ from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped
 from studies.frame.walls import cut_walls, walls_of_files
+from studies.paper.layout import figure_text
 
 _COLUMNS = 4
 """Largest number of panels in a row."""
@@ -47,7 +48,9 @@ _SETTINGS = "osD^v"
 _VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
 
 
-def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFrame]]:
+def _panels(
+    table: pd.DataFrame, titles: Mapping[str, str], panel: tuple
+) -> Iterator[tuple[Axes, pd.DataFrame]]:
     """Generate a panel for the closures of each condition, in one figure."""
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     conditions = list(grouped(shown, "rock", "jrc", "stress_MPa"))
@@ -57,14 +60,14 @@ def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFr
     for axes in grid.flat[len(conditions) :]:
         axes.remove()
     for axes, (at, part) in zip(grid.flat, conditions, strict=False):
-        axes.set_title(condition(**at))
+        axes.set_title(figure_text(condition(titles, **at)))
         yield axes, part
 
 
-def condition(rock: str, jrc: float, stress_MPa: float) -> str:
-    """Describe a condition; scanned walls have no JRC."""
+def condition(titles: Mapping[str, str], rock: str, jrc: float, stress_MPa: float) -> str:
+    """Describe a condition of a rock, by its title; scanned walls have no JRC."""
     walls = "scanned" if math.isnan(jrc) else f"JRC {jrc:g}"
-    return f"{rock.capitalize()}, {walls}, {stress_MPa:g} MPa"
+    return f"{titles[rock]}, {walls}, {stress_MPa:g} MPa"
 
 
 @styled
@@ -77,7 +80,7 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
-    for axes, part in _panels(numerics, (5.5, 3.8) if alone else (3.2, 2.8)):
+    for axes, part in _panels(numerics, settings["titles"], (5.5, 3.8) if alone else (3.2, 2.8)):
         _draw_price(axes, part, percent)
     _scale_price(axes, drawn, percent)
     bar = f"95 % interval of the change from {drawn.reference.iloc[0]}"
@@ -127,7 +130,7 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     """Draw the change of the mean closures without each group of effects."""
     assessment = tables["assessment"]
     without = assessment[assessment.variant.str.startswith("without ")]
-    for axes, part in _panels(without, (3.0, 2.2)):
+    for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
         draw_effects(axes, part, 100.0 * settings["within"])
     return _finished(axes, "change of mean closure (%)", "")
 
@@ -150,9 +153,10 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     hardness, within = tables["hardness"], settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
+    titled = hardness.assign(rock=hardness.rock.map(settings["titles"]))
     joints, cases = (
         part.assign(**100.0 * part[shares].clip(lower=_LEAST_SPREAD * np.array([1.0, 0.0, 0.0])))
-        for part in (hardness.assign(rock=hardness.rock.str.capitalize()), read_csv(HARD_CASES))
+        for part in (titled, read_csv(HARD_CASES))
     )
     for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
         marks = {"x": x, "y": y, "ax": axes}
@@ -262,7 +266,7 @@ def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> st
     """Describe the assessment of each condition as Markdown."""
     lines = ["# Assessment", ""]
     for at, found in _assessed(joints, settings):
-        lines += [f"## {condition(**at)}", ""]
+        lines += [f"## {condition(settings['titles'], **at)}", ""]
         for table in (found.price, found.effects):
             rows = table.rename_axis("variant").reset_index()
             cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
@@ -292,6 +296,7 @@ EXPERIMENT = Experiment(
     },
     settings=lambda study: {
         "ladders": ladders_of(study),
+        "titles": study.titles,
         "within": study.section(Assessment).within,
     },
 )

@@ -49,7 +49,7 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
 
 def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables):
     table = tables["assessment"]
-    figure = draw_assessment_price(tables, {"within": 0.05})
+    figure = draw_assessment_price(tables, {"within": 0.05, "titles": {"slate": "Slate"}})
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     shown = shown[shown.verdict == ""]
     columns = [f"{name}_percent" for name in ("value", "low", "high")]

@@ -135,7 +135,7 @@ def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
-    # a rock must have a title, which changes no closure
+    # the title of a rock changes no closure
     parts["rocks"] = {name: rock | {"title": name} for name, rock in keys["rocks"].items()}
     return {key: value for key, value in keys.items() if key != "statistics"} | parts
 

@@ -74,7 +74,9 @@ class Configuration(keys.Section):
             lines = (f"study.rocks = {name!r}: {allowed}{word}" for name, word in meant.items())
             raise ValueError("\n".join(lines))
         usual = self.effects.acting
-        rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
+        rocks = {
+            name: self.rocks[name].titled(name).with_effects(usual) for name in self.study.rocks
+        }
         output, numerics, seating = self.output, self.numerics, self.seating_stress
         maxima = [rock.max_normal_stress for rock in rocks.values()]
         if output.largest_stress is None:
@@ -89,6 +91,11 @@ class Configuration(keys.Section):
     def stated(self) -> dict:
         """Keys from which the configuration was read."""
         return self._stated
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Titles of the rocks by their keys, in the order of the study."""
+        return {name: rock.title for name, rock in self.rocks.items()}
 
     def file(self, name: str) -> str:
         """Return the path of a file of the study."""

@@ -54,7 +54,7 @@ def content(material: Material) -> dict:
     study, known = material.study, material.tables
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
-    titles = {name: rock.title for name, rock in configuration.rocks.items()}
+    titles = configuration.titles
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_frame(study, known["max_closure"], titles)

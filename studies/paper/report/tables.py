@@ -11,8 +11,9 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, JUDGED
+from jointclosure.engine.effect_names import effects_title
 from jointclosure.joint.protocol import FAILURE, FLAGS
-from jointclosure.parameters import PROPERTIES
+from jointclosure.parameters import PROPERTIES, scene_of
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
 from studies.frame.tables import succeeded
 from studies.paper.checks import change_in_words, remarked_joints
@@ -199,7 +200,8 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
         counts = ((study.status & mask) > 0).sum("realization").values
         if mask < FAILURE or counts.any():
             frame[in_words(name)] = counts
-    return frame.assign(**{"Effects that act": study.scene.values})
+    scenes = map(scene_of, study.scene.values.tolist())
+    return frame.assign(**{"Effects that act": list(map(effects_title, scenes))})
 
 
 def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
