@@ -24,13 +24,12 @@ from jointclosure.engine.assess import Assessment as Assessed
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
-from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
 from jointclosure.storage.files import read_csv
 from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.panels import ticks_at
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped

@@ -20,10 +20,10 @@ from jointclosure.joint.protocol import LOADING, TARGET_JUMPED, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import PROPERTIES
-from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots
+from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots, ticks_at
 from jointclosure.plotting.walls import draw_field
 from jointclosure.statistics.standard_errors import percent
-from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
+from studies.frame.panels import key, keys_of, legend_below, point_key
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
