@@ -18,9 +18,9 @@ from studies.frame.panels import key, point_key
 from studies.frame.settings import BASE
 from studies.paper.layout import case_title, figure_text
 
-SIZE = (4.4, 3.7)
+SIZE = (4.2, 3.6)
 """Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""
-SMALL = 7.5
+SMALL = 8.0
 """Size of the smallest letters [points]."""
 WORST = 8
 """Joints that are shown, the worst ones."""
@@ -111,7 +111,7 @@ def effects_panel(table: pd.DataFrame) -> Figure:
             )  # fmt: skip
     titles = ("adds to mean net closure (%)", "costs, of the time (%)")
     for axes, reach, title in zip(panels, reaches, titles, strict=True):
-        scale = percent_ticks(axes.xaxis, 10.0, -1.3 * reach, 1.3 * reach)
+        scale = percent_ticks(axes.xaxis, 10.0, -1.3 * reach, 1.3 * reach, steps=(1.0,))
         axes.set_xlabel(f"{title}{scale.replace(', ', chr(10))}", **_letters())
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.yaxis.set_minor_locator(NullLocator())

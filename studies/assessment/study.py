@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from jointclosure.engine.assess import (
     ASSESSED,
@@ -30,6 +32,7 @@ from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
+from studies.frame.panels import point_key
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped
@@ -129,9 +132,10 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     """Draw the change of the mean closures without each group of effects."""
     assessment = tables["assessment"]
     without = assessment[assessment.variant.str.startswith("without ")]
+    shown = without[without.quantity.isin(JUDGED)]
     for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
-        draw_effects(axes, part, 100.0 * settings["within"])
-    return _finished(axes, "change of mean closure (%)", "")
+        scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
+    return _finished(axes, f"change of mean closure (%){scale}", "")
 
 
 def _finished(axes: Axes, x: str, y: str) -> Figure:
@@ -152,6 +156,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     hardness, within = tables["hardness"], settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
+    rocks = [settings["titles"][name] for name in dict.fromkeys(hardness.rock)]
     titled = hardness.assign(rock=hardness.rock.map(settings["titles"]))
     joints, cases = (
         part.assign(**100.0 * part[shares].clip(lower=_LEAST_SPREAD * np.array([1.0, 0.0, 0.0])))
@@ -161,7 +166,8 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
         marks = {"x": x, "y": y, "ax": axes}
         sns.scatterplot(cases, **marks, color="0.8", s=15, label="hard cases", legend=False)
         styles = {"hue": "rock", "style": "verdict", "markers": _VERDICTS, "s": 40}
-        sns.scatterplot(joints, **marks, **styles, legend="full" if axes is right else False)
+        styles |= {"hue_order": rocks, "style_order": list(_VERDICTS)}
+        sns.scatterplot(joints, **marks, **styles, legend=False)
         axes.set_xscale("log")
     decimal_ticks(right.xaxis)  # the spreads of copies span too many decades
     left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
@@ -169,7 +175,12 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     left.set(xlabel="spread of net closure over copies that must close alike (%)")
     left.set(ylabel="force on contacts that cannot break (%)")
     right.set(xlabel="cells in contact", ylabel="largest jump, of the closure (%)")
-    right.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    handles: list[Artist] = [
+        *(Patch(color=f"C{number}", label=rock) for number, rock in enumerate(rocks)),
+        *(point_key(name, mark, color="0.2") for name, mark in _VERDICTS.items()),
+        point_key("hard cases", color="0.8", ms=4),
+    ]
+    right.legend(handles=handles, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     sns.despine(figure)
     return figure
 

@@ -5,7 +5,7 @@ its style.
 """
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
 import matplotlib
@@ -99,11 +99,14 @@ def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None =
     axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
 
 
-def percent_ticks(axis: Axis, linear: float, low: float, high: float) -> str:
+def percent_ticks(
+    axis: Axis, linear: float, low: float, high: float, steps: Sequence[float] = (1.0, 3.0)
+) -> str:
     """Scale an axis of signed percentages, and return words on the scale for its label.
 
     An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
-    to there and logarithmic beyond, with ticks of which each can be read.
+    to there and logarithmic beyond, with ticks at ``steps`` of each decade, or at its beginning
+    where they are many.
     """
     set_scale, set_limits = (
         (axis.axes.set_xscale, axis.axes.set_xlim)
@@ -116,9 +119,10 @@ def percent_ticks(axis: Axis, linear: float, low: float, high: float) -> str:
     set_scale("symlog", linthresh=linear)
     set_limits(low, high)
     decades = sum(max(0.0, np.log10(max(end, linear) / linear)) for end in (-low, high))
-    steps = (1.0, 3.0) if decades <= 2.2 else (1.0,)
+    steps = steps if decades <= 2.2 else (1.0,)
     beyond = [step * 10.0**power for power in range(-3, 7) for step in steps]
-    beyond = [value for value in beyond if value > 1.9 * linear]
+    apart = 1.9 if decades <= 1.2 else 2.9  # ratio of a tick to the end of the linear part
+    beyond = [value for value in beyond if value > apart * linear]
     ticks = [*(-value for value in reversed(beyond)), -linear, 0.0, linear, *beyond]
     ticks_at(axis, [value for value in ticks if low <= value <= high])
     return f", logarithmic beyond ±{linear:g}"
