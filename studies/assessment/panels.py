@@ -13,7 +13,7 @@ from matplotlib.ticker import NullLocator
 
 from jointclosure.joint.protocol import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
-from studies.assessment.reached import ALL_ROCKS, EFFECTS, NOT_CLOSED, SETTING
+from studies.assessment.reached import ALL_ROCKS, EFFECTS, SETTING
 from studies.frame.panels import key, point_key
 from studies.frame.settings import BASE
 from studies.paper.layout import case_title, figure_text
@@ -104,9 +104,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     for place, name in enumerate(names):
         row = shown[shown.variant == name].iloc[0]
         if row.state and not np.isfinite(row.change_percent):
-            words = "not tested" if row.state == NOT_CLOSED else row.state
             panels[0].annotate(
-                words, (0.04, place), xycoords=("axes fraction", "data"), va="center",
+                row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
                 color="0.4", **_letters(),
             )  # fmt: skip
     titles = ("adds to mean net closure (%)", "costs, of the time (%)")

@@ -149,12 +149,13 @@ class _Scope(NamedTuple):
         self, study: Configuration, rock: str, joints: int, again: bool
     ) -> tuple[Point, ...]:
         """Return the points of a rock."""
-        settings = settings_of(study, base_case(study, rock))._replace(realizations=joints)
+        settings = settings_of(study, base_case(study, rock))
+        settings = settings._replace(realizations=joints, effects_chosen_to=None)
         return tuple(
             Point(
                 {"rock": rock, "variant": name},
-                settings._replace(
-                    case=settings.case._replace(conditions=conditions), effects_chosen_to=None
+                settings.under(
+                    numerics=conditions.numerics, effects=conditions.effects, flow=False
                 ),
             )
             for name, conditions in self.variants(settings.conditions, again).items()

@@ -32,7 +32,7 @@ SETTING, EFFECTS = "setting", "effects"
 """Kinds of variants."""
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
-OFF, LEFT_OUT, NEEDED, NOT_CLOSED = "off", "left out", "needed", "not closed"
+OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 """States of effects whose change was not measured, or that the study left out."""
 
 
@@ -183,7 +183,7 @@ def _states(
         yield without(["substrate"]), NEEDED, "joints that break have no equilibrium without it"
     for variant in plan.omitted:
         if variant not in plan.ladder and variant.startswith(without([""])):
-            yield variant, NOT_CLOSED, "would take more than the share of the time that is allowed"
+            yield variant, NOT_TESTED, "its joints would take more than the share of the time"
     selected = chosen.get("effects", {})
     reasons = [line for of in chosen.get("cases", {}).values() for line in of["reasons"]]
     for names in DROPS:

@@ -147,7 +147,7 @@ def assessed(
     about = {"cost": cost, "state": "done" if cost.closed else "too long"}
     table = known["study_assessment"]
     whole = table[~table.rock.isin(titles)] if (~table.rock.isin(titles)).any() else table
-    effects = whole[(whole.kind == "effects") & whole.reason.notna()]
+    effects = whole[(whole.kind == "effects") & whole.reason.fillna("").ne("")]
     about["reasons"] = {
         row.variant.removeprefix("without "): f"{row.state}: {row.reason}"
         for row in effects.drop_duplicates("variant").itertuples()
