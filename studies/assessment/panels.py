@@ -24,6 +24,8 @@ SMALL = 8.0
 """Size of the smallest letters [points]."""
 WORST = 8
 """Joints that are shown, the worst ones."""
+LINEAR = 10.0
+"""Percentage up to which the axes of effects are linear."""
 _MARKS = "sD^vP"
 _OFFSET = 1.05
 """Ratio of times by which marks of two cycles stand apart."""
@@ -86,10 +88,10 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     measured = shown.dropna(subset="change_percent").astype({"cycle": int})
     figure, panels = subplots(1, 2, figsize=SIZE, sharey=True, width_ratios=(1.5, 1.0))
     cycles = sorted(measured.cycle.unique())
-    reaches = []
+    scales = {}
     for column, axes in zip(("change_percent", "time_percent"), panels, strict=True):
         axes.axvline(0.0, color="0.5", lw=0.8, zorder=1)
-        reaches.append(5.0)
+        ends = [-5.0, 5.0]
         for cycle in cycles if column == "change_percent" else cycles[:1]:
             rows = measured[measured.cycle == cycle]
             color = f"C{cycle - 1}" if column == "change_percent" else "0.3"
@@ -100,7 +102,14 @@ def effects_panel(table: pd.DataFrame) -> Figure:
             error = rows[f"{column}_standard_error"].fillna(0.0)
             # what an effect adds is what its absence takes away
             axes.errorbar(-rows[column], at, xerr=error, fmt="o", ms=4, lw=1.0, color=color)
-            reaches[-1] = max(reaches[-1], float((rows[column].abs() + error).max()))
+            ends += [*(-rows[column] - error), *(-rows[column] + error)]
+        left = axes is panels[0]
+        title = "adds (% of mean net closure)" if left else "costs (% of time)"
+        axes.set_xlabel(title, **_letters())
+        low, high = 1.5 * min(ends), 1.5 * max(ends)
+        scales["left" if left else "right"] = percent_ticks(
+            axes.xaxis, LINEAR, low, high, narrow=True
+        )
     for place, name in enumerate(names):
         row = shown[shown.variant == name].iloc[0]
         if row.state and not np.isfinite(row.change_percent):
@@ -108,17 +117,17 @@ def effects_panel(table: pd.DataFrame) -> Figure:
                 row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
                 color="0.4", **_letters(),
             )  # fmt: skip
-    titles = ("adds to mean net closure (%)", "costs, of the time (%)")
-    for axes, reach, title in zip(panels, reaches, titles, strict=True):
-        scale = percent_ticks(axes.xaxis, 10.0, -1.3 * reach, 1.3 * reach, steps=(1.0,))
-        axes.set_xlabel(f"{title}{scale.replace(', ', chr(10))}", **_letters())
+    logarithmic = [side for side, words in scales.items() if words]
+    axis = "both axes" if len(logarithmic) == 2 else " ".join([*logarithmic, "axis"])
+    scale = f"{axis} logarithmic beyond ±{LINEAR:g} %" if logarithmic else ""
+    for axes in panels:
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.yaxis.set_minor_locator(NullLocator())
     panels[0].set_yticks(range(len(names)), [name.removeprefix("without ") for name in names])
     figure.suptitle("What each effect adds and costs", fontsize=10)
     handles = [point_key(f"cycle {cycle}", color=f"C{cycle - 1}", ms=4) for cycle in cycles]
     handles += [point_key("± standard error", "|", color="0.4", ms=8)]
-    return _finished(figure, panels, handles, 3)
+    return _finished(figure, panels, handles, 3, scale)
 
 
 @styled
@@ -158,12 +167,13 @@ def _joint_title(row: Any, titles: Mapping[str, str]) -> str:
     return figure_text(f"{rock}, joint {row.joint}") + (f"\n{changed}" if changed else "")
 
 
-def _finished(figure: Figure, panels: Iterable[Axes], handles: list, columns: int = 2) -> Figure:
+def _finished(
+    figure: Figure, panels: Iterable[Axes], handles: list, columns: int = 2, title: str = ""
+) -> Figure:
     for axes in panels:
         axes.tick_params(labelsize=SMALL)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=columns, frameon=False, **_letters()
-    )
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns, "frameon": False}
+    figure.legend(handles=handles, title=title, title_fontsize=SMALL, **place, **_letters())
     sns.despine(figure)
     return figure
 

@@ -82,12 +82,12 @@ def draw_measured(
         misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
         if cycle in cycles:
             best = 1e3 * since_seating(base).sel(cycle=cycle, realization=realization)
-            for branch, least in (("loading", seating_stress), ("unloading", -1.0)):
-                closure, shown = best.sel(branch=branch).values, stress > least
+            for branch in BRANCH_LINES:
+                closure, shown = best.sel(branch=branch).values, stress > seating_stress
                 axes.plot(closure[shown], 1e-6 * stress[shown], **_style(cycle))
     if not misfits:
         return "\nno realisation reaches all measured stresses"
-    return f"\nRMS misfit of the best: {', '.join(misfits)}"
+    return f"\nRMS misfit of the best:\n{', '.join(misfits)}"
 
 
 def _style(cycle: int) -> dict:
@@ -551,7 +551,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
             own = f"{about.title}{about.in_brackets}"
             axes.set_xlabel(own if len(rocks) == 1 else "value / the rock's value")
         if parameter == parameters[0]:
-            axes.set_ylabel("mean maximum gross closure (mm)")
+            axes.set_ylabel("mean maximum\ngross closure (mm)")
     bar = "bar: ± standard error"
     if paired:
         bar += " of the change from\nthe rock's value, on the same surfaces"

@@ -5,7 +5,7 @@ its style.
 """
 
 import functools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 import matplotlib
@@ -99,14 +99,12 @@ def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None =
     axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
 
 
-def percent_ticks(
-    axis: Axis, linear: float, low: float, high: float, steps: Sequence[float] = (1.0, 3.0)
-) -> str:
+def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bool = False) -> str:
     """Scale an axis of signed percentages, and return words on the scale for its label.
 
     An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
-    to there and logarithmic beyond, with ticks at ``steps`` of each decade, or at its beginning
-    where they are many.
+    to there and logarithmic beyond, with fewer ticks where decades are many or the axis is
+    ``narrow``.
     """
     set_scale, set_limits = (
         (axis.axes.set_xscale, axis.axes.set_xlim)
@@ -116,13 +114,14 @@ def percent_ticks(
     if max(-low, high) <= 4.0 * linear:
         set_limits(low, high)
         return ""
-    set_scale("symlog", linthresh=linear)
+    set_scale("symlog", linthresh=linear, linscale=0.5 if narrow else 1.0)
     set_limits(low, high)
     decades = sum(max(0.0, np.log10(max(end, linear) / linear)) for end in (-low, high))
-    steps = steps if decades <= 2.2 else (1.0,)
+    steps = (1.0, 3.0) if decades <= 2.2 and not narrow else (1.0,)
     beyond = [step * 10.0**power for power in range(-3, 7) for step in steps]
     apart = 1.9 if decades <= 1.2 else 2.9  # ratio of a tick to the end of the linear part
     beyond = [value for value in beyond if value > apart * linear]
-    ticks = [*(-value for value in reversed(beyond)), -linear, 0.0, linear, *beyond]
-    ticks_at(axis, [value for value in ticks if low <= value <= high])
+    beyond = sorted(value for end in beyond for value in (-end, end) if low <= value <= high)
+    ends = [value for value in (-linear, linear) if low <= value <= high]
+    ticks_at(axis, sorted([0.0, *beyond, *([] if narrow and beyond else ends)]))
     return f", logarithmic beyond ±{linear:g}"
