@@ -15,7 +15,7 @@ class Assessment(StudySection):
     by_default = True
     share: Share = entry(
         "Share of the expected time of the study that the joints of the assessment in its report "
-        "may take.",
+        "may take; `assessment: null` closes none.",
         0.1,
     )
     joints: int = entry(

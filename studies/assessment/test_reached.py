@@ -233,6 +233,8 @@ def test_the_report_says_what_was_reached_or_why_nothing_is_known(closed, study,
         assert about["errors"][0].startswith(f"{row.change_percent:.0f}"[:2])
         assert about["errors"][0].endswith(" % on cycle 1")
         assert about["rocks"] == ["Slate", "Dolerite"]
+        assert about["samples"] == 4
+        assert about["errors_of_95"] == pytest.approx(3.182, abs=1e-3)  # Student's t, 3 of freedom
         assert set(about["reasons"]) == {"substrate", "gouge"}
     assert assessed({}, configuration, configuration.titles) == {"state": "missing"}
     off = study_of({"assessment": None})

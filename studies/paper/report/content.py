@@ -162,6 +162,8 @@ def assessed(
             ["change_percent", "change_percent_standard_error", "cycle"]
         ].to_numpy()
     ]
+    about["samples"] = int(whole.joints.max())
+    about["errors_of_95"] = confidence_limits((0.0, 1.0), about["samples"]).high
     about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
     return about
 
