@@ -216,9 +216,18 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
             for rock, variant in zip(states.rock, states.variant, strict=True)
         ]
     ]
-    return pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True).fillna(
-        {"state": "", "reason": ""}
-    )
+    table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
+    return _with_failures(table.fillna({"state": "", "reason": ""}))
+
+
+def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
+    """Say of effects without which joints fail that they are needed; n of them fail."""
+    fails = (table.kind == EFFECTS) & (table.failed > 0)
+    total = table.joints + table.failed
+    for place in table.index[fails & (table.state == "")]:
+        counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
+        table.loc[place, ["state", "reason"]] = NEEDED, counts
+    return table
 
 
 def cost_table(

@@ -148,6 +148,16 @@ def test_a_joint_that_failed_is_counted_and_in_no_mean(study, joints):
     assert np.isnan(row.change_percent_standard_error)
 
 
+def test_an_effect_without_which_joints_fail_is_needed_and_has_a_word(study, joints):
+    failed = joints["slate"].variant == "without interaction"
+    joints["slate"]["status"] = joints["slate"].status.where(~failed, 128)
+    table = assessed_table(study, {"slate": joints["slate"]}, PLAN, {"slate": jc.Effects()})
+    row = row_of(table, "slate", "without interaction")
+    assert (row.state, row.reason) == (NEEDED, "2 of 2 joints fail without it")
+    left = effects_panel(table).axes[0]
+    assert [text.get_text() for text in left.texts] == ["needed", "needed", "not tested"]
+
+
 def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
     cost = cost_table([study, study], joints, PLAN).iloc[0]
     assert cost.closed == 12
