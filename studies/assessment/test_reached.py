@@ -1,6 +1,7 @@
 """Tables and panels of the assessment in a report, of made-up joints."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -8,6 +9,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.cli.report import render
 from jointclosure.engine.assess import CLOSURE
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.plan import Plan
@@ -22,6 +24,7 @@ from studies.assessment.reached import (
     hardness_table,
 )
 from studies.paper.report.content import assessed
+from studies.paper.report.page import Picture
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")
@@ -257,3 +260,50 @@ def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
     for draw in (effects_panel, lambda one: accuracy_panel(one, 0.05)):
         drawn, same = draw(table).axes[0], draw(again).axes[0]
         assert len(drawn.containers) == len(same.containers)
+
+
+def first_screen(about, **names):
+    """Text of the panels of the first screen."""
+    counts = {"joints": 3, "cases": 2}
+    content = {
+        "assessed": about,
+        "pictures": {f"study_{name}": Picture(PNG) for name in ("accuracy", "hardness", "effects")},
+        "outcome": {
+            "simulations": 60,
+            "failed": 1,
+            "remarks": {"outside_model_range": counts, "target_jumped": {"joints": 0, "cases": 0}},
+        },
+        "frames": {"remarks": None},
+        "cases": 9,
+    }
+    page = render(content | names, "first.html.j2", "studies.paper.report")
+    return " ".join(re.sub(r"<[^>]*>", " ", page).split()), page.count("<img")
+
+
+PNG = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\2\x9c\0\0\2\x1c"
+"""Beginning of a picture, which states its size."""
+
+
+def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
+    configuration = study_of({"study": {"rocks": list(ROCKS)}})
+    known = {"study_assessment": table, "study_assessment_cost": cost_table([study], joints, PLAN)}
+    text, pictures = first_screen(assessed(known, configuration, configuration.titles))
+    assert pictures == 3
+    assert "2 joints of the base case of Slate, Dolerite" in text
+    assert "3 lie outside of the model's range, in 2 of 9 cases" in text
+    assert "Substrate is needed: joints that break have no equilibrium without it." in text
+    assert "8 % was expected, and 10 % is allowed." in text
+    assert "standard errors of 4 joints, 3.2 of which are half of a 95 % interval" in text
+
+
+@pytest.mark.parametrize(
+    ("about", "words"),
+    [
+        ({"state": "off"}, "because its configuration has assessment: null ."),
+        ({"state": "missing"}, "make report with its configuration does so."),
+    ],
+)
+def test_the_first_screen_says_why_a_study_was_not_assessed(about, words):
+    text, pictures = first_screen(about)
+    assert words in text
+    assert pictures == 1  # the joints by hardness are known anyway
