@@ -7,13 +7,27 @@ from studies.frame.keys import Jrc, Positive, Several, Share, entry
 
 
 class Assessment(StudySection):
-    """Assessment of a study's rocks by variants of their base case (`make assess`)."""
+    """Assessment of a study's rocks by variants of their base case: in the report, whose share of
+    the time is limited, and by `make assess`, which closes all joints; null: none in the report.
+    """
 
     of_scans = True
-    joints: int = entry("Surfaces of each condition, which all variants close.", ge=2, le=1_000)
+    by_default = True
+    share: Share = entry(
+        "Share of the expected time of the study that the joints of the assessment in its report "
+        "may take; `assessment: null` closes none.",
+        0.1,
+    )
+    joints: int = entry(
+        "Surfaces of each condition, which all variants close; in the report at most so many.",
+        8,
+        ge=2,
+        le=1_000,
+    )
     within: Share = entry(
         "Relative error that is requested of mean closures, and up to which an effect can be left "
-        "out."
+        "out.",
+        0.05,
     )
     jrc: Several[Jrc] = entry("Joint roughness coefficients; none: that of each rock.", ())
     stress: Several[Positive] = entry(

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from jointclosure.engine.assess import (
     ASSESSED,
@@ -24,17 +26,18 @@ from jointclosure.engine.assess import Assessment as Assessed
 from jointclosure.engine.uncertainty import COPIES
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
-from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
 from jointclosure.storage.files import read_csv
 from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.panels import ticks_at
+from studies.frame.panels import point_key
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped
 from studies.frame.walls import cut_walls, walls_of_files
+from studies.paper.layout import figure_text
 
 _COLUMNS = 4
 """Largest number of panels in a row."""
@@ -47,7 +50,9 @@ _SETTINGS = "osD^v"
 _VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
 
 
-def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFrame]]:
+def _panels(
+    table: pd.DataFrame, titles: Mapping[str, str], panel: tuple
+) -> Iterator[tuple[Axes, pd.DataFrame]]:
     """Generate a panel for the closures of each condition, in one figure."""
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     conditions = list(grouped(shown, "rock", "jrc", "stress_MPa"))
@@ -57,14 +62,14 @@ def _panels(table: pd.DataFrame, panel: tuple) -> Iterator[tuple[Axes, pd.DataFr
     for axes in grid.flat[len(conditions) :]:
         axes.remove()
     for axes, (at, part) in zip(grid.flat, conditions, strict=False):
-        axes.set_title(condition(**at))
+        axes.set_title(figure_text(condition(titles, **at)))
         yield axes, part
 
 
-def condition(rock: str, jrc: float, stress_MPa: float) -> str:
-    """Describe a condition; scanned walls have no JRC."""
+def condition(titles: Mapping[str, str], rock: str, jrc: float, stress_MPa: float) -> str:
+    """Describe a condition of a rock, by its title; scanned walls have no JRC."""
     walls = "scanned" if math.isnan(jrc) else f"JRC {jrc:g}"
-    return f"{rock.capitalize()}, {walls}, {stress_MPa:g} MPa"
+    return f"{titles[rock]}, {walls}, {stress_MPa:g} MPa"
 
 
 @styled
@@ -77,7 +82,7 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
-    for axes, part in _panels(numerics, (5.5, 3.8) if alone else (3.2, 2.8)):
+    for axes, part in _panels(numerics, settings["titles"], (5.5, 3.8) if alone else (3.2, 2.8)):
         _draw_price(axes, part, percent)
     _scale_price(axes, drawn, percent)
     bar = f"95 % interval of the change from {drawn.reference.iloc[0]}"
@@ -127,9 +132,10 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     """Draw the change of the mean closures without each group of effects."""
     assessment = tables["assessment"]
     without = assessment[assessment.variant.str.startswith("without ")]
-    for axes, part in _panels(without, (3.0, 2.2)):
-        draw_effects(axes, part, 100.0 * settings["within"])
-    return _finished(axes, "change of mean closure (%)", "")
+    shown = without[without.quantity.isin(JUDGED)]
+    for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
+        scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
+    return _finished(axes, f"change of mean closure (%){scale}", "")
 
 
 def _finished(axes: Axes, x: str, y: str) -> Figure:
@@ -150,15 +156,18 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     hardness, within = tables["hardness"], settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
+    rocks = [settings["titles"][name] for name in dict.fromkeys(hardness.rock)]
+    titled = hardness.assign(rock=hardness.rock.map(settings["titles"]))
     joints, cases = (
         part.assign(**100.0 * part[shares].clip(lower=_LEAST_SPREAD * np.array([1.0, 0.0, 0.0])))
-        for part in (hardness.assign(rock=hardness.rock.str.capitalize()), read_csv(HARD_CASES))
+        for part in (titled, read_csv(HARD_CASES))
     )
     for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
         marks = {"x": x, "y": y, "ax": axes}
         sns.scatterplot(cases, **marks, color="0.8", s=15, label="hard cases", legend=False)
         styles = {"hue": "rock", "style": "verdict", "markers": _VERDICTS, "s": 40}
-        sns.scatterplot(joints, **marks, **styles, legend="full" if axes is right else False)
+        styles |= {"hue_order": rocks, "style_order": list(_VERDICTS)}
+        sns.scatterplot(joints, **marks, **styles, legend=False)
         axes.set_xscale("log")
     decimal_ticks(right.xaxis)  # the spreads of copies span too many decades
     left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
@@ -166,7 +175,12 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     left.set(xlabel="spread of net closure over copies that must close alike (%)")
     left.set(ylabel="force on contacts that cannot break (%)")
     right.set(xlabel="cells in contact", ylabel="largest jump, of the closure (%)")
-    right.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    handles: list[Artist] = [
+        *(Patch(color=f"C{number}", label=rock) for number, rock in enumerate(rocks)),
+        *(point_key(name, mark, color="0.2") for name, mark in _VERDICTS.items()),
+        point_key("hard cases", color="0.8", ms=4),
+    ]
+    right.legend(handles=handles, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     sns.despine(figure)
     return figure
 
@@ -262,7 +276,7 @@ def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> st
     """Describe the assessment of each condition as Markdown."""
     lines = ["# Assessment", ""]
     for at, found in _assessed(joints, settings):
-        lines += [f"## {condition(**at)}", ""]
+        lines += [f"## {condition(settings['titles'], **at)}", ""]
         for table in (found.price, found.effects):
             rows = table.rename_axis("variant").reset_index()
             cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
@@ -292,6 +306,7 @@ EXPERIMENT = Experiment(
     },
     settings=lambda study: {
         "ladders": ladders_of(study),
+        "titles": study.titles,
         "within": study.section(Assessment).within,
     },
 )

@@ -2,10 +2,18 @@
 
 import numpy as np
 import pandas as pd
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 import jointclosure as jc
 from jointclosure.engine.assess import COPIES, JUDGED, LADDER
-from studies.assessment.study import EXPERIMENT, draw_assessment_price, ladders_of
+from studies.assessment.study import (
+    EXPERIMENT,
+    draw_assessment_effects,
+    draw_assessment_hardness,
+    draw_assessment_price,
+    ladders_of,
+)
 from studies.conftest import points_of, tables_of
 from studies.frame.closing import close_points
 from studies.frame.settings import walls_of
@@ -49,7 +57,7 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
 
 def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables):
     table = tables["assessment"]
-    figure = draw_assessment_price(tables, {"within": 0.05})
+    figure = draw_assessment_price(tables, {"within": 0.05, "titles": {"slate": "Slate"}})
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     shown = shown[shown.verdict == ""]
     columns = [f"{name}_percent" for name in ("value", "low", "high")]
@@ -64,6 +72,30 @@ def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables)
     for axes in figure.axes:
         assert axes.get_ylim()[0] < shown.low_percent.min()
         assert axes.get_ylim()[1] > shown.high_percent.max()
+
+
+def test_rock_and_verdict_are_two_kinds_of_marks(tables):
+    figure = draw_assessment_hardness(tables, {"within": 0.05, "titles": {"slate": "A slate"}})
+    handles = {one.get_label(): one for one in figure.axes[1].get_legend().legend_handles}
+    assert isinstance(handles["A slate"], Patch)
+    for verdict in ("easy", "hard", "not stable"):
+        assert isinstance(handles[verdict], Line2D)
+        assert handles[verdict].get_color() == "0.2"
+
+
+def test_a_scene_that_fails_has_a_word_in_its_row(tables):
+    table = tables["assessment"].copy()
+    gone = table.variant == "without gouge"
+    table.loc[gone, ["value_percent", "low_percent", "high_percent"]] = np.nan
+    figure = draw_assessment_effects(
+        {"assessment": table}, {"within": 0.05, "titles": {"slate": "A slate"}}
+    )
+    rows = list(dict.fromkeys(table.variant[table.variant.str.startswith("without")]))
+    for axes in figure.axes:
+        assert [text.get_text() for text in axes.texts] == ["fails"]
+        assert axes.texts[0].xy[1] == rows.index("without gouge")
+        assert axes.get_title().startswith("A slate, JRC 6.5, ")
+    assert "logarithmic" in figure.get_supxlabel()
 
 
 def test_the_worst_joint_is_first(tables):

@@ -7,6 +7,7 @@ are fields of `Case`, and coordinates of every dataset.
 from collections.abc import Mapping
 
 from jointclosure.engine.assess import FINEST
+from jointclosure.engine.expected_cost import relative_cost
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.two_level import FEWEST
@@ -121,23 +122,29 @@ def blocks_of(whole: Configuration, realizations: int | None = None) -> list[ran
 def expected_seconds(whole: Configuration) -> float:
     """Return roughly the processor time [s] of a joint, by which work is split over jobs.
 
-    Joints of 100 x 100 cells take about half a second by the paper's steps (docs/accuracy.md); a
-    factor of three more or less changes only how long the jobs are.
+    A factor of three more or less changes only how long the jobs are.
     """
-    cells, numerics = whole.grid.cells_x * whole.grid.cells_y, whole.numerics
-    seconds = 0.25 * whole.study.cycles * (cells / 1e4) ** 1.5
-    if not any(rock.effects.breakage for rock in whole.rocks.values()):
-        return 0.1 * seconds
-    return seconds * (0.2 / numerics.tolerance if numerics.breakage == "resolved" else 1.0)
+    scenes = (rock.effects for rock in whole.rocks.values())
+    return seconds_by_paper(whole) * max(relative_cost(one, whole.numerics) for one in scenes)
+
+
+def seconds_by_paper(whole: Configuration) -> float:
+    """Return roughly the processor time [s] of a joint by the paper's steps with all effects.
+
+    Joints of 100 x 100 cells take about half a second (docs/accuracy.md).
+    """
+    cells = whole.grid.cells_x * whole.grid.cells_y
+    return 0.25 * whole.study.cycles * (cells / 1e4) ** 1.5
 
 
 def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
-    # a rock must have a title, which changes no closure
+    # the title of a rock changes no closure
     parts["rocks"] = {name: rock | {"title": name} for name, rock in keys["rocks"].items()}
-    return {key: value for key, value in keys.items() if key != "statistics"} | parts
+    others = ("statistics", "assessment")
+    return {key: value for key, value in keys.items() if key not in others} | parts
 
 
 def wall_digests(walls: ScannedWalls) -> dict[str, str]:

@@ -75,13 +75,19 @@ def close_joints(
 
 
 def close_points(
-    points: Iterable[Point], names: Sequence[str], report: Report = lambda line: None
+    points: Iterable[Point],
+    names: Sequence[str],
+    report: Report = lambda line: None,
+    walls: Sequence[Walls] | None = None,
 ) -> xr.Dataset:
-    """Close the joints of several points, whose walls are made here; as `close_joints`."""
+    """Close the joints of several points, as `close_joints`.
+
+    Each point makes its walls, unless ``walls`` of all points are given.
+    """
     parts = []
     for point in points:
         report(", ".join(f"{name} {value}" for name, value in point.coordinates.items()))
-        parts.append(close_joints(point, point.walls(), names, report=report))
+        parts.append(close_joints(point, walls or point.walls(), names, report=report))
     # joints of fewer cycles than others of their file have NaN in the later ones
     return xr.concat(
         parts,

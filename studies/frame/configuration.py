@@ -29,6 +29,8 @@ class StudySection(keys.Section):
 
     mates: ClassVar[bool] = False
     """Whether it sets how far walls mate, so that the study must not."""
+    by_default: ClassVar[bool] = False
+    """Whether its keys have their defaults where it is left out; others are null then."""
     of_scans: ClassVar[bool] = False
     """Whether walls may be scanned; others draw walls of given JRC."""
 
@@ -74,7 +76,9 @@ class Configuration(keys.Section):
             lines = (f"study.rocks = {name!r}: {allowed}{word}" for name, word in meant.items())
             raise ValueError("\n".join(lines))
         usual = self.effects.acting
-        rocks = {name: self.rocks[name].with_effects(usual) for name in self.study.rocks}
+        rocks = {
+            name: self.rocks[name].titled(name).with_effects(usual) for name in self.study.rocks
+        }
         output, numerics, seating = self.output, self.numerics, self.seating_stress
         maxima = [rock.max_normal_stress for rock in rocks.values()]
         if output.largest_stress is None:
@@ -90,19 +94,30 @@ class Configuration(keys.Section):
         """Keys from which the configuration was read."""
         return self._stated
 
+    @property
+    def titles(self) -> dict[str, str]:
+        """Titles of the rocks by their keys, in the order of the study."""
+        return {name: rock.title for name, rock in self.rocks.items()}
+
     def file(self, name: str) -> str:
         """Return the path of a file of the study."""
         return f"results/{self.study.name}/{name}"
 
     @property
     def study_sections(self) -> dict[str, StudySection]:
-        """Sections of experiments that are given, by name."""
-        given = {name: getattr(self, name, None) for name in sections()}
-        return {name: section for name, section in given.items() if section is not None}
+        """Sections of experiments that are stated, by name."""
+        return {
+            name: getattr(self, name) for name in sections() if self.stated.get(name) is not None
+        }
+
+    def section_or_none(self, kind: type[_Section]) -> _Section | None:
+        """Return the section of an experiment, or None if it is null."""
+        section: _Section | None = getattr(self, folder_of(kind))
+        return section
 
     def section(self, kind: type[_Section]) -> _Section:
         """Return the section of an experiment; raise `InputError` if it is left out."""
-        section = getattr(self, folder_of(kind))
+        section = self.section_or_none(kind)
         if section is None:
             raise InputError(f"{folder_of(kind)} = null: must be given for this study")
         return section
@@ -124,7 +139,10 @@ def model() -> type[Configuration]:
         "Configuration",
         __base__=Configuration,
         __doc__=Configuration.__doc__,
-        **{name: (section | None, None) for name, section in sections().items()},  # type: ignore
+        **{  # type: ignore[call-overload]
+            name: (section | None, section() if section.by_default else None)
+            for name, section in sections().items()
+        },
     )
 
 

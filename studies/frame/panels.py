@@ -10,13 +10,11 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, NullLocator
 
 from jointclosure.engine.quantities import HEADINGS
-from jointclosure.plotting.style import decimal_ticks, panel_grid, styled
+from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks_at
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _KEY, _LETTER = 0.7, 0.07
@@ -64,14 +62,6 @@ def keys_of(panels: Iterable[Axes]) -> list[Artist]:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     return list(entries.values())
-
-
-def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
-    """Put ticks only at some values, without a change of the limits."""
-    values = list(values)
-    axis.set_major_locator(FixedLocator(values))
-    axis.set_minor_locator(NullLocator())
-    axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
 
 
 class Row(NamedTuple):

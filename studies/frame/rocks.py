@@ -145,7 +145,9 @@ class MeasuredFile(Section):
 class StudyRock(intact_keys(Section)):  # type: ignore[misc]
     """A rock; a study's own file may add some."""
 
-    title: Text = entry("Name in tables and figures.")
+    title: Annotated[Text, OR_NULL] = entry(
+        "Name in tables and figures, as it is written; its key with a capital unless given.", ""
+    )
     jrc: Annotated[Jrc, OR_NULL, AfterValidator(lambda jrc: math.nan if jrc is None else jrc)] = (
         entry("Joint roughness coefficient; left out (or null) where `walls` are given.", math.nan)
     )
@@ -178,6 +180,10 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
             for name in PROPERTIES
             if (others := getattr(self.other_levels, name)) is not None
         }
+
+    def titled(self, name: str) -> "StudyRock":
+        """Return the rock with a title, made of its key ``name`` where it has none."""
+        return self if self.title else self._replace(title=title_of_key(name))
 
     def with_effects(self, usual: Effects) -> "StudyRock":
         """Return the rock with all of its effects, those of the study where it has none."""
@@ -243,6 +249,12 @@ def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
             f"{where}.missing = {walls.missing}: not with bring_together, which uses the "
             "largest rectangle without holes, after filling up to largest_filled_share"
         )
+
+
+def title_of_key(name: str) -> str:
+    """Return the title of a rock without one: its key with a capital, "my_rock" as "My rock"."""
+    words = name.replace("_", " ")
+    return words[0].upper() + words[1:]
 
 
 def wall_files(walls: ScannedWalls) -> dict[str, str]:

@@ -55,6 +55,19 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
     return study.status < FAILURE
 
 
+_IN_WORDS = {
+    "outside_model_range": "Outside of the model's range",
+    "target_jumped": "Jumped over the target",
+    "breakage_not_at_rest": "Breakage did not come to rest",
+    "rigid_contact": "Contact without compliance",
+}
+
+
+def in_words(name: str) -> str:
+    """Return the text of a status (docs/reference.md)."""
+    return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
+
+
 def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
     """Return net or gross closures (..., cycle, branch, stress) [m] since seating of the cycle."""
     kind, closure = ("_net", study.closure - study.bulk_indentation) if net else ("", study.closure)

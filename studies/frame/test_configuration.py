@@ -379,6 +379,25 @@ def test_two_rocks_of_a_study_have_two_titles():
     study_of(alike, {"study": {"rocks": ["slate"]}})
 
 
+def test_a_rock_without_a_title_is_written_as_its_key_with_a_capital():
+    rock = {key: value for key, value in DEFAULT["rocks"]["slate"].items() if key != "title"}
+    study = study_of(
+        {"rocks": {"buntsandstein": rock, "my_rock_2": rock}},
+        {"study": {"rocks": ["buntsandstein", "my_rock_2", "slate"]}},
+    )
+    assert study.titles == {
+        "buntsandstein": "Buntsandstein",
+        "my_rock_2": "My rock 2",
+        "slate": "Slate",
+    }
+
+
+def test_a_title_is_written_as_it_is_typed():
+    assert study_of({"rocks": {"slate": {"title": "slate of Wales"}}}).titles["slate"] == (
+        "slate of Wales"
+    )
+
+
 def test_a_title_may_have_letters_and_signs_of_any_kind():
     study_of({"rocks": {"slate": {"title": "Grès\u00a0des Vosges, 5 $ & 3 $ {x_1} 花崗岩"}}})
 

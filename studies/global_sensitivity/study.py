@@ -201,7 +201,7 @@ EXPERIMENT = Experiment(
     },
     settings=lambda study: {
         "sampling": sampling_of(study),
-        "titles": {name: rock.title for name, rock in study.rocks.items()},
+        "titles": study.titles,
     },
     check=check_sampling,
 )

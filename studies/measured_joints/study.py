@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 
 from jointclosure.engine.joints import closed_walls
 from jointclosure.mechanics.strength import strength_factor
-from jointclosure.plotting.style import decimal_ticks, styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configuration
-from studies.frame.panels import keys_of, legend_below, ticks_at
+from studies.frame.panels import keys_of, legend_below
 from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.measured_joints.observables import (

@@ -181,7 +181,7 @@ def draw_misalignment(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     lengths = {length: f"waves beyond {length:g} mm mate" for length in table.wavelength_mm}
     names = {
         "wavelength_mm": lengths | {np.inf: "independent"},
-        "rock": {rock: rock.capitalize() for rock in table.rock},
+        "rock": settings["titles"],
     }
     return panels(
         rows, columns, names, styles="wavelength_mm", bars=1.96, reference=0.0, sharey=False
@@ -194,4 +194,5 @@ EXPERIMENT = Experiment(
     jobs=misalignment_jobs,
     tables={"misalignment.csv": tabulate_misalignment},
     figures={"misalignment": draw_misalignment},
+    settings=lambda study: {"titles": study.titles},
 )

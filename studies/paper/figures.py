@@ -15,15 +15,16 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
 from jointclosure.joint.curves import branch_of, read_along, seat_of
-from jointclosure.joint.laws import CYCLES, UNCHECKED, barton_bandis, law_holds
+from jointclosure.joint.laws import CYCLES, barton_bandis, law_holds
 from jointclosure.joint.status import LOADING, TARGET_JUMPED, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import PROPERTIES
-from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots
-from jointclosure.plotting.walls import draw_field
+from jointclosure.parameters.units import in_unit
+from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots, ticks_at
+from jointclosure.plotting.walls import FIRST_TOUCH, draw_field
 from jointclosure.statistics.standard_errors import percent
-from studies.frame.panels import key, keys_of, legend_below, point_key, ticks_at
+from studies.frame.panels import key, keys_of, legend_below, point_key
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
@@ -81,12 +82,12 @@ def draw_measured(
         misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
         if cycle in cycles:
             best = 1e3 * since_seating(base).sel(cycle=cycle, realization=realization)
-            for branch, least in (("loading", seating_stress), ("unloading", -1.0)):
-                closure, shown = best.sel(branch=branch).values, stress > least
+            for branch in BRANCH_LINES:
+                closure, shown = best.sel(branch=branch).values, stress > seating_stress
                 axes.plot(closure[shown], 1e-6 * stress[shown], **_style(cycle))
     if not misfits:
         return "\nno realisation reaches all measured stresses"
-    return f"\nRMS misfit of the best: {', '.join(misfits)}"
+    return f"\nRMS misfit of the best:\n{', '.join(misfits)}"
 
 
 def _style(cycle: int) -> dict:
@@ -149,7 +150,7 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     figure.colorbar(image, ax=panels[:2], label=label, shrink=0.4, **bar)
     image = draw_field(panels[2], summed.max() - summed, spacing, cmap="mako")
     y, x = (1e3 * (i + 0.5) * spacing for i in np.unravel_index(np.argmax(summed), summed.shape))
-    panels[2].plot(x, y, "o", mfc="none", mec="red", ms=9)
+    panels[2].plot(x, y, "o", ms=9, **FIRST_TOUCH)
     figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
     titles = ("upper wall", "lower wall", "opening at first touch (circle)")
     for axes, name in zip(panels, titles, strict=True):
@@ -222,11 +223,10 @@ def closure_figure(
         key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study, seating_stress)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
+    if seating_stress is not None:
+        handles.append(key("mean of all surfaces, loading and unloading", **_mean_style(1)))
     if any(map(_lawful, rocks.values())):
-        unchecked = [f"cycle {cycle}" for cycle in cycles if cycle in UNCHECKED]
         label = "Barton-Bandis law (empirical, mated joints)"
-        if unchecked:
-            label += f",\nconstants of {', '.join(unchecked)} unchecked"
         handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
@@ -254,6 +254,8 @@ def _draw_rock(
     steps = history(study, case, chosen)
     for cycle in cycles:
         _draw_cycle(axes, base, cycle, chosen, seating_stress, steps)
+    for cycle in cycles if seating_stress is not None else ():
+        _draw_mean(axes, base, cycle, seating_stress)
     if _lawful(rock):
         first = seating_stress or 0.0
         stress = np.linspace(first, max(first, float(study.stress.max())), _LAW_POINTS)
@@ -363,6 +365,20 @@ def _draw_cycle(
             bold = _by_steps(history, cycle, branch, seating_stress)
         thick: dict[str, Any] = {"color": colour, "lw": 2.0, "ls": line}
         axes.plot(bold.closures[0], bold.stresses, path_effects=_OUTLINE, **thick)
+
+
+def _mean_style(cycle: int) -> dict[str, Any]:
+    return {"color": _DARK[1 + (cycle - 1) % len(_DARK)], "lw": 1.5, "ls": (0, (5, 1, 1, 1))}
+
+
+def _draw_mean(axes, base: xr.Dataset, cycle: int, seating_stress: float | None) -> None:
+    """Draw the mean closure at each stress that as many surfaces reach as any."""
+    for branch in BRANCH_LINES:
+        closures, stresses = _stored(base, cycle, branch, seating_stress)
+        count = np.isfinite(closures).sum(axis=0)
+        reached = count == count.max()
+        mean = np.nanmean(closures[:, reached], axis=0)
+        axes.plot(mean, stresses[reached], zorder=4, **_mean_style(cycle))
 
 
 _QUANTITIES = {
@@ -492,9 +508,11 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 @styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw mean maximum closure over each parameter, relative to the base case.
+    """Draw mean maximum gross closure over each parameter.
 
-    On common surfaces the errors are those of changes: what surfaces have in common cancels.
+    The values of several rocks are relative to those of their base cases, those of one rock are in
+    the unit of the parameter. On common surfaces the errors are those of changes: what surfaces
+    have in common cancels.
     """
     parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
@@ -509,13 +527,16 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                 continue
             part = part.assign(at=part.case.map(values[parameter])).sort_values("at")
             base = part[part.parameter == "base"].iloc[0]
+            scale = 1.0 / base["at"]
+            if len(rocks) == 1:
+                scale = in_unit(1.0, PROPERTIES[parameter].unit)
             mean, error = part.max_closure_mean_mm, part.max_closure_mean_mm_standard_error
             if paired:  # the change from the base case, which itself has no error of a change
                 mean = base.max_closure_mean_mm + part[CHANGE].where(part.parameter != "base", 0.0)
                 error = part[f"{CHANGE}_standard_error"].where(part.parameter != "base", 0.0)
             style, label = {"color": f"C{i}"}, figure_text(rock.title)
             axes.errorbar(
-                part["at"] / base["at"],
+                scale * part["at"],
                 mean,
                 error,
                 fmt="o-",
@@ -524,11 +545,13 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                 label=label,
                 **style,
             )
-            axes.plot(part["at"] / base["at"], part.max_closure_net_mean_mm, "--", lw=1.0, **style)
+            axes.plot(scale * part["at"], part.max_closure_net_mean_mm, "--", lw=1.0, **style)
         if cycle == cycles[-1]:
-            axes.set_xlabel("value / the rock's value")
+            about = PROPERTIES[parameter]
+            own = f"{about.title}{about.in_brackets}"
+            axes.set_xlabel(own if len(rocks) == 1 else "value / the rock's value")
         if parameter == parameters[0]:
-            axes.set_ylabel("mean maximum closure (mm)")
+            axes.set_ylabel("mean maximum\ngross closure (mm)")
     bar = "bar: ± standard error"
     if paired:
         bar += " of the change from\nthe rock's value, on the same surfaces"

@@ -3,6 +3,7 @@
 import contextlib
 import re
 import unicodedata
+from collections.abc import Mapping
 
 import pandas as pd
 
@@ -39,6 +40,13 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 def roughness_title(rock: StudyRock) -> str:
     """Describe a rock's walls for a figure: their JRC, or measured walls."""
     return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
+
+
+def case_title(titles: Mapping[str, str], rock: str, parameter: str, level: str) -> str:
+    """Name a case by the title of its rock, and what is changed: "Slate, JRC high"."""
+    if parameter == BASE:
+        return titles[rock]
+    return f"{titles[rock]}, {PROPERTIES[parameter].title} {level.replace('_', ' ')}"
 
 
 def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:

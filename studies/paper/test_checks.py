@@ -133,9 +133,9 @@ def test_checks_say_which_cases_lie_outside_of_the_range_and_what_that_does(with
 
 def test_the_report_counts_joints_outside_of_the_range_among_those_used(with_remarks):
     with_remarks["status"][1] = OUTSIDE_MODEL_RANGE | FAILURE
-    outside = outcome(with_remarks)["remarks"]["outside_model_range"]
+    outside = outcome(with_remarks, {"slate": "Slate"})["remarks"]["outside_model_range"]
     assert (outside["joints"], outside["cases"]) == (1, 1)
-    assert "-50 ± 10 % (slate-base, cycle 1)" in outside["change"]
+    assert "-50 ± 10 % (Slate, cycle 1)" in outside["change"]
 
 
 def test_the_report_states_files_warnings_and_overlap_of_scanned_walls(with_remarks):

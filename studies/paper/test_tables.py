@@ -21,6 +21,7 @@ from studies.frame.cases import block_settings, cases_of, joint_grid, pool_of, s
 from studies.frame.configuration import merged, model, resolved
 from studies.frame.keys import json_schema
 from studies.frame.settings import walls_of
+from studies.frame.tables import since_seating
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper import figures as plotting
 from studies.paper import responses as measured
@@ -304,6 +305,39 @@ def test_a_joint_that_jumped_over_its_maximum_is_not_drawn_up_to_it():
     for loading, _ in drawn_branches(study):
         assert np.isfinite([loading[0][-1], loading[1][-1]]).all()
         assert np.isnan(loading[2][-1, 0])
+
+
+@pytest.mark.parametrize("seating", [None, 5e5])
+def test_closure_since_seating_has_the_mean_over_all_surfaces(seating):
+    study = three_surfaces()
+    rock = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+    figure = plotting.closure_figure(
+        study, {"one": rock}, seating, 1.5, history=lambda *joint: None
+    )
+    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert ("mean of all surfaces, loading and unloading" in words) == (seating is not None)
+    assert not any("unchecked" in one for one in words)
+    for number, axes in enumerate(figure.axes if seating else ()):
+        means = [line for line in axes.lines if line.get_linewidth() == 1.5]
+        assert len(means) == 2
+        for line, branch in zip(means, ("loading", "unloading"), strict=True):
+            curve = 1e3 * since_seating(study).isel(case=0, cycle=number).sel(branch=branch)
+            shown = curve.stress.values > seating
+            expected = curve.mean("realization").values[shown]
+            np.testing.assert_allclose(line.get_xdata()[1:], expected)
+            np.testing.assert_allclose(line.get_ydata()[1:], 1e-6 * curve.stress.values[shown])
+
+
+def test_the_trends_of_one_rock_are_in_the_unit_of_the_property(slate):
+    study, closed, closures, *_ = slate
+    figure = plotting.trend_figure(closures, closed, study.rocks)
+    drawn = {
+        axes.get_xlabel(): np.asarray(axes.containers[0].lines[0].get_xdata(), dtype=float)
+        for axes in figure.axes
+    }
+    np.testing.assert_allclose(drawn["Young's modulus (GPa)"], [60.0, 66.0, 72.0])
+    np.testing.assert_allclose(drawn["Compressive strength (MPa)"], [143.0, 159.0, 175.0])
+    np.testing.assert_allclose(drawn["JRC"], [5.0, 6.5, 8.0])
 
 
 FORMULA = "Slate of $ 5 {x_1"

@@ -3,6 +3,7 @@
 import json
 import re
 import xml.etree.ElementTree as ElementTree
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -223,6 +224,24 @@ def test_the_engineering_figure_names_its_bands_and_square_metres(history):
         shown = {text.get_text() for text in axes.get_legend().get_texts()}
         assert {"cycle 1, band of nine in ten", "cycle 2, band of nine in ten"} <= shown
     assert figure.axes[3].get_ylabel() == "transmissivity of water at 20 °C (m²/s)"
+
+
+def test_laws_lie_inside_the_frame_and_no_cycle_hides_another(history):
+    law = SimpleNamespace(closure=lambda stress: 1e-3 * stress / (stress + 1e6))
+    figure = engineering_figure(history, "a joint", laws={1: law})
+    closing, *others = figure.axes
+    (drawn,) = (line for line in closing.lines if line.get_label() == "Barton-Bandis")
+    assert drawn.get_xdata().max() > closing.lines[0].get_xdata().max()  # beyond the joint
+    assert drawn.get_xdata().max() <= closing.get_xlim()[1]
+    assert drawn.get_ydata().max() <= closing.get_ylim()[1]
+    for axes in others[:2]:
+        widths = {
+            line.get_label(): (line.get_linewidth(), line.get_zorder()) for line in axes.lines
+        }
+        for branch in ("loading", "unloading"):
+            first, second = (widths[f"cycle {cycle}, {branch}"] for cycle in (1, 2))
+            assert first[0] > 1.5 * second[0]  # it is seen beside the second, which is above it
+            assert first[1] < second[1]
 
 
 def test_porepy_closes_as_the_joint_does(folder, history):

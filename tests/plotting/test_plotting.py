@@ -10,6 +10,7 @@ from PIL import Image
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.plotting import snapshots
+from jointclosure.plotting.style import percent_ticks, subplots
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
@@ -102,3 +103,41 @@ def test_snapshots_are_pictures_that_differ_and_leave_no_trace_in_the_file(tmp_p
     assert len(frames) > 2
     for one, other in itertools.pairwise(frames):
         assert np.abs(one - other).max() > 50.0
+
+
+def test_contacts_are_lighter_than_every_aperture(joint):
+    """So that nobody needs to tell red from green."""
+    figure = snapshots.snapshot_figure(joint, "a joint")
+    apertures, contacts = figure.axes[0].images
+    colours = apertures.cmap(np.linspace(0.0, 1.0, 100))
+    assert lightness(contacts.cmap(1.0)) > 20.0 + max(map(lightness, colours))
+
+
+def lightness(colour):
+    """CIE lightness L* of a colour (red, green, blue, alpha) of sRGB."""
+    parts = np.asarray(colour[:3])
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]
+    return 116.0 * np.cbrt(luminance) - 16.0 if luminance > 0.008856 else 903.3 * luminance
+
+
+@pytest.mark.parametrize("ends", [(-100.0, 1000.0), (-100.0, 40.0), (-3.0, 900.0), (-43.0, 43.0)])
+def test_long_axes_of_percentages_say_that_they_are_logarithmic_with_ticks_apart(ends):
+    _, axes = subplots(figsize=(3.0, 2.2))
+    assert percent_ticks(axes.xaxis, 5.0, *ends) == ", logarithmic beyond ±5"
+    ticks = axes.get_xticks()
+    assert ticks[0] >= ends[0]
+    assert ticks[-1] <= ends[1]
+    assert {0.0, 5.0} <= set(ticks)
+    assert ticks.size >= 3
+    places = axes.transData.transform([(tick, 0.0) for tick in ticks])[:, 0]
+    assert np.diff(places).min() > 0.04 * axes.bbox.width
+    decades = {value for value in (100.0, 1000.0) if value <= ends[1]}
+    assert decades <= set(ticks)
+
+
+def test_short_axes_of_percentages_are_linear():
+    _, axes = subplots(figsize=(3.0, 2.2))
+    assert percent_ticks(axes.yaxis, 5.0, -12.0, 15.0) == ""
+    assert axes.get_yscale() == "linear"
+    assert axes.get_ylim() == (-12.0, 15.0)

@@ -187,6 +187,22 @@ def test_a_report_is_planned_again_with_the_conclusions_that_it_shows(planning):
     assert planned(planning, "report") == {"conclude": 1, "write_report": 1, "report": 1}
 
 
+def test_a_report_assesses_its_study_unless_the_configuration_says_null(planning):
+    assessing = {"assess_joints": 1, "tabulate_assessed": 1}
+    always = {"rank_joints": 1, "draw_panels": 1, "write_report": 1}
+    jobs = planned(planning, "report")
+    assert assessing.items() <= jobs.items()
+    assert always.items() <= jobs.items()
+    without = changed(planning, "without.yaml", ("assessment", None))
+    jobs = planned(planning, "report", config=without)
+    assert not assessing.keys() & jobs.keys()
+    assert always.items() <= jobs.items()
+
+
+def test_a_key_of_the_assessment_closes_no_joint_of_the_study_again(planning):
+    assert plan_of(planning, ("assessment", {"share": 0.3})) == {"state_configuration": 1}
+
+
 def test_conclusions_depend_on_the_contents_of_published_tables_and_not_on_their_times(planning):
     config = changed(planning, "paper.yaml", ("study.name", "paper"))
     add_code(planning)

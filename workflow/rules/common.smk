@@ -15,6 +15,8 @@ from jointclosure.engine.selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.walls.scans import file_digest, files_of
+from studies.assessment.plan import READ as ASSESSED_QUANTITIES
+from studies.assessment.plan import planned as planned_assessment
 from studies.frame.cases import (
     blocks_of,
     cases_of,
@@ -30,7 +32,7 @@ from studies.frame.datasets import digest, joints_key
 from studies.frame.pilots import examined, tried
 from studies.frame.points import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
-from studies.frame.settings import joints_of, surface_settings
+from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
@@ -98,6 +100,15 @@ FIGURES_OF_STUDY = [
 FIGURES_OF_STUDY += ["hydraulic_aperture"] if STUDY.flow else []
 FIGURES_OF_STUDY += ["table_3_intervals", "trends_max_closure"] if VARIED else []
 FIGURES = FIGURES_OF_STUDY + (["table_3_predictive"] if VARIED else [])
+# The assessment in the report (assessment.smk), and the panels of the report's first screen
+PLAN = planned_assessment(STUDY)
+ASSESSED_TABLES = ["study_hardness.csv"]
+FIRST_PANELS = ["study_hardness"]
+if PLAN is not None:
+    ASSESSED_TABLES += ["study_assessment.csv", "study_assessment_cost.csv"]
+    if PLAN.points:
+        FIRST_PANELS += ["study_effects"]
+        FIRST_PANELS += ["study_accuracy"] if len(PLAN.ladder) > 1 else []
 CHECKED = DATASETS | ({"finest": "finest"} if STUDY.study.accuracy else {})
 
 # The paper's study, beside which tables of other studies are put
@@ -254,6 +265,27 @@ def surfaces_of_choice(rock):
         for block in blocks_of(STUDY, count)
         if block.start < MOST_PAIRS
     ]
+
+
+# The assessment in the report (assessment.smk)
+
+
+def surfaces_assessed(rock):
+    """Files of the surfaces of the base case that the assessment closes, as the study does."""
+    points = PLAN.points[rock]
+    count = STUDY.study.realizations if STUDY.study.accuracy else None
+    return [
+        surfaces_of("cases", f"{rock}-{BASE}", block.start, block.stop - 1)
+        for block in blocks_of(STUDY, count)
+        if block.start < points[0].settings.realizations
+    ]
+
+
+@cache
+def assessed_key(rock):
+    """Digest of all that the joints of a rock in the assessment depend on."""
+    closing = code("assess_joints.py", titles=False)
+    return digest(PLAN.points[rock], ASSESSED_QUANTITIES, closing)
 
 
 # Rounds of a requested accuracy (accuracy.smk)

@@ -34,7 +34,10 @@ rule write_report:
     input:
         study=f"{RESULTS}/study.nc",
         tables=collect(f"{RESULTS}/tables/{{table}}", table=TABLES),
-        figures=collect(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
+        assessed=collect(f"{RESULTS}/tables/{{table}}", table=ASSESSED_TABLES),
+        figures=collect(
+            f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES + FIRST_PANELS
+        ),
         # tables of other targets that were run
         beside=[
             file

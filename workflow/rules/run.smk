@@ -90,6 +90,8 @@ class RunMessages(logging.Handler):
         if job.rule.name == "close_points":
             points = POINTS[job.wildcards.experiment]()[job.wildcards.job]
             return JOB_SECONDS + joints_of(points) * expected_seconds(STUDY)
+        if job.rule.name == "assess_joints":
+            return JOB_SECONDS + PLAN.seconds / len(PLAN.points)
         return JOB_SECONDS
 
 

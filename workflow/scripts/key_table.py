@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from jointclosure.parameters.units import in_unit, name_and_unit
-from studies.frame.configuration import USUAL, model
+from studies.frame.configuration import USUAL, model, sections
 from studies.frame.keys import json_schema
 from studies.frame.yaml_files import DEFAULT, read_plain
 
@@ -28,7 +28,12 @@ A study is a small file with what differs from `default.yaml`, the paper's study
 def main() -> str:
     """Return the text of the page."""
     lines, before = [HEADER], ""
-    found = rows(json_schema(model()), read_plain(DEFAULT), "")
+    usual = {
+        name: json.loads(section().model_dump_json(by_alias=True))
+        for name, section in sections().items()
+        if section.by_default
+    }
+    found = rows(json_schema(model()), read_plain(DEFAULT) | usual, "")
     for (given, text), same in groupby(found, key=lambda row: row[1:]):
         keys = ", ".join(f"`{key}`" for key, *_ in same)
         lines.append(f"- {keys} ({given}) {text if text != before else 'The same.'}\n")

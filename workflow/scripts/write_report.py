@@ -11,5 +11,5 @@ if __name__ == "__main__":
         logging_to(snakemake.log[0]),
         reading_checked(read.study, snakemake.params.key) as study,
     ):
-        tables = [*read.tables, *read.beside]
+        tables = [*read.tables, *read.assessed, *read.beside]
         write_text(report_page(study, tables, read.figures), snakemake.output[0])

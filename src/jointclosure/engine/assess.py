@@ -20,6 +20,7 @@ import pandas as pd
 
 from jointclosure.compilation.sources import code_digest
 from jointclosure.engine.cache import digest
+from jointclosure.engine.effect_names import without
 from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.engine.numerical_error import NOT_STABLE
 from jointclosure.engine.scanned_joint import RESOLVED, registered_walls, takes_scans
@@ -145,11 +146,11 @@ class Assessment:
         table = self._table(True, tuple(ASSESSED))
         return table.assign(verdict=[self.verdict(name) for name in table.index])
 
-    def _table(self, without: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
+    def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
         """Format the differences of settings, or of scenes without effects."""
         rows: dict[str, dict[str, str]] = {}
         for row in self.differences.itertuples():
-            if row.variant.startswith(_EFFECT) == without and row.quantity in quantities:
+            if row.variant.startswith(_EFFECT) == of_effects and row.quantity in quantities:
                 shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
                 text = "reference" if row.variant == row.reference else percent_of(row)
                 shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
@@ -407,8 +408,7 @@ def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions
         fewer = given.effects._replace(**dict.fromkeys(acting, False))
         # joints that break have no equilibrium without a substrate
         if acting and (fewer.substrate or not fewer.breakage):
-            name = f"without {' and '.join(acting)}".replace("_", " ")
-            variants[name] = given._replace(effects=fewer)
+            variants[without(acting)] = given._replace(effects=fewer)
     return stated, ladder, variants
 
 

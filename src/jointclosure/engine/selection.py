@@ -20,6 +20,7 @@ import pandas as pd
 import scipy
 
 from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
+from jointclosure.engine.effect_names import without
 from jointclosure.engine.joints import closed_walls, read_joint
 from jointclosure.engine.quantities import ClosedWalls
 from jointclosure.inputs import check_below, check_count
@@ -66,7 +67,7 @@ _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
 _READ = ["compliance_net" if name == "stiffness_net" else name for name in ASSESSED]
 
 
-def without(scene: Effects, names: tuple[str, ...]) -> Effects | None:
+def scene_without(scene: Effects, names: tuple[str, ...]) -> Effects | None:
     """Return a scene without some effects; None if this saves no time."""
     if names[0] not in SAVED or not getattr(scene, names[0]):
         return None
@@ -77,7 +78,7 @@ def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
     """Return the scenes that may be ``chosen`` from these effects, with all of them first."""
     scenes = [effects]
     for scene in scenes if chosen else ():
-        fewer = [without(scene, names) for names in DROPS]
+        fewer = [scene_without(scene, names) for names in DROPS]
         scenes += [one for one in fewer if one is not None and one not in scenes]
     return scenes
 
@@ -308,7 +309,7 @@ def choose_among(
     shape = pilot.values(chosen, 1)[0].shape
     change = Change(np.zeros(shape), np.zeros(shape))
     for names in DROPS:
-        fewer = without(chosen, names)
+        fewer = scene_without(chosen, names)
         if fewer is None:
             continue
         left_out, reason = False, pilot.screened(names, tolerance)
@@ -317,7 +318,7 @@ def choose_among(
             chosen, change = (fewer, tested) if left_out else (chosen, change)
         verdict = "left out" if left_out else "kept"
         verdict += f" (tolerance {percent(tolerance)})"
-        reasons.append(f"without {' and '.join(names)} the mean closure {reason}: {verdict}")
+        reasons.append(f"{without(names)} the mean closure {reason}: {verdict}")
         report(reasons[-1])
     if chosen == pilot.effects:
         report("all effects act")

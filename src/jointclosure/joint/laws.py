@@ -198,7 +198,6 @@ _CONSTANTS = {
     3: (-0.1032, -0.0074, 1.1350, -0.2510),
 }
 CYCLES = tuple(_CONSTANTS)
-UNCHECKED = (2,)  # cycles whose constants were not checked against a source
 
 
 LAB_LENGTH = 0.1

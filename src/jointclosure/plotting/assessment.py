@@ -3,13 +3,14 @@
 import itertools
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engine.assess import ASSESSED, JUDGED, Assessment
-from jointclosure.plotting.style import decimal_ticks, styled, subplots
+from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 
 
 @styled
@@ -25,8 +26,8 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     finest = table.reference[~without].iloc[0]
     left.set(title=f"error against {finest}", xlabel="processor time of a joint (s)")
     left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
-    draw_effects(right, table[without], within)
-    right.set(title="effects", xlabel="change of closure (%)\n(logarithmic beyond the request)")
+    scale = draw_effects(right, table[without], within)
+    right.set(title="effects", xlabel=f"change of closure (%){scale}")
     for axes in (left, right):
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
     words = f"{title}, hardness: {assessment.hardness.verdict[0]}"
@@ -54,8 +55,14 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     decimal_ticks(axes.xaxis, axes.yaxis)
 
 
-def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
-    """Draw changes [%] without effects, hollow of gross closure, on the request [%] as a band."""
+def draw_effects(
+    axes: Axes, without: pd.DataFrame, within: float, shown: pd.DataFrame | None = None
+) -> str:
+    """Draw changes [%] without effects, hollow of gross closure, on the request [%] as a band.
+
+    The axis is that of all rows ``shown`` in a figure, by default of these; words on its scale are
+    returned.
+    """
     names = list(dict.fromkeys(without.variant))
     axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)
     for number, (name, cycle) in enumerate(itertools.product(JUDGED, without.cycle.unique())):
@@ -67,8 +74,13 @@ def draw_effects(axes: Axes, without: pd.DataFrame, within: float) -> None:
         axes.errorbar(rows.value_percent, at, xerr=bars, **style)
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.set_xscale("symlog", linthresh=within)
-    ticks = [-100, -within, 0, within, 1000 if without.high_percent.max() > 300.0 else 100]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.minorticks_off()
-    axes.margins(x=0.08)
+    ends = (without if shown is None else shown)[["low_percent", "high_percent"]].to_numpy()
+    ends = ends[np.isfinite(ends)]
+    low, high = min(ends.min(initial=0.0), -within), max(ends.max(initial=0.0), within)
+    for place, name in enumerate(names):
+        if not without.value_percent[without.variant == name].notna().any():
+            axes.annotate(
+                "fails", (0.02, place), xycoords=("axes fraction", "data"), color="0.4",
+                va="center", fontsize="small",
+            )  # fmt: skip
+    return percent_ticks(axes.xaxis, within, 1.4 * low, 1.4 * high)

@@ -139,15 +139,19 @@ def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
 def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = False) -> None:
     """Draw a column over stress, or ``across`` it, by cycle and branch, with bands of loadings."""
     fill = axes.fill_betweenx if across else axes.fill_between
+    cycles = int(curves.cycle.max())
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
-        order, colour = above(cycle, branch), f"C{cycle - 1}"
+        # later cycles are thinner and above, so that equal curves are all seen
+        order, colour = 2.0 + 0.01 * cycle, f"C{cycle - 1}"
+        width = 1.2 + 1.4 * (cycles - cycle) / max(1, cycles - 1)
         stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
             fill(stress, low, high, color=colour, alpha=0.2, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
-        axes.plot(*at, BRANCH_LINES[branch], color=colour, label=label, zorder=order)
+        line = {"color": colour, "label": label, "zorder": order, "lw": width}
+        axes.plot(*at, BRANCH_LINES[branch], **line)
     axes.set(xlabel="normal stress (MPa)", ylabel=CURVES[name][0], xlim=0.0)
 
 
@@ -198,7 +202,8 @@ def _draw_closure(
             empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
             axes.plot(empirical, stress, "-.", color=f"C{cycle - 1}", **style)
-    axes.set(title="loading", ylim=0.0, ylabel="normal stress (MPa)", xlim=(None, None))
+    axes.autoscale(axis="x")  # all curves and laws are inside
+    axes.set(title="loading", ylim=0.0, ylabel="normal stress (MPa)", xlim=0.0)
     axes.set(xlabel=f"net closure since {seating:g} MPa (mm)")
 
 

@@ -121,7 +121,7 @@ def walls(
 
 @styled
 def aperture(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """Draw the distance of the deformed walls in a snapshot, with contacts in red.
+    """Draw the distance of the deformed walls in a snapshot, with contacts in yellow.
 
     ``joint`` was closed with ``snapshots``; ``snapshot`` is the index of one, by default the last.
     """

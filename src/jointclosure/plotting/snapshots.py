@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
@@ -20,6 +20,8 @@ from jointclosure.plotting.style import panel_grid, styled, subplots
 from jointclosure.plotting.walls import draw_field
 
 STRESSES = 16  # snapshots of a branch for a smooth animation
+CONTACTS = "#f0e442"  # yellow; it is lighter than all colours of apertures, so that all see it
+_APERTURES = ListedColormap(sns.color_palette("mako", 256)[:170])  # black to blue-green
 _PAUSE = 300  # duration of a frame in milliseconds
 _ROWS = 3  # of full size; with n snapshots each map has sqrt(n / 3) columns
 
@@ -51,7 +53,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
 
 
 MAPS: dict[str, dict[str, Any]] = {
-    "aperture": {"label": "aperture (mm), contacts red", "extend": "max"},
+    "aperture": {"label": "aperture (mm), contacts yellow", "extend": "max"},
     "stress": {"label": "stress of cells in contact (MPa)", "extend": "min"},
     "change": {"label": "change of both walls' height (mm)", "extend": "both"},
 }
@@ -61,10 +63,11 @@ MAPS: dict[str, dict[str, Any]] = {
 def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesImage:
     """Draw one of `MAPS` of a snapshot, with colours for all snapshots."""
     force, spacing = closed.snapshot_force.values, spacing_of(closed)
+    colours: str | Colormap
     norm: Normalize
     if name == "aperture":
         fields = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
-        colours, norm = "mako", Normalize(0.0, reach_of(fields))
+        colours, norm = _APERTURES, Normalize(0.0, reach_of(fields))
     elif name == "stress":
         fields = 1e-6 * force / spacing**2
         largest = float(fields.max()) or 1.0
@@ -79,7 +82,7 @@ def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesIm
     if name == "aperture":
         touching = force[snapshot]
         contacts = np.ma.masked_where(touching == 0.0, np.ones_like(touching))
-        draw_field(axes, contacts, spacing, cmap="autumn", **style)
+        draw_field(axes, contacts, spacing, cmap=ListedColormap([CONTACTS]), **style)
     return image
 
 

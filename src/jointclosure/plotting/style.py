@@ -5,15 +5,22 @@ its style.
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 import matplotlib
+import numpy as np
 import seaborn as sns
 from cycler import cycler
-from matplotlib.axis import Axis
+from matplotlib.axis import Axis, XAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import (
+    FixedLocator,
+    LogLocator,
+    NullFormatter,
+    NullLocator,
+    StrMethodFormatter,
+)
 
 from jointclosure.joint.status import LOADING, UNLOADING
 
@@ -82,3 +89,39 @@ def decimal_ticks(*logarithmic: Axis, **locator) -> None:
         axis.set_major_locator(LogLocator(**places))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
+
+
+def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
+    """Put ticks only at some values, without a change of the limits."""
+    values = list(values)
+    axis.set_major_locator(FixedLocator(values))
+    axis.set_minor_locator(NullLocator())
+    axis.set_ticklabels([f"{value:g}" for value in values] if labels is None else list(labels))
+
+
+def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bool = False) -> str:
+    """Scale an axis of signed percentages, and return words on the scale for its label.
+
+    An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
+    to there and logarithmic beyond, with fewer ticks where decades are many or the axis is
+    ``narrow``.
+    """
+    set_scale, set_limits = (
+        (axis.axes.set_xscale, axis.axes.set_xlim)
+        if isinstance(axis, XAxis)
+        else (axis.axes.set_yscale, axis.axes.set_ylim)
+    )
+    if max(-low, high) <= 4.0 * linear:
+        set_limits(low, high)
+        return ""
+    set_scale("symlog", linthresh=linear, linscale=0.5 if narrow else 1.0)
+    set_limits(low, high)
+    decades = sum(max(0.0, np.log10(max(end, linear) / linear)) for end in (-low, high))
+    steps = (1.0, 3.0) if decades <= 2.2 and not narrow else (1.0,)
+    beyond = [step * 10.0**power for power in range(-3, 7) for step in steps]
+    apart = 1.9 if decades <= 1.2 else 2.9  # ratio of a tick to the end of the linear part
+    beyond = [value for value in beyond if value > apart * linear]
+    beyond = sorted(value for end in beyond for value in (-end, end) if low <= value <= high)
+    ends = [value for value in (-linear, linear) if low <= value <= high]
+    ticks_at(axis, sorted([0.0, *beyond, *([] if narrow and beyond else ends)]))
+    return f", logarithmic beyond ±{linear:g}"

@@ -8,11 +8,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patheffects import withStroke
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.walls.measures import increments
 from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
+
+FIRST_TOUCH: dict[str, Any] = {
+    "mfc": "none",
+    "mec": "w",
+    "mew": 1.6,
+    "path_effects": [withStroke(linewidth=4.0, foreground="k")],
+}
+"""Circle about the first contact on a map: white in black, which is seen on all colours."""
 
 
 def draw_field(axes: Axes, field: np.ndarray, spacing: float, **style: Any) -> AxesImage:
@@ -43,7 +52,7 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     image = draw_field(panels[2], 1e3 * pair.aperture, pair.spacing, cmap="viridis", **limits)
     _add_bar(panels[2], image, "aperture (mm)", "max")
     y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
-    panels[2].plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
+    panels[2].plot(x, y, "o", ms=11, **FIRST_TOUCH)
     panels[2].set_title("aperture at first touch (in the circle)")
     draw_section(panels[3], pair.upper, pair.lower, pair.spacing)
     panels[3].legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))

@@ -17,6 +17,7 @@ from jointclosure.statistics.standard_errors import (
     harmonic_mean,
     number_text,
     ratio_of_means,
+    rounded,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
@@ -30,7 +31,7 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
-from studies.paper.layout import test_name
+from studies.paper.layout import case_title, test_name
 from studies.paper.report.page import Picture
 from studies.paper.report.tables import About, frames_of
 from studies.paper.requirements import REPORTED
@@ -54,7 +55,7 @@ def content(material: Material) -> dict:
     study, known = material.study, material.tables
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
-    titles = {name: rock.title for name, rock in configuration.rocks.items()}
+    titles = configuration.titles
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_frame(study, known["max_closure"], titles)
@@ -64,7 +65,8 @@ def content(material: Material) -> dict:
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
-        "outcome": outcome(study),
+        "outcome": outcome(study, titles),
+        "assessed": assessed(known, configuration, titles),
         "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
@@ -98,7 +100,7 @@ def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
     }
 
 
-def outcome(study: xr.Dataset) -> dict:
+def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
     """Count simulations: all, used, failed, and those that are used with a remark.
 
     ``remarks`` has, by remark: the number of joints, of their cases, and the largest change of a
@@ -112,9 +114,10 @@ def outcome(study: xr.Dataset) -> dict:
         of_cases, most = rows.drop_duplicates("case"), most_changed(rows)
         change = "no joint is left without them"
         if most is not None:
-            where = f"{most.case}, cycle {most.cycle}"
+            case = case_title(titles, most.rock, most.parameter, most.level)
             change = (
-                f"mean closures without them change at most by {change_in_words(most)} ({where})"
+                f"mean gross closures without them change at most by {change_in_words(most)} "
+                f"({case}, cycle {most.cycle})"
             )
         joints, cases = int(of_cases.joints.sum()), len(of_cases)
         remarks[name] = {"joints": joints, "cases": cases, "change": change}
@@ -126,6 +129,43 @@ def outcome(study: xr.Dataset) -> dict:
         "most_used": int(used.max()),
         "remarks": remarks,
     }
+
+
+def assessed(
+    known: Mapping[str, pd.DataFrame], configuration: Configuration, titles: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return what the report says of the assessment of its study: ``state`` and, if done, numbers.
+
+    It is "off" (null in the configuration), "missing" (the tables were not made), "too long" (the
+    fewest joints would take more than their share of the time) or "done".
+    """
+    if getattr(configuration, "assessment", None) is None:
+        return {"state": "off"}
+    if not {"study_assessment", "study_assessment_cost"} <= known.keys():
+        return {"state": "missing"}
+    cost = known["study_assessment_cost"].iloc[0]
+    about = {"cost": cost, "state": "done" if cost.closed else "too long"}
+    table = known["study_assessment"]
+    whole = table[~table.rock.isin(titles)] if (~table.rock.isin(titles)).any() else table
+    effects = whole[(whole.kind == "effects") & whole.reason.fillna("").ne("")]
+    about["reasons"] = {
+        row.variant.removeprefix("without "): f"{row.state}: {row.reason}"
+        for row in effects.drop_duplicates("variant").itertuples()
+    }
+    if not cost.closed:
+        return about
+    settings = whole[whole.kind == "setting"]
+    reached = settings[settings.of_study.eq(True)]
+    about["errors"] = [
+        f"{rounded(change, error)} % on cycle {cycle:.0f}"
+        for change, error, cycle in reached[reached.variant != reached.reference][
+            ["change_percent", "change_percent_standard_error", "cycle"]
+        ].to_numpy()
+    ]
+    about["samples"] = int(whole.joints.max())
+    about["errors_of_95"] = confidence_limits((0.0, 1.0), about["samples"]).high
+    about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
+    return about
 
 
 def _verdicts(claims: pd.DataFrame) -> dict[str, int]:

@@ -11,10 +11,11 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engine.assess import ASSESSED, JUDGED
+from jointclosure.engine.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
-from jointclosure.parameters import PROPERTIES
+from jointclosure.parameters import PROPERTIES, scene_of
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
-from studies.frame.tables import succeeded
+from studies.frame.tables import in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
@@ -27,6 +28,8 @@ LEAST_SHOWN = 0.001
 """Smallest probability that is shown as a number."""
 MOST_FAILURES = 500
 """Largest number of failed simulations that are listed."""
+MOST_HARD = 200
+"""Largest number of joints that are listed by hardness."""
 _PROPERTY = {name: about.title for name, about in PROPERTIES.items()}
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 
@@ -169,17 +172,41 @@ def differing(table: pd.DataFrame) -> pd.DataFrame:
     return shown.assign(quantity=shown.quantity.map(ASSESSED))
 
 
-_IN_WORDS = {
-    "outside_model_range": "Outside of the model's range",
-    "target_jumped": "Jumped over the target",
-    "breakage_not_at_rest": "Breakage did not come to rest",
-    "rigid_contact": "Contact without compliance",
-}
+def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
+    """Settings of the numerics and effects on a few joints of the study; empty tables are left out.
+
+    Rocks are named by their titles, and all together "all".
+    """
+    shown = table.assign(
+        rock=table.rock.map(about.titles).fillna("all"),
+        reason=[
+            ": ".join(words for words in row if isinstance(words, str) and words)
+            for row in zip(table.state, table.reason, strict=True)
+        ],
+    )
+    for name in ("cycle", "joints"):
+        shown[name] = [
+            ABSENT if pd.isna(x) else f"{x:.0f}" for x in shown.get(name, [np.nan] * len(shown))
+        ]
+    parts = {f"study_{kind}": part for kind, part in shown.groupby("kind", sort=False)}
+    return parts
 
 
-def in_words(name: str) -> str:
-    """Return the text of a status (docs/reference.md)."""
-    return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
+def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
+    """The hardest joints, the worst first."""
+    return pd.DataFrame(
+        {
+            "Rock": table.rock.map(about.titles),
+            "Changed": [_PROPERTY.get(p, "as it is") for p in table.parameter],
+            "Level": table.level.str.replace("_", " "),
+            "Joint": table.joint,
+            "Verdict": [
+                words if isinstance(words, str) and words else "no remark"
+                for words in table.verdict
+            ],
+            "Reason": table.reason,
+        }
+    ).head(MOST_HARD)
 
 
 def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
@@ -199,7 +226,8 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
         counts = ((study.status & mask) > 0).sum("realization").values
         if mask < FAILURE or counts.any():
             frame[in_words(name)] = counts
-    return frame.assign(**{"Effects that act": study.scene.values})
+    scenes = map(scene_of, study.scene.values.tolist())
+    return frame.assign(**{"Effects that act": list(map(effects_title, scenes))})
 
 
 def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
@@ -264,10 +292,13 @@ def frames_of(
     if "table_3_predictive" in known:
         predictive = predicted(known["table_3_predictive"])
         frames["table_3_predictive"] = about.titled(predictive, _WITH_UNITS)
-    if "assessment" in known:
-        frames["assessment"] = differing(known["assessment"])
-    if "hardness" in known:
-        frames["hardness"] = known["hardness"]
+    for name, prepared in (("assessment", differing), ("hardness", pd.DataFrame)):
+        if name in known:
+            frames[name] = about.titled(prepared(known[name]))
+    if "study_assessment" in known:
+        frames |= assessed(known["study_assessment"], about)
+    if "study_hardness" in known:
+        frames["study_hardness"] = hardest(known["study_hardness"], about)
     return frames | {
         name: about.titled(prepared(known[name]))
         for name, prepared in _PREPARED.items()

@@ -1,0 +1,195 @@
+"""Small panels of the assessment in the report of a study, for its first screen."""
+
+from collections.abc import Iterable, Mapping
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
+from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
+from studies.assessment.reached import ALL_ROCKS, EFFECTS, SETTING
+from studies.frame.panels import key, point_key
+from studies.frame.settings import BASE
+from studies.paper.layout import case_title, figure_text
+
+SIZE = (4.2, 3.6)
+"""Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""
+SMALL = 8.0
+"""Size of the smallest letters [points]."""
+WORST = 8
+"""Joints that are shown, the worst ones."""
+LINEAR = 10.0
+"""Percentage up to which the axes of effects are linear."""
+_MARKS = "sD^vP"
+_OFFSET = 1.05
+"""Ratio of times by which marks of two cycles stand apart."""
+
+
+def pooled(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of all rocks together, or of the only rock."""
+    return table[table.rock == (ALL_ROCKS if (table.rock == ALL_ROCKS).any() else table.rock)]
+
+
+def _letters() -> dict[str, Any]:
+    return {"fontsize": SMALL}
+
+
+@styled
+def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
+    """Draw the error of each setting over the time of a joint, with the setting of the study.
+
+    ``table`` is that of `studies.assessment.reached.assessed_table`, ``within`` the request [1].
+    """
+    shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
+    figure, axes = subplots(figsize=SIZE)
+    limit = 100.0 * within
+    axes.axhspan(-limit, limit, color="0.9", lw=0.0, zorder=0)
+    axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
+    variants, cycles = list(dict.fromkeys(shown.variant)), sorted(shown.cycle.unique())
+    marks = dict(zip(variants, _MARKS, strict=False))
+    for row in shown.itertuples():
+        at = row.seconds * _OFFSET ** (cycles.index(row.cycle) - 0.5 * (len(cycles) - 1))
+        style: dict[str, Any] = {"color": f"C{row.cycle - 1}", "marker": marks[row.variant]}
+        error = row.change_percent_standard_error
+        axes.errorbar([at], [row.change_percent], [np.nan_to_num(error)], ms=5, lw=1.0, **style)
+        if row.of_study:
+            ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
+            axes.plot([at], [row.change_percent], "o", **ring)
+    reach = (shown.change_percent.abs() + shown.change_percent_standard_error.fillna(0.0)).max()
+    axes.set(xscale="log", xlim=(0.6 * shown.seconds.min(), 1.8 * shown.seconds.max()))
+    decimal_ticks(axes.xaxis)
+    end = max(1.3 * float(reach), 2.0 * limit)
+    scale = percent_ticks(axes.yaxis, limit, -end, end)
+    reference = shown.reference.iloc[0]
+    axes.set_xlabel("processor time of a joint (s), logarithmic", **_letters())
+    words = f"error of mean net closure (%)\nagainst {reference}{scale}"
+    axes.set_ylabel(words, **_letters())
+    axes.set_title("Error against time", fontsize=10)
+    handles = [point_key(name, marks[name], color="0.4", ms=5) for name in variants]
+    handles += [key(f"cycle {cycle}", color=f"C{cycle - 1}", lw=3) for cycle in cycles]
+    handles += [
+        point_key("this study", "o", mfc="none", mec="k", mew=1.2, ms=9),
+        point_key("± standard error", "|", color="0.4", ms=8),
+    ]
+    return _finished(figure, [axes], handles)
+
+
+@styled
+def effects_panel(table: pd.DataFrame) -> Figure:
+    """Draw what each effect adds to the mean net closure, and costs, of `assessed_table`."""
+    shown = pooled(table[table.kind == EFFECTS])
+    names = list(dict.fromkeys(shown.variant))
+    measured = shown.dropna(subset="change_percent").astype({"cycle": int})
+    figure, panels = subplots(1, 2, figsize=SIZE, sharey=True, width_ratios=(1.5, 1.0))
+    cycles = sorted(measured.cycle.unique())
+    scales = {}
+    for column, axes in zip(("change_percent", "time_percent"), panels, strict=True):
+        axes.axvline(0.0, color="0.5", lw=0.8, zorder=1)
+        ends = [-5.0, 5.0]
+        for cycle in cycles if column == "change_percent" else cycles[:1]:
+            rows = measured[measured.cycle == cycle]
+            color = f"C{cycle - 1}" if column == "change_percent" else "0.3"
+            apart = 0.16 * (cycles.index(cycle) - 0.5 * (len(cycles) - 1))
+            at = [
+                names.index(name) + (apart if axes is panels[0] else 0.0) for name in rows.variant
+            ]
+            error = rows[f"{column}_standard_error"].fillna(0.0)
+            # what an effect adds is what its absence takes away
+            axes.errorbar(-rows[column], at, xerr=error, fmt="o", ms=4, lw=1.0, color=color)
+            ends += [*(-rows[column] - error), *(-rows[column] + error)]
+        left = axes is panels[0]
+        title = "adds (% of mean net closure)" if left else "costs (% of time)"
+        axes.set_xlabel(title, **_letters())
+        low, high = 1.5 * min(ends), 1.5 * max(ends)
+        scales["left" if left else "right"] = percent_ticks(
+            axes.xaxis, LINEAR, low, high, narrow=True
+        )
+    for place, name in enumerate(names):
+        row = shown[shown.variant == name].iloc[0]
+        if row.state and not np.isfinite(row.change_percent):
+            panels[0].annotate(
+                row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
+                color="0.4", **_letters(),
+            )  # fmt: skip
+    logarithmic = [side for side, words in scales.items() if words]
+    axis = "both axes" if len(logarithmic) == 2 else " ".join([*logarithmic, "axis"])
+    scale = f"{axis} logarithmic beyond ±{LINEAR:g} %" if logarithmic else ""
+    for axes in panels:
+        axes.set_ylim(len(names) - 0.5, -0.5)
+        axes.yaxis.set_minor_locator(NullLocator())
+    panels[0].set_yticks(range(len(names)), [name.removeprefix("without ") for name in names])
+    figure.suptitle("What each effect adds and costs", fontsize=10)
+    handles = [point_key(f"cycle {cycle}", color=f"C{cycle - 1}", ms=4) for cycle in cycles]
+    handles += [point_key("± standard error", "|", color="0.4", ms=8)]
+    return _finished(figure, panels, handles, 3, scale)
+
+
+@styled
+def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """Draw the worst joints of `studies.assessment.reached.hardness_table`, with their reasons."""
+    worst = table.head(WORST)
+    figure, axes = subplots(figsize=SIZE)
+    limit = 100.0 * LARGEST_UNBREAKABLE_SHARE
+    rocks = list(titles)
+    values = worst.unbreakable_percent.fillna(0.0).tolist()
+    colours = [f"C{rocks.index(rock)}" for rock in worst.rock]
+    axes.barh(range(len(worst)), values, color=colours, height=0.6)
+    axes.axvline(limit, color="0.3", ls="--", lw=1.0)
+    for place, row in enumerate(worst.itertuples()):
+        words = row.verdict if isinstance(row.verdict, str) and row.verdict else "no remark"
+        axes.annotate(
+            fill(words, 16), (values[place], place), xytext=(3, 0), textcoords="offset points",
+            va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5}, **_letters(),
+        )  # fmt: skip
+    axes.set_yticks(range(len(worst)), [_joint_title(row, titles) for row in worst.itertuples()])
+    span = 1.7 * max(1.25 * limit, *values) if values else limit  # room for words
+    axes.set(xlim=(0.0, span), ylim=(len(worst) - 0.4, -0.6))
+    words = f"force on contacts that cannot break (%), dashed: limit ({limit:g} %)"
+    figure.supxlabel(words, **_letters())
+    total = int(table.ranked.iloc[0]) if len(table) else 0
+    figure.suptitle(f"The {len(worst)} hardest of {total} joints", fontsize=10)
+    axes.tick_params(labelsize=SMALL)
+    axes.tick_params(axis="y", length=0)
+    sns.despine(figure, left=True)
+    return figure
+
+
+def _joint_title(row: Any, titles: Mapping[str, str]) -> str:
+    """Name a joint: its rock and number, and in a second line what is changed in its case."""
+    rock, _, changed = case_title(titles, row.rock, row.parameter, row.level).rpartition(", ")
+    rock, changed = (rock, changed) if row.parameter != BASE else (titles[row.rock], "")
+    return figure_text(f"{rock}, joint {row.joint}") + (f"\n{changed}" if changed else "")
+
+
+def _finished(
+    figure: Figure, panels: Iterable[Axes], handles: list, columns: int = 2, title: str = ""
+) -> Figure:
+    for axes in panels:
+        axes.tick_params(labelsize=SMALL)
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns, "frameon": False}
+    figure.legend(handles=handles, title=title, title_fontsize=SMALL, **place, **_letters())
+    sns.despine(figure)
+    return figure
+
+
+def first_panels(
+    hardness: pd.DataFrame,
+    titles: Mapping[str, str],
+    differences: pd.DataFrame | None,
+    within: float | None,
+) -> dict[str, Figure]:
+    """Draw the panels by the names of their files; those of ``differences`` if they were tabulated.
+
+    ``titles`` are those of the rocks, ``within`` is the requested error [1].
+    """
+    panels = {"study_hardness": hardness_panel(hardness, titles)}
+    if differences is not None and within is not None:
+        panels["study_accuracy"] = accuracy_panel(differences, within)
+        panels["study_effects"] = effects_panel(differences)
+    return panels

@@ -1,0 +1,311 @@
+"""Tables of the assessment in the report of a study: what its numerics reached, and its effects."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engine.assess import CLOSURE, DROPS
+from jointclosure.engine.effect_names import without
+from jointclosure.joint.status import (
+    FAILURE,
+    FLAGS,
+    LARGEST_UNBREAKABLE_SHARE,
+    OUTSIDE_MODEL_RANGE,
+    TARGET_JUMPED,
+    unbreakable_share,
+)
+from jointclosure.parameters import Effects
+from jointclosure.statistics.standard_errors import Estimate, mean_of, percent
+from studies.assessment.plan import Plan
+from studies.frame.settings import BASE
+from studies.frame.tables import in_words, succeeded
+from studies.paper.closures import estimate_columns
+
+ALL_ROCKS = "all rocks"
+"""Value of the column ``rock`` of what is pooled over the rocks; no key has a space."""
+SETTING, EFFECTS = "setting", "effects"
+"""Kinds of variants."""
+MOST_RANKED = 1000
+"""Largest number of joints that are ranked."""
+OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
+"""States of effects whose change was not measured, or that the study left out."""
+
+
+class _Closed(NamedTuple):
+    """Net closures since seating (joint, cycle) [m], NaN if failed, and times (joint,) [s]."""
+
+    closures: np.ndarray
+    seconds: np.ndarray
+
+
+def assessed_table(
+    study: xr.Dataset, joints: Mapping[str, xr.Dataset], plan: Plan, effects: Mapping[str, Effects]
+) -> pd.DataFrame:
+    """Tabulate differences of variants of the base cases, and what their joints take.
+
+    Parameters
+    ----------
+    study : Dataset
+        Joints as the study closed them.
+    joints : mapping
+        Joints of `plan`'s points by rock, along ``joint``.
+    plan : Plan
+        What was closed.
+    effects : mapping
+        Effects that act in each rock, among which a study may have chosen.
+
+    Returns
+    -------
+    DataFrame
+        A row per variant and cycle, of each rock and of all together (`ALL_ROCKS`): ``kind``
+        (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
+        closure since seating, ``seconds`` of a joint and ``time_percent``, the change of the time
+        from the joints of the study; with standard errors. ``state`` and ``reason`` say why
+        effects are not tested, or left out by the study.
+    """
+    chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
+    closed = {rock: _closed(study, rock, part, plan) for rock, part in joints.items()}
+    rows = list[dict[str, Any]]()
+    groups = {rock: [rock] for rock in closed} | (
+        {ALL_ROCKS: list(closed)} if len(closed) > 1 else {}
+    )
+    for name, rocks in groups.items():
+        variants = list(dict.fromkeys(v for rock in rocks for v in closed[rock]))
+        for variant in variants:
+            of_variant = [closed[rock] for rock in rocks if variant in closed[rock]]
+            rows += _rows(name, variant, of_variant, plan)
+    table = pd.DataFrame(rows)
+    states = pd.DataFrame(
+        [
+            {"rock": rock, "variant": variant, "state": state, "reason": reason}
+            for rock, acting in effects.items()
+            for variant, state, reason in _states(acting, plan, chosen.get(rock, {}))
+        ],
+        columns=["rock", "variant", "state", "reason"],
+    )
+    return _with_states(table, states, list(effects))
+
+
+def _closed(study: xr.Dataset, rock: str, joints: xr.Dataset, plan: Plan) -> dict[str, _Closed]:
+    """Return the joints of a rock by variant, as far as closed; the settings by their accuracy."""
+    found = {}
+    for variant in dict.fromkeys(joints.variant.values.tolist()):
+        found[variant] = _of(joints.isel(joint=(joints.variant == variant).values))
+    if plan.stated not in found:
+        base = study.isel(case=int(np.flatnonzero(_is_base(study, rock))[0]))
+        base = base.rename(realization="joint")
+        closed = _of(base.isel(joint=slice(plan.joints)))
+        # the first joint of a job also loads the kernels
+        seconds = base.timing_simulation.values[1:]
+        found = {plan.stated: closed._replace(seconds=seconds)} | found
+    order = [name for name in plan.ladder if name in found]
+    return {name: found[name] for name in [*order, *(n for n in found if n not in order)]}
+
+
+def _is_base(study: xr.Dataset, rock: str) -> np.ndarray:
+    return ((study.rock == rock) & (study.parameter == BASE)).values
+
+
+def _of(joints: xr.Dataset) -> _Closed:
+    good = joints.status < FAILURE
+    closures = joints[CLOSURE].where(good).transpose("joint", "cycle").values
+    return _Closed(closures, joints.timing_simulation.transpose("joint").values)
+
+
+def _rows(
+    rock: str, variant: str, of_rocks: Sequence[dict[str, _Closed]], plan: Plan
+) -> Iterator[dict]:
+    """Generate the rows of a variant of some rocks, one for each cycle."""
+    setting = variant in plan.ladder
+    reference = plan.ladder[-1] if setting else plan.stated
+    pairs = [
+        (of[variant], of[reference], of[plan.stated])
+        for of in of_rocks
+        if {reference, plan.stated} <= of.keys()
+    ]
+    if not pairs:
+        return
+    seconds = _together([_mean(own.seconds) for own, *_ in pairs])
+    times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
+    joints = sum(len(own.closures) for own, *_ in pairs)
+    for place in range(pairs[0][0].closures.shape[1]):
+        changes = []
+        for own, best, _ in pairs:
+            one, two = own.closures[:, place], best.closures[:, place]
+            known = np.isfinite(one) & np.isfinite(two)
+            changes.append((one - two)[known] / two[known].mean() if known.any() else one[known])
+        samples = np.concatenate(changes)
+        row: dict[str, Any] = {"rock": rock}
+        row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
+        row |= {"reference": reference, "of_study": variant == plan.stated}
+        row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
+        row |= estimate_columns("change_percent", _mean(samples), 100.0)
+        row |= estimate_columns("seconds", seconds)
+        yield row | estimate_columns("time_percent", times, 100.0)
+
+
+def _mean(samples: np.ndarray) -> Estimate:
+    """Return a mean with its standard error, NaN of fewer than two samples."""
+    if samples.size < 2:
+        return Estimate(float(samples[0]) if samples.size else math.nan, math.nan)
+    return mean_of(samples)
+
+
+def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
+    """Return the relative change of a mean (n,) from that of other joints (m,); 0 from itself."""
+    if over is under:
+        return Estimate(0.0, 0.0)
+    one, two = _mean(over), _mean(under)
+    ratio = one.value / two.value
+    errors = (estimate.standard_error / estimate.value for estimate in (one, two))
+    return Estimate(ratio - 1.0, ratio * math.hypot(*errors))
+
+
+def _together(estimates: Sequence[Estimate]) -> Estimate:
+    """Return the mean of independent estimates."""
+    values, errors = np.array(estimates).T
+    return Estimate(float(values.mean()), float(np.linalg.norm(errors)) / len(estimates))
+
+
+def _states(
+    acting: Effects, plan: Plan, chosen: Mapping[str, dict]
+) -> Iterator[tuple[str, str, str]]:
+    """Generate variant, state and reason of effects of a rock that are left out or not tested."""
+    for name, acts in acting._asdict().items():
+        if not acts:
+            yield without([name]), OFF, f"off in this study (effects: {name}: false)"
+    if acting.substrate and acting.breakage:
+        yield without(["substrate"]), NEEDED, "joints that break have no equilibrium without it"
+    for variant in plan.omitted:
+        if variant not in plan.ladder and variant.startswith(without([""])):
+            yield variant, NOT_TESTED, "its joints would take more than the share of the time"
+    selected = chosen.get("effects", {})
+    reasons = [line for of in chosen.get("cases", {}).values() for line in of["reasons"]]
+    for names in DROPS:
+        left = [name for name in names if getattr(acting, name) and not selected.get(name, True)]
+        for reason in reasons:
+            if left and reason.startswith(f"{without(names)} the "):
+                words = reason.removeprefix(f"{without(names)} the mean closure ")
+                yield without(names), LEFT_OUT, f"effects.auto: {words}"
+
+
+def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]) -> pd.DataFrame:
+    """Add states and reasons to the rows of variants, and rows of variants that were not closed."""
+    if len(rocks) > 1 and len(states):
+        pooled = []
+        for (variant, state, reason), part in states.groupby(
+            ["variant", "state", "reason"], sort=False
+        ):
+            words = reason if len(part) == len(rocks) else f"{', '.join(part.rock)}: {reason}"
+            pooled.append({"rock": ALL_ROCKS, "variant": variant, "state": state, "reason": words})
+        pooled = pd.DataFrame(pooled).groupby(["rock", "variant"], sort=False, as_index=False)
+        states = pd.concat([states, pooled.agg({"state": "first", "reason": "; ".join})])
+    if table.empty:
+        return states.assign(kind=EFFECTS)
+    table = table.merge(states, on=["rock", "variant"], how="left")
+    shown = set(zip(table.rock, table.variant, strict=True))
+    groups = set(table.rock)
+    further = states[
+        [
+            rock in groups and (rock, variant) not in shown
+            for rock, variant in zip(states.rock, states.variant, strict=True)
+        ]
+    ]
+    table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
+    return _with_failures(table.fillna({"state": "", "reason": ""}))
+
+
+def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
+    """Say of effects without which joints fail that they are needed; n of them fail."""
+    fails = (table.kind == EFFECTS) & (table.failed > 0)
+    total = table.joints + table.failed
+    for place in table.index[fails & (table.state == "")]:
+        counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
+        table.loc[place, ["state", "reason"]] = NEEDED, counts
+    return table
+
+
+def cost_table(
+    datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: Plan
+) -> pd.DataFrame:
+    """Tabulate in one row how many joints were closed, and what they and the study took [s]."""
+    whole = float(sum(part.timing_simulation.sum() for part in datasets))
+    seconds = float(sum(part.timing_simulation.sum() for part in joints.values()))
+    row = {
+        "stated": plan.stated,
+        "reference": plan.ladder[-1],
+        "omitted": ", ".join(plan.omitted),
+        "rocks": ", ".join(joints),
+        "joints": plan.joints,
+        "closed": sum(part.sizes["joint"] for part in joints.values()),
+        "seconds": seconds,
+        "study_seconds": whole,
+        "share_percent": 100.0 * seconds / whole,
+        "expected_percent": 100.0 * plan.seconds / plan.study_seconds,
+        "allowed_percent": 100.0 * plan.share,
+        "within": plan.within,
+    }
+    return pd.DataFrame([row])
+
+
+_VERDICTS = ("failed", "jumped over the maximum stress", "outside of the model's range", "")
+"""Verdicts on a joint, the worst first; the last one is that of joints without a remark."""
+
+
+def hardness_table(study: xr.Dataset) -> pd.DataFrame:
+    """Rank the joints of a study by their status and by the force on contacts that cannot break.
+
+    Rows are joints, the worst first, at most `MOST_RANKED`: ``verdict``, ``reason``,
+    ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
+    all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
+    number of all joints, and `verdict_joints` that of joints with the same verdict.
+    """
+    order = ("case", "realization")
+    status = study.status.transpose(*order).values
+    share = unbreakable_share(study).max("cycle").transpose(*order).values
+    residual = study.largest_residual.transpose(*order).values
+    steps = study.breakage_steps.transpose(*order).values.astype(float)
+    effort = np.full(steps.shape, math.nan)
+    for rock in dict.fromkeys(study.rock.values.tolist()):
+        of_rock = (study.rock == rock).values
+        middle = float(np.nanmedian(steps[of_rock]))
+        effort[of_rock] = steps[of_rock] / middle if middle > 0.0 else math.nan
+    failed = ~succeeded(study).transpose(*order).values
+    jumped, outside = ((status & bit) > 0 for bit in (TARGET_JUMPED, OUTSIDE_MODEL_RANGE))
+    group = np.select([failed, jumped, outside], [0, 1, 2], 3)
+    first = np.lexsort((-effort.ravel(), -np.nan_to_num(share).ravel(), group.ravel()))
+    rows = []
+    for place in first[:MOST_RANKED]:
+        i, j = np.unravel_index(place, status.shape)
+        row: dict[str, Any] = {
+            name: study[name].values[i] for name in ("rock", "parameter", "level")
+        }
+        row |= {"joint": int(study.realization.values[j]), "status": int(status[i, j])}
+        row |= {"verdict": _VERDICTS[group[i, j]], "unbreakable_percent": 100.0 * share[i, j]}
+        row |= {"residual": residual[i, j], "effort": effort[i, j]}
+        rows.append(row | {"reason": _reason(row, int(group[i, j]))})
+    counts = {name: int((group == n).sum()) for n, name in enumerate(_VERDICTS)}
+    table = pd.DataFrame(rows)
+    return table.assign(verdict_joints=table.verdict.map(counts), ranked=status.size)
+
+
+def _reason(row: Mapping, group: int) -> str:
+    """Say what makes a joint hard."""
+    share = (
+        f"{percent(0.01 * row['unbreakable_percent'])} of the force on contacts that cannot break"
+    )
+    limit = f"{share} (limit {percent(LARGEST_UNBREAKABLE_SHARE)})"
+    effort = f"{row['effort']:.2g} times the median number of breakage steps"
+    if group == 0:
+        return ", ".join(in_words(name) for bit, name in FLAGS.items() if row["status"] & bit)
+    if group == 1:
+        return "breakage made the stress jump over its maximum"
+    known = [limit] if row["unbreakable_percent"] > 0.0 else []
+    if math.isfinite(row["effort"]):
+        known.append(effort)
+    return "; ".join(known) or f"residual of equilibrium {row['residual']:.2g}"

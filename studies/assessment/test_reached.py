@@ -1,0 +1,309 @@
+"""Tables and panels of the assessment in a report, of made-up joints."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.cli.report import render
+from jointclosure.engine.assess import CLOSURE
+from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
+from studies.assessment.plan import Plan
+from studies.assessment.reached import (
+    ALL_ROCKS,
+    LEFT_OUT,
+    NEEDED,
+    NOT_TESTED,
+    OFF,
+    assessed_table,
+    cost_table,
+    hardness_table,
+)
+from studies.paper.report.content import assessed
+from studies.paper.report.page import Picture
+from tests.studied import study_of
+
+ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")
+CHANGED = {"tolerance 0.1": 0.9, "tolerance 0.02": 0.8, "without interaction": 1.1}
+"""Closure of each variant over that of the study."""
+TIMES = {"tolerance 0.1": 9.0, "tolerance 0.02": 11.0, "without interaction": 0.5}
+PLAN = Plan(LADDER[0], LADDER, ("tolerance 0.004", "without gouge"), 2, {}, 40.0, 500.0, 0.1)
+EFFECTS = dict.fromkeys(ROCKS, jc.Effects())
+CLOSURES = {"slate": 1e-4 * np.array([[1.0, 0.2], [1.2, 0.3], [9.0, 9.0]]),
+            "dolerite": 2e-4 * np.array([[1.0, 0.2], [1.4, 0.3], [9.0, 9.0]])}  # fmt: skip
+OWN_SECONDS = np.array([5.0, 1.0, 3.0])  # the first one loaded the kernels
+
+
+def dataset():
+    """Base cases of two rocks with three joints, of which variants close two."""
+    order = ("case", "realization")
+    locked = np.array([[[0.02, 0.01], [0.3, 0.1], [0.0, 0.0]], [[0.05, 0.0], [0.0, 0.0], [0.2, 0]]])
+    return xr.Dataset(
+        {
+            "status": (order, [[0, 2, 1], [0, 32, 2]]),
+            CLOSURE: ((*order, "cycle"), [CLOSURES[rock] for rock in ROCKS]),
+            "timing_simulation": (order, [OWN_SECONDS, 2.0 * OWN_SECONDS]),
+            "locked_share": ((*order, "cycle"), locked),
+            "flat_share": ((*order, "cycle"), 0.0 * locked),
+            "largest_residual": (order, np.full((2, 3), 5e-5)),
+            "breakage_steps": (order, [[10, 20, 30], [20, 20, 60]]),
+        },
+        coords={"realization": [0, 1, 2], "cycle": [1, 2], "rock": ("case", list(ROCKS)),
+                "parameter": ("case", ["base", "base"]), "level": ("case", ["base", "base"])},
+    )  # fmt: skip
+
+
+def joints_of(rock, scale=1.0):
+    """Joints of a rock that are closed by variants, each with a known change."""
+    closures = CLOSURES[rock][:2]
+    values = np.concatenate([factor * closures for factor in CHANGED.values()])
+    seconds = np.repeat([2.0 * scale * time for time in TIMES.values()], 2)
+    return xr.Dataset(
+        {
+            "status": ("joint", np.zeros(len(values), dtype=int)),
+            CLOSURE: (("joint", "cycle"), values),
+            "timing_simulation": ("joint", seconds),
+        },
+        coords={"variant": ("joint", np.repeat(np.array(list(CHANGED), object), 2))},
+    )
+
+
+@pytest.fixture
+def joints():
+    return {"slate": joints_of("slate"), "dolerite": joints_of("dolerite", 2.0)}
+
+
+@pytest.fixture
+def study():
+    """Made-up study whose joints all succeeded."""
+    return dataset().assign(status=(("case", "realization"), np.zeros((2, 3), dtype=int)))
+
+
+@pytest.fixture
+def table(study, joints):
+    return assessed_table(study, joints, PLAN, EFFECTS)
+
+
+def row_of(table, rock, variant, cycle=1):
+    (row,) = table[
+        (table.rock == rock) & (table.variant == variant) & (table.cycle == cycle)
+    ].itertuples()
+    return row
+
+
+@pytest.mark.parametrize("rock", [*ROCKS, ALL_ROCKS])
+def test_changes_are_means_over_joints_with_their_standard_errors(table, rock):
+    rocks = ROCKS if rock == ALL_ROCKS else [rock]
+    for variant, reference in (
+        ("the paper's steps", "tolerance 0.02"),
+        ("tolerance 0.1", "tolerance 0.02"),
+        ("without interaction", "the paper's steps"),
+    ):
+        factors = CHANGED | {"the paper's steps": 1.0}
+        for cycle in (1, 2):
+            row = row_of(table, rock, variant, cycle)
+            parts = [CLOSURES[one][:2, cycle - 1] for one in rocks]
+            one = factors[variant] / factors[reference] - 1.0
+            samples = 100.0 * one * np.concatenate([part / part.mean() for part in parts])
+            assert row.joints == samples.size
+            assert row.change_percent == pytest.approx(samples.mean())
+            error = samples.std(ddof=1) / np.sqrt(samples.size)
+            assert row.change_percent_standard_error == pytest.approx(error)
+
+
+def test_times_are_against_joints_of_the_study_that_did_not_load_the_kernels(table):
+    for rock in (*ROCKS, ALL_ROCKS):
+        row = row_of(table, rock, "without interaction")
+        assert row.time_percent == pytest.approx(-50.0)
+        assert row.time_percent_standard_error == pytest.approx(
+            50.0 * np.std([1.0, 3.0], ddof=1) / np.sqrt(2.0) / 2.0
+            / (np.sqrt(2.0) if rock == ALL_ROCKS else 1.0)
+        )  # fmt: skip
+    assert row_of(table, "slate", "the paper's steps").seconds == pytest.approx(2.0)
+
+
+def test_effects_that_are_not_tested_or_left_out_have_a_reason(study, joints):
+    reason = "without interaction the mean closure changes by 0.5 %, at most 1 %: left out"
+    chosen = {"effects": EFFECTS["slate"]._replace(interaction=False)._asdict()}
+    chosen["cases"] = {"slate-base": {"reasons": [reason]}}
+    study.attrs["effects_chosen"] = json.dumps({"slate": chosen})
+    effects = EFFECTS | {"dolerite": jc.Effects(soft_peaks=False)}
+    table = assessed_table(study, joints, PLAN, effects)
+    states = table.drop_duplicates(["rock", "variant"]).set_index(["rock", "variant"])
+    assert states.state[("slate", "without interaction")] == LEFT_OUT
+    assert "changes by 0.5 %, at most 1 %" in states.reason[("slate", "without interaction")]
+    assert states.state[("dolerite", "without interaction")] == ""
+    assert states.state[("dolerite", "without soft peaks")] == OFF
+    assert states.reason[(ALL_ROCKS, "without soft peaks")].startswith("dolerite: ")
+    for rock in (*ROCKS, ALL_ROCKS):
+        assert states.state[(rock, "without gouge")] == NOT_TESTED
+        assert states.state[(rock, "without substrate")] == NEEDED
+
+
+def test_a_joint_that_failed_is_counted_and_in_no_mean(study, joints):
+    joints["slate"].status[0] = 32
+    row = row_of(assessed_table(study, joints, PLAN, EFFECTS), "slate", "tolerance 0.1")
+    assert (row.joints, row.failed) == (1, 1)
+    assert np.isnan(row.change_percent_standard_error)
+
+
+def test_an_effect_without_which_joints_fail_is_needed_and_has_a_word(study, joints):
+    failed = joints["slate"].variant == "without interaction"
+    joints["slate"]["status"] = joints["slate"].status.where(~failed, 128)
+    table = assessed_table(study, {"slate": joints["slate"]}, PLAN, {"slate": jc.Effects()})
+    row = row_of(table, "slate", "without interaction")
+    assert (row.state, row.reason) == (NEEDED, "2 of 2 joints fail without it")
+    left = effects_panel(table).axes[0]
+    assert [text.get_text() for text in left.texts] == ["needed", "needed", "not tested"]
+
+
+def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
+    cost = cost_table([study, study], joints, PLAN).iloc[0]
+    assert cost.closed == 12
+    assert cost.share_percent == pytest.approx(100.0 * cost.seconds / (2.0 * 27.0))
+    assert (cost.expected_percent, cost.allowed_percent) == (8.0, 10.0)
+
+
+def test_joints_are_ranked_by_status_and_then_by_force_on_contacts_that_cannot_break():
+    table = hardness_table(dataset())
+    assert table.verdict.tolist() == [
+        "failed",
+        "jumped over the maximum stress",
+        "outside of the model's range",
+        "outside of the model's range",
+        "",
+        "",
+    ]
+    assert table.unbreakable_percent.tolist() == pytest.approx([0.0, 0.0, 30.0, 20.0, 5.0, 2.0])
+    assert table.reason[0] == "Breakage did not come to rest"
+    assert table.reason[2].startswith(
+        "30 % of the force on contacts that cannot break (limit 10 %)"
+    )
+    assert table.effort.tolist() == pytest.approx([1.0, 1.5, 1.0, 3.0, 1.0, 0.5])
+    assert set(table.ranked) == {6}
+    assert table.verdict_joints.tolist() == [1, 1, 2, 2, 2, 2]
+
+
+def test_the_accuracy_panel_shows_every_setting_and_rings_that_of_the_study(table):
+    axes = accuracy_panel(table, 0.05).axes[0]
+    drawn = sorted((one.lines[0].get_ydata()[0], *bar_of(one)[:, 1]) for one in axes.containers)
+    rows = table[(table.rock == ALL_ROCKS) & (table.kind == "setting")]
+    expected = [
+        (value, value - error, value + error)
+        for value, error in rows[["change_percent", "change_percent_standard_error"]].to_numpy()
+    ]
+    np.testing.assert_allclose(drawn, sorted(expected), atol=1e-9)
+    rings = [line for line in axes.lines if line.get_markersize() == 12]
+    of_study = rows[rows.of_study.astype(bool)].change_percent
+    assert [line.get_ydata()[0] for line in rings] == pytest.approx(of_study.tolist())
+    assert "logarithmic" in axes.get_xlabel()
+
+
+def bar_of(container):
+    (bar,) = container.lines[2]
+    return bar.get_segments()[0]
+
+
+def test_the_effects_panel_shows_what_an_effect_adds_and_says_what_was_not_tested(table):
+    left, right = effects_panel(table).axes
+    rows = table[(table.rock == ALL_ROCKS) & (table.variant == "without interaction")]
+    points = [one.lines[0].get_xdata()[0] for one in left.containers]
+    assert points == pytest.approx((-rows.change_percent).tolist())
+    assert max(points) < 0.0  # closure is larger without it
+    assert [one.lines[0].get_xdata()[0] for one in right.containers] == pytest.approx([50.0])
+    names = [label.get_text() for label in left.get_yticklabels()]
+    assert names == ["interaction", "substrate", "gouge"]
+    assert [text.get_text() for text in left.texts] == ["needed", "not tested"]
+
+
+def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
+    table = hardness_table(dataset())
+    titles = {"slate": "Slate of Wales", "dolerite": "Dolerite"}
+    axes = hardness_panel(table, titles).axes[0]
+    lengths = [bar.get_width() for bar in axes.patches]
+    assert lengths == pytest.approx(table.unbreakable_percent[:WORST].tolist())
+    words = [text.get_text().replace("\n", " ") for text in axes.texts]
+    assert words[:2] == ["failed", "jumped over the maximum stress"]
+    assert words[-1] == "no remark"
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    assert labels[0] == "Dolerite, joint 1"
+    assert labels[1] == "Slate of Wales, joint 2"
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_the_report_says_what_was_reached_or_why_nothing_is_known(closed, study, joints, table):
+    configuration = study_of({"study": {"rocks": list(ROCKS)}})
+    parts = joints if closed else {}
+    known = {"study_assessment": table, "study_assessment_cost": cost_table([study], parts, PLAN)}
+    about = assessed(known, configuration, configuration.titles)
+    assert about["state"] == ("done" if closed else "too long")
+    if closed:
+        row = row_of(table, ALL_ROCKS, "the paper's steps")
+        assert about["errors"][0].startswith(f"{row.change_percent:.0f}"[:2])
+        assert about["errors"][0].endswith(" % on cycle 1")
+        assert about["rocks"] == ["Slate", "Dolerite"]
+        assert about["samples"] == 4
+        assert about["errors_of_95"] == pytest.approx(3.182, abs=1e-3)  # Student's t, 3 of freedom
+        assert set(about["reasons"]) == {"substrate", "gouge"}
+    assert assessed({}, configuration, configuration.titles) == {"state": "missing"}
+    off = study_of({"assessment": None})
+    assert assessed(known, off, off.titles) == {"state": "off"}
+
+
+def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
+    table.to_csv(tmp_path / "table.csv", index=False)
+    again = pd.read_csv(tmp_path / "table.csv")
+    for draw in (effects_panel, lambda one: accuracy_panel(one, 0.05)):
+        drawn, same = draw(table).axes[0], draw(again).axes[0]
+        assert len(drawn.containers) == len(same.containers)
+
+
+def first_screen(about, **names):
+    """Text of the panels of the first screen."""
+    counts = {"joints": 3, "cases": 2}
+    content = {
+        "assessed": about,
+        "pictures": {f"study_{name}": Picture(PNG) for name in ("accuracy", "hardness", "effects")},
+        "outcome": {
+            "simulations": 60,
+            "failed": 1,
+            "remarks": {"outside_model_range": counts, "target_jumped": {"joints": 0, "cases": 0}},
+        },
+        "frames": {"remarks": None},
+        "cases": 9,
+    }
+    page = render(content | names, "first.html.j2", "studies.paper.report")
+    return " ".join(re.sub(r"<[^>]*>", " ", page).split()), page.count("<img")
+
+
+PNG = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\2\x9c\0\0\2\x1c"
+"""Beginning of a picture, which states its size."""
+
+
+def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
+    configuration = study_of({"study": {"rocks": list(ROCKS)}})
+    known = {"study_assessment": table, "study_assessment_cost": cost_table([study], joints, PLAN)}
+    text, pictures = first_screen(assessed(known, configuration, configuration.titles))
+    assert pictures == 3
+    assert "2 joints of the base case of Slate, Dolerite" in text
+    assert "3 lie outside of the model's range, in 2 of 9 cases" in text
+    assert "Substrate is needed: joints that break have no equilibrium without it." in text
+    assert "8 % was expected, and 10 % is allowed." in text
+    assert "standard errors of 4 joints, 3.2 of which are half of a 95 % interval" in text
+
+
+@pytest.mark.parametrize(
+    ("about", "words"),
+    [
+        ({"state": "off"}, "because its configuration has assessment: null ."),
+        ({"state": "missing"}, "make report with its configuration does so."),
+    ],
+)
+def test_the_first_screen_says_why_a_study_was_not_assessed(about, words):
+    text, pictures = first_screen(about)
+    assert words in text
+    assert pictures == 1  # the joints by hardness are known anyway

@@ -1,0 +1,21 @@
+"""Close joints of a rock's base case by other numerics and effects, on surfaces of the study."""
+
+from itertools import islice
+
+from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.closing import close_points
+from studies.frame.settings import walls_in
+from studies.frame.yaml_files import provenance
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as log:
+        points, quantities = snakemake.params.points, snakemake.params.quantities
+        count = points[0].settings.realizations
+        walls = list(islice(walls_in(snakemake.input.surfaces), count))
+        for kernel in kernels_of(point.settings.conditions.model for point in points):
+            compile_kernels(*kernel)  # loads them, which is no part of the time of a joint
+        joints = close_points(points, quantities, log, walls)
+        joints = joints.assign_attrs(provenance(snakemake.config) | {"key": snakemake.params.key})
+        write_netcdf(joints, snakemake.output[0])

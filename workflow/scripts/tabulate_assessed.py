@@ -1,0 +1,22 @@
+"""Tabulate what the numerics of a study reached, and what its effects add and cost."""
+
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.logs import logging_to
+from studies.assessment.reached import assessed_table, cost_table
+from studies.frame.datasets import CURVES, read_checked
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]):
+        read, params, output = snakemake.input, snakemake.params, snakemake.output
+        files = {"study": read.study} | ({"pool": read.pool} if read.pool else {})
+        datasets = {
+            name: read_checked(file, params.keys_of_datasets[name], without=CURVES)
+            for name, file in files.items()
+        }
+        joints = {
+            rock: read_checked(file, params.keys_of_joints[rock])
+            for rock, file in zip(params.keys_of_joints, read.joints, strict=True)
+        }
+        table = assessed_table(datasets["study"], joints, params.plan, params.effects)
+        write_csv(table, output.differences)
+        write_csv(cost_table(list(datasets.values()), joints, params.plan), output.cost)
