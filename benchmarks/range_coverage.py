@@ -172,7 +172,8 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
     On the scale of logarithms, or of log odds, a truth departs from the middle of its range by a
     multiple of half of the width. The width that is needed is the width times the 90 % quantile of
     these multiples. The 95 % interval of the share in the range is exact, with a count for each
-    pair; that of the width is of resampled pairs. ``below`` and ``above`` are shares of truths on either side; ``half_width``, ``error`` (of the joint as it was
+    pair; that of the width is of resampled pairs. ``below`` and ``above`` are shares of truths on
+    either side; ``half_width``, ``error`` (of the joint as it was
     closed) and ``error_of_middle`` are medians of their sizes on this scale.
     """
     known = table[(table.true > 0.0) & (table.high > table.low) & (table.low > 0.0)]
