@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
 import jointclosure as jc
@@ -170,8 +171,9 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
 
     On the scale of logarithms, or of log odds, a truth departs from the middle of its range by a
     multiple of half of the width. The width that is needed is the width times the 90 % quantile of
-    these multiples. Standard errors and 95 % intervals are those of resampled pairs. ``below`` and
-    ``above`` are shares of truths on either side; ``half_width``, ``error`` (of the joint as it was
+    these multiples. The 95 % interval of the share in the range is exact, with a count for each
+    pair; that of the width is of resampled pairs. ``below`` and ``above`` are shares of truths on
+    either side; ``half_width``, ``error`` (of the joint as it was
     closed) and ``error_of_middle`` are medians of their sizes on this scale.
     """
     known = table[(table.true > 0.0) & (table.high > table.low) & (table.low > 0.0)]
@@ -194,7 +196,8 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
         row = dict(zip(("truth", "quantity", "part", "cycle"), place, strict=True))
         row["result"] = HEADINGS[name] if (name := row["quantity"]) in HEADINGS else CURVES[name][0]
         row |= {"pairs": len(pairs), "inside": inside.mean()}
-        row["inside_error"] = inside[drawn].mean(axis=1).std()
+        test = scipy.stats.binomtest(round(inside.sum()), len(pairs))
+        row["inside_low"], row["inside_high"] = test.proportion_ci(method="exact")
         row |= {"below": (part.true < part.low).mean(), "above": (part.true > part.high).mean()}
         row["width_over_needed"] = 1.0 / np.quantile(part.departure, HELD)
         row["width_low"], row["width_high"] = 1.0 / np.quantile(needed, [0.975, 0.025])
