@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from jointclosure.engine.numerical_error import (
-    EXPECTED,
+    EXPECTED_FIRST,
+    EXPECTED_LATER,
     FACTOR,
-    POWER,
     PRIOR_WEIGHT,
     numerical_error,
     scatter_of,
 )
 
-ALIKE = {"value": 1.0, "changed": [1.0] * 3, "copies": [1.0] * 4, "contacts": 256.0}
+ALIKE = {"value": 1.0, "changed": [1.0] * 3, "copies": [1.0] * 4, "contacts": 256.0, "cycle": 1}
 
 
 def stated(**changes):
@@ -23,8 +23,9 @@ def stated(**changes):
 
 def test_copies_that_agree_leave_the_scatter_that_is_expected_of_so_few_contacts():
     share = PRIOR_WEIGHT / (PRIOR_WEIGHT + 3)
-    assert stated() == pytest.approx(FACTOR * EXPECTED * math.sqrt(share) / 256**POWER)
-    assert stated(contacts=16.0) == pytest.approx(16**POWER * stated())
+    assert stated() == pytest.approx(FACTOR * EXPECTED_FIRST * math.sqrt(share / 256))
+    assert stated(contacts=16.0) == pytest.approx(4.0 * stated())
+    assert stated(cycle=2) == pytest.approx(FACTOR * EXPECTED_LATER * math.sqrt(share))
     assert math.isfinite(stated(contacts=0.0))
 
 
@@ -38,7 +39,7 @@ def test_of_many_copies_the_scatter_is_theirs():
     copies = [1.0, 1.2] * 50
     scatter = np.std(np.log(copies), ddof=1)
     assert stated(copies=copies) == pytest.approx(FACTOR * scatter, rel=0.02)
-    assert stated(copies=[1.0, 1.2]) > 2.0 * stated()
+    assert stated(copies=[1.0, 1.2]) > stated()
 
 
 def test_the_unit_of_a_result_does_not_matter():

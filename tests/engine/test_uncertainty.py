@@ -506,7 +506,7 @@ def test_copies_with_the_changed_steps_are_compared_with_each_other_and_with_the
     found = budget_module.numerical_errors_of(table, shared=True, cells=400)
     closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
     values = [1.1, 1.12, 1.08]
-    assert closure.error == numerical_error(1.0, values, [1.0, *values], 100.0)
+    assert closure.error == numerical_error(1.0, values, [1.0, *values], 100.0, 1)
     assert closure.scatter == scatter_of(values)
 
 
@@ -514,7 +514,7 @@ def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():
     table = rows_of_steps(1.0, 1.1, [1.02, 0.98])
     found = budget_module.numerical_errors_of(table, shared=False, cells=400)
     closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
-    assert closure.error == numerical_error(1.0, [1.1], [1.0, 1.02, 0.98], 100.0)
+    assert closure.error == numerical_error(1.0, [1.1], [1.0, 1.02, 0.98], 100.0, 1)
     assert closure.scatter == scatter_of([1.0, 1.02, 0.98])
 
 

@@ -374,7 +374,7 @@ def numerical_errors_of(results: pd.DataFrame, shared: bool, cells: int) -> pd.D
             changed = [*others, *alike] if shared else others
             contacts = float(joint[CONTACT].iloc[0]) * cells
             every = [value, *same] if shared else same
-            error = numerical_error(value, changed, every, contacts)
+            error = numerical_error(value, changed, every, contacts, cycle)
             by = f"{', '.join(steps.value)} and {len(alike)} copies"
             rows.append((cycle, quantity, error, scatter_of(same), by))
     return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
