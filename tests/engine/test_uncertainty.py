@@ -231,6 +231,29 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
         assert (ends.low >= 0.0).all()
 
 
+def budget_of(values):
+    """A budget of one source, whose five results have the values of some quantities."""
+    sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
+    names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
+    values = dict.fromkeys(QUANTITIES, np.ones(5)) | values
+    results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
+    shares = np.array([[0.2], [0.8]])
+    return Budget(results, ranges_of(results, sources, shares, shares), ())
+
+
+@pytest.mark.parametrize(("size", "modelled"), [(1e-15, False), (1e-9, True)])
+def test_results_that_are_the_rounding_of_zero_are_not_modelled(size, modelled):
+    budget = budget_of({CLOSURE_GROSS: np.full(5, size), CLOSURE_NET: np.full(5, size)})
+    assert budget.modelled(1, CLOSURE_GROSS) == modelled
+    assert (budget.text(1, CLOSURE_GROSS) == budget_module.NOT_MODELLED) != modelled
+
+
+def test_a_range_of_the_share_in_contact_lies_about_that_of_the_joint():
+    ends = budget_of({"contact_at_max": np.array([0.8, 0.75, 0.85, 0.78, 0.82])}).ranges
+    low, high = ends.loc[(1, "contact_at_max"), ["low", "high"]]
+    assert 0.6 < low < 0.8 < high < 0.95
+
+
 @pytest.mark.parametrize("missing", [5, 1])
 def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
     """Of all joints, or of one of those with random values."""
