@@ -4,6 +4,7 @@ profile, heights along a line. Every measure has a 95 % confidence interval.
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -72,17 +73,18 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         reasons = [str(error), *cautions(scan.remarks)]
         raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
-    print(_text(measures, str(arguments.file), _size_of(wall, step)))
     doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
     remarks = [*scan.remarks, *smoothed, *map(caution, doubts)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")
-    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
+    ny, nx = wall.shape
+    gaps = _gaps(wall)
+    size = f"{ny} x {nx} cells (y, x) of {1e3 * step:.4g} mm{gaps}; mean plane removed"
+    _show(measures, size, remarks, arguments)
     if arguments.picture:
         figure = roughness_figure(wall, step, arguments.file.name)
         results.write(figure, arguments.picture)
-    _write_table(measures, arguments)
     return 0
 
 
@@ -103,32 +105,30 @@ def _run_profile(arguments: argparse.Namespace) -> int:
     with naming(str(arguments.file)):
         heights, step, inclination = levelled_profile(profile)
         measures = measure_profile(heights, step)
-    missing = int(np.isnan(heights).sum())
-    gaps = f", {missing} of them without a height" if missing else ""
+    gaps = _gaps(heights)
     size = f"{heights.size} places {1e3 * step:.4g} mm apart{gaps}; mean line removed"
     size += f", which is inclined by {inclination:.3g} degrees"
-    print(_text(measures, str(arguments.file), size))
-    remarks = profile.remarks
-    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
+    _show(measures, size, profile.remarks, arguments)
     if arguments.picture:
         results.write(profile_figure(heights, step, arguments.file.name), arguments.picture)
-    _write_table(measures, arguments)
     return 0
 
 
-def _write_table(measures: list[Measure], arguments: argparse.Namespace) -> None:
-    """Write measures to the file that the command line names, if it names one."""
+def _gaps(heights: np.ndarray) -> str:
+    """Describe how many heights are missing, if any."""
+    missing = int(np.isnan(heights).sum())
+    return f", {missing} of them without a height" if missing else ""
+
+
+def _show(
+    measures: list[Measure], size: str, remarks: Sequence[str], arguments: argparse.Namespace
+) -> None:
+    """Print measures and remarks, and write the table that the command line names."""
+    print(_text(measures, str(arguments.file), size))
+    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
         columns = ["measure", *Measure._fields[1:]]
         results.write(pd.DataFrame(measures, columns=columns), arguments.table)
-
-
-def _size_of(wall: np.ndarray, spacing: float) -> str:
-    """Describe the size of a wall (y, x) and its missing cells."""
-    ny, nx = wall.shape
-    gaps = int(np.isnan(wall).sum())
-    missing = f", {gaps} of them without a height" if gaps else ""
-    return f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed"
 
 
 def _text(measures: list[Measure], title: str, size: str) -> str:

@@ -370,10 +370,13 @@ def numerical_errors_of(results: pd.DataFrame, shared: bool, cells: int) -> pd.D
         for quantity in (CLOSURE_NET, STIFFNESS):
             value = float(joint[quantity].iloc[0])
             others, alike = steps[quantity].tolist(), copies[quantity].tolist()
-            same = [*others, *alike] if shared else [value, *alike]
-            changed = [*others, *alike] if shared else others
+            if shared:
+                same = changed = [*others, *alike]
+                every = [value, *same]
+            else:
+                changed, same = others, [value, *alike]
+                every = same
             contacts = float(joint[CONTACT].iloc[0]) * cells
-            every = [value, *same] if shared else same
             error = numerical_error(value, changed, every, contacts, cycle)
             by = f"{', '.join(steps.value)} and {len(alike)} copies"
             rows.append((cycle, quantity, error, scatter_of(same), by))

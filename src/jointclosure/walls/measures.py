@@ -31,6 +31,12 @@ class Measure(NamedTuple):
     remark: str = ""
 
 
+def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
+    """Make a measure of a value, first, and of its scatter (1 + n,)."""
+    low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
+    return Measure(name, float(values[0]), float(low), float(high), unit, remark)
+
+
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
     """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
     if min(heights.shape) < SMALLEST_WALL:
@@ -47,8 +53,7 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     means, measures = _resampled_means(heights, spacing, resamples), []
 
     def add(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> None:
-        low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
-        measures.append(Measure(name, float(values[0]), float(low), float(high), unit, remark))
+        measures.append(measure_of(name, values, unit, remark))
 
     scatter = _scatter(_scaling(heights, spacing), heights.shape, spacing)
     fitted = 1e3 * spacing * lags_of(min(heights.shape))[1:]
@@ -59,7 +64,8 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     first = scatter["H by first differences"]
     add("H by first differences", first, remark=f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        jrc, remark = jrc_by(relation, scatter, scatter[_SLOPES[2]], spacing, first[0])
+        found = slope_at(relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0])
+        jrc, remark = jrc_by(relation, *found)
         add(f"JRC, {name}", jrc, remark=remark)
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
@@ -114,12 +120,12 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
             scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
     along_x, along_y = rms["second_x"] ** 2, rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
-        scaling[name] = _hurst(distances, values)
+        scaling[name] = hurst_by(distances, values)
     first = rms["x"] ** 2 + rms["y"] ** 2
-    return scaling | {"H by first differences": _hurst(distances, first)}
+    return scaling | {"H by first differences": hurst_by(distances, first)}
 
 
-def _hurst(distances: np.ndarray, squares: np.ndarray) -> float:
+def hurst_by(distances: np.ndarray, squares: np.ndarray) -> float:
     """Fit H: half the slope of log mean squares over log distances but the first."""
     logs = np.log(distances[1:]) - np.mean(np.log(distances[1:]))
     return float(0.5 * np.tensordot(logs, np.log(squares[1:]), axes=1) / np.sum(logs**2))
@@ -139,10 +145,15 @@ def _scatter(
     scatter = {}
     for name, value in scaling.items():
         drawn = np.array([draw[name] for draw in draws])
-        exponent = name.startswith("H")
-        around = value + drawn - drawn.mean() if exponent else value * drawn / drawn.mean()
-        scatter[name] = np.insert(around, 0, value)
+        scatter[name] = np.insert(scattered(name, value, drawn), 0, value)
     return scatter
+
+
+def scattered(name: str, value: float, drawn: np.ndarray) -> np.ndarray:
+    """Return values (n,) that scatter about one as drawn ones: by sums for H, else by factors."""
+    if name.startswith("H"):
+        return value + drawn - drawn.mean()
+    return value * drawn / drawn.mean()
 
 
 def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarray]]:
@@ -227,16 +238,9 @@ def slope_at(
     return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by H"
 
 
-def jrc_by(
-    relation: Relation,
-    scatter: dict[str, np.ndarray],
-    slope: np.ndarray,
-    spacing: float,
-    hurst: float | np.ndarray,
-) -> tuple[np.ndarray, str]:
-    """Return JRC (n,) by a relation with the scatter of its slope (`slope_at`), and a remark."""
-    at_interval, how = slope_at(relation.interval, scatter, slope, spacing, hurst)
-    jrc = relation.jrc(at_interval)
+def jrc_by(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
+    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark (`slope_at`)."""
+    jrc = relation.jrc(slope)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
     remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
     return jrc, remark if inside else f"{remark}: OUTSIDE"

@@ -9,8 +9,19 @@ from scipy.interpolate import PchipInterpolator
 from jointclosure.inputs import InputError, naming, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.measures import DRAWS, TAIL, Measure, jrc_by, lag_of, lags_of, slope_at
-from jointclosure.walls.roughness import RELATIONS
+from jointclosure.walls.measures import (
+    DRAWS,
+    Measure,
+    difference,
+    hurst_by,
+    jrc_by,
+    lag_of,
+    lags_of,
+    measure_of,
+    scattered,
+    slope_at,
+)
+from jointclosure.walls.roughness import RELATIONS, detrended
 from jointclosure.walls.scans.contents import (
     SAME_SPACING,
     axis_name,
@@ -138,11 +149,12 @@ def levelled_profile(profile: Profile) -> tuple[np.ndarray, float, float]:
         raise InputError(f"{profile.places.size} points: must be at least {FEWEST_POINTS}")
     x, z = profile.places - profile.places.mean(), profile.heights - profile.heights.mean()
     slope = float(np.sum(x * z) / np.sum(x * x))
-    inclination = float(np.degrees(np.arctan(slope)))
+    angle = np.arctan(slope)
+    inclination = float(np.degrees(angle))
     if abs(inclination) <= LEVEL:
         along, across = x, z - slope * x
     else:
-        cosine, sine = np.cos(np.arctan(slope)), np.sin(np.arctan(slope))
+        cosine, sine = np.cos(angle), np.sin(angle)
         along, across = x * cosine + z * sine, z * cosine - x * sine
     steps = np.diff(along)
     if not (steps > 0.0).all():
@@ -194,55 +206,44 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
     drawn = [_drawn(heights.size, spacing, here["H"])]
     exponents = here["H"] + np.quantile(drawn[0]["H"] - drawn[0]["H"].mean(), [0.1, 0.9])
     drawn += [_drawn(heights.size, spacing, exponent) for exponent in exponents.tolist()]
-    scatter = {}
-    for name, value in here.items():
-        if name == "H":
-            around = value + np.concatenate([each[name] - each[name].mean() for each in drawn])
-        else:
-            around = value * np.concatenate([each[name] / each[name].mean() for each in drawn])
-        scatter[name] = np.insert(around, 0, value)
+    scatter = {
+        name: np.concatenate([[value], *(scattered(name, value, each[name]) for each in drawn)])
+        for name, value in here.items()
+    }
     # Rp - 1 is about half of the squared slope, and scatters as that
     scatter["Rp"] = 1.0 + (here["Rp"] - 1.0) * (scatter["Z2"] / here["Z2"]) ** 2
     lags = 1e3 * spacing * lags_of(heights.size)[[1, -1]]
     measures = [
-        _measure("rms height", 1e3 * scatter["rms height"], "mm"),
-        _measure("Z2", scatter["Z2"], remark=f"at {1e3 * spacing:.4g} mm"),
-        _measure("H", scatter["H"], remark=f"over {lags[0]:.4g} to {lags[1]:.4g} mm"),
-        _measure("Rp, length over that of the line", scatter["Rp"]),
+        measure_of("rms height", 1e3 * scatter["rms height"], "mm"),
+        measure_of("Z2", scatter["Z2"], remark=f"at {1e3 * spacing:.4g} mm"),
+        measure_of("H", scatter["H"], remark=f"over {lags[0]:.4g} to {lags[1]:.4g} mm"),
+        measure_of("Rp, length over that of the line", scatter["Rp"]),
     ]
     for name, relation in RELATIONS.items():
-        jrc, remark = jrc_by(relation, scatter, scatter["Z2"], spacing, scatter["H"])
-        measures.append(_measure(f"JRC, {name}", jrc, remark=remark))
+        found = slope_at(relation.interval, scatter, scatter["Z2"], spacing, scatter["H"])
+        jrc, remark = jrc_by(relation, *found)
+        measures.append(measure_of(f"JRC, {name}", jrc, remark=remark))
     slope, how = slope_at(1e-3, scatter, scatter["Z2"], spacing, scatter["H"])
     jrc = -4.3 + 54.6 * slope + 4.3 * scatter["H"]  # the slope is s [mm] over 1 mm
-    return [*measures, _measure("JRC, stigsson_mas_ivars", jrc, remark=f"{how}, and H")]
-
-
-def _measure(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
-    """Make a measure of a value, first, and of its scatter."""
-    low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
-    return Measure(name, float(values[0]), float(low), float(high), unit, remark)
+    return [*measures, measure_of("JRC, stigsson_mas_ivars", jrc, remark=f"{how}, and H")]
 
 
 def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return rms height [m], slopes, the Hurst exponent by second differences, and Rp."""
 
-    def rms(lag: int, order: int) -> float:
-        values = heights
-        for _ in range(order):
-            values = values[lag:] - values[:-lag]
-        return float(np.sqrt(np.nanmean(values**2)))
+    def rms(lag: int, order: int = 1) -> float:
+        return float(np.sqrt(np.nanmean(difference(heights[None, :], "x", lag, order) ** 2)))
 
     steps = np.diff(heights) / spacing
-    scaling = {"rms height": float(np.nanstd(heights)), "Z2": rms(1, 1) / spacing}
+    scaling = {"rms height": float(np.nanstd(heights)), "Z2": rms(1) / spacing}
     scaling["Rp"] = float(np.nanmean(np.hypot(1.0, steps)))
     lags = lags_of(heights.size)
     for lag in sorted({lag_of(relation.interval, spacing) for relation in RELATIONS.values()}):
         if 0 < lag <= lags[-1]:
-            scaling[f"Z2 at {lag}"] = rms(lag, 1) / (lag * spacing)
-    second = np.array([rms(lag, 2) for lag in lags[1:]])
+            scaling[f"Z2 at {lag}"] = rms(lag) / (lag * spacing)
+    second = np.array([rms(lag, 2) ** 2 for lag in lags])
     bent = second > 0.0  # not where heights repeat
-    scaling["H"] = float(np.polyfit(np.log(lags[1:][bent]), np.log(second[bent]), 1)[0])
+    scaling["H"] = hurst_by(lags[bent], second[bent])
     return scaling
 
 
@@ -257,10 +258,9 @@ def _alike(count: int, hurst: float) -> list[np.ndarray]:
     frequencies = np.fft.rfftfreq(2 * count)
     amplitudes = np.zeros(frequencies.size)
     amplitudes[1:] = frequencies[1:] ** -(min(max(hurst, 0.05), 1.0) + 0.5)
-    profiles, line = [], np.arange(count) - 0.5 * (count - 1)
+    profiles = []
     for number in range(DRAWS):
         noise = generator(seed_of(_SEED, "profile", number)).standard_normal(2 * count)
         heights = np.fft.irfft(np.fft.rfft(noise) * amplitudes, 2 * count)[:count]
-        heights = heights - heights.mean()
-        profiles.append(heights - line * np.sum(line * heights) / np.sum(line * line))
+        profiles.append(detrended(heights[None, :])[0])
     return profiles
