@@ -12,10 +12,9 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
-    from jointclosure.engine.assess import assess
-    from jointclosure.engine.joints import simulate_ensemble
-    from jointclosure.engine.scanned_joint import close
-    from jointclosure.engine.selection import choose_effects
+    from jointclosure.assessment.assess import assess
+    from jointclosure.assessment.selection import choose_effects
+    from jointclosure.ensembles.joints import simulate_ensemble
     from jointclosure.inputs import InputError
     from jointclosure.joint.conditions import Conditions
     from jointclosure.joint.simulation import equilibrium, simulate
@@ -24,6 +23,7 @@ if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports,
     from jointclosure.parameters import Choices, Effects, Numerics, Rock
     from jointclosure.plotting import plot
     from jointclosure.statistics.indifference import indifference_interval
+    from jointclosure.uncertainty.scanned_joint import close
     from jointclosure.walls.scans import read_scan
     from jointclosure.walls.synthesis import wall_pair
 
@@ -36,16 +36,16 @@ _MODULES = {
     "InputError": "inputs",
     "Numerics": "parameters",
     "Rock": "parameters",
-    "assess": "engine.assess",
-    "choose_effects": "engine.selection",
-    "close": "engine.scanned_joint",
+    "assess": "assessment.assess",
+    "choose_effects": "assessment.selection",
+    "close": "uncertainty.scanned_joint",
     "equilibrium": "joint.simulation",
     "fit": "measured.fit",
     "indifference_interval": "statistics.indifference",
     "plot": "plotting",
     "read_scan": "walls.scans",
     "simulate": "joint.simulation",
-    "simulate_ensemble": "engine.joints",
+    "simulate_ensemble": "ensembles.joints",
     "validate": "measured.region",
     "wall_pair": "walls.synthesis",
 }

@@ -7,9 +7,9 @@ every machine. Joints as the study closes them are not closed again: they are in
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from jointclosure.engine.assess import CLOSURE, variants_of
-from jointclosure.engine.expected_cost import relative_cost
+from jointclosure.assessment.assess import CLOSURE, variants_of
 from jointclosure.joint.conditions import Conditions
+from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case, cases_of, ensembles_of, seconds_by_paper
 from studies.frame.configuration import Configuration

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.assess import CLOSURE, DROPS
-from jointclosure.engine.effect_names import without
+from jointclosure.assessment.assess import CLOSURE, DROPS
+from jointclosure.assessment.effect_names import without
 from jointclosure.joint.status import (
     FAILURE,
     FLAGS,

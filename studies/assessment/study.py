@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jointclosure.engine.assess import (
+from jointclosure.assessment.assess import (
     ASSESSED,
     HARD_CASES,
     JUDGED,
@@ -22,12 +22,12 @@ from jointclosure.engine.assess import (
     variants_of,
     worst_first,
 )
-from jointclosure.engine.assess import Assessment as Assessed
-from jointclosure.engine.uncertainty import COPIES
+from jointclosure.assessment.assess import Assessment as Assessed
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
 from jointclosure.storage.files import read_csv
+from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
 from studies.assessment.section import Assessment
 from studies.frame.cases import base_case

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.assessment.assess import CLOSURE
 from jointclosure.cli.report import render
-from jointclosure.engine.assess import CLOSURE
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.plan import Plan
 from studies.assessment.reached import (

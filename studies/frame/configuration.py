@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Self, TypeVar
 from pydantic import PrivateAttr, create_model, model_validator
 
 from jointclosure import parameters
-from jointclosure.engine.assess import FINEST
+from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from jointclosure.engine.quantities import HEADINGS
+from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks_at
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint.curves import stress_table
+from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands import compare

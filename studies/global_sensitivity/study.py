@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.ensembles.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
 from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key

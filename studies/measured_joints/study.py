@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.joints import closed_walls
+from jointclosure.ensembles.joints import simulated_joint
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted
@@ -90,7 +90,7 @@ def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
     conditions = settings.conditions._replace(cycles=1)
     for pair in walls_of(settings):
-        crushed = closed_walls(pair, conditions).final
+        crushed = simulated_joint(pair, conditions).final
         yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import QUANTITIES, titles_of_cycles
+from jointclosure.ensembles.quantities import QUANTITIES, titles_of_cycles
 from jointclosure.inputs import InputError
 from jointclosure.statistics.standard_errors import ratio_of_means
 from jointclosure.walls import Walls

@@ -14,7 +14,7 @@ import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import COLUMNS, QUANTITIES
+from jointclosure.ensembles.quantities import COLUMNS, QUANTITIES
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means

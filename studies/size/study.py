@@ -15,7 +15,7 @@ import scipy
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
+from jointclosure.ensembles.quantities import COLUMNS, titles_of_cycles
 from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded

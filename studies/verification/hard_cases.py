@@ -2,7 +2,7 @@
 
 A case is an entry of ``hard_cases.yaml``, merged with that file's defaults. `run_case`
 closes its joint with a solver that passes every state at rest to the oracle
-(`jointclosure.engine.oracle`), and lists every requirement that does not hold.
+(`jointclosure.oracle`), and lists every requirement that does not hold.
 """
 
 import faulthandler
@@ -20,9 +20,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine import judging, oracle
-from jointclosure.engine.assess import FEATURES, closures_of, features_of
-from jointclosure.engine.uncertainty import COPIES
+from jointclosure import oracle
+from jointclosure.assessment.assess import FEATURES, closures_of, features_of
+from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
@@ -32,6 +32,7 @@ from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
 from jointclosure.storage.provenance import commit, processor, versions_of
+from jointclosure.uncertainty.variants import COPIES
 from studies.frame.keys import validated
 from studies.frame.yaml_files import merged
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
@@ -249,7 +250,7 @@ def tolerances_of(case: dict) -> dict[str, float]:
     """Return the limits of the oracle's numbers, and of the distance to the target, by name."""
     numerics = Numerics()._replace(**case["numerics"])
     by_stress = case["closure"] is None
-    limits = judging.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
+    limits = oracle_limits.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
     return limits | {"target": numerics.stress_tolerance}
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import limits_of
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import limits_of
 from jointclosure.solvers.joint import CRUSHED, Joint, Outcome, Settled
 
 LARGEST_JUDGED = 2500

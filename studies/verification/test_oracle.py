@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import largest_ratio
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import largest_ratio
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
 from studies.verification.judged import Judge

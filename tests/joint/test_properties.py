@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 
 import jointclosure as jc
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import tolerances_of
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import tolerances_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls, height_datum
 from jointclosure.joint.status import FAILURE, FLAGS

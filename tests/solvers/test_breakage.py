@@ -5,7 +5,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 
-from jointclosure.engine import oracle
+from jointclosure import oracle
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.parameters import Choices, Effects, Numerics

@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 
 import jointclosure as jc
-from jointclosure.engine import oracle
+from jointclosure import oracle
 from jointclosure.joint.status import FLAGS
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.parameters import SOLVER_NAMES, Choices, Effects

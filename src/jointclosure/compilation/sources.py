@@ -30,7 +30,7 @@ TITLED = ("Property", "Quantity", "_net", "_VARIABLES")
 """Calls whose first argument is the title of a number, and the table of titles of variables:
 no numbers depend on them, so that closed joints and kernels stay when a title is reworded."""
 UNCOUNTED = (
-    "jointclosure/engine/progress.py",
+    "jointclosure/execution/progress.py",
     "jointclosure/storage/logs.py",
 )
 """Modules that report on jobs and protect their inputs, and that change no result."""

@@ -9,7 +9,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assess import ASSESSED, JUDGED, Assessment
+from jointclosure.assessment.assess import ASSESSED, JUDGED, Assessment
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 
 

@@ -12,14 +12,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from jointclosure.inputs import InputError, check_length, check_one_of
-from jointclosure.joint.curves import GROSS, NET, stress_table
+from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.tables import stress_table
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
 from jointclosure.plotting.walls import draw_heights, draw_section
 
 if TYPE_CHECKING:
-    from jointclosure.engine.scanned_joint import ClosedJoint
+    from jointclosure.uncertainty.scanned_joint import ClosedJoint
 
 Joint: TypeAlias = "xr.Dataset | ClosedJoint"
 __all__ = ["aperture", "contacts", "curves", "damage", "stiffness", "wall", "walls"]

@@ -6,7 +6,7 @@ import signal
 
 def kill_worker_once(walls, reading, marker):
     """Close a joint, but end the process at the first one that begins at height 0."""
-    from jointclosure.engine.joints import close_joint
+    from jointclosure.ensembles.joints import close_joint
 
     if walls[0][0, 0] == 0.0 and not marker.exists():
         marker.touch()

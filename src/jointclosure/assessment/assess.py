@@ -18,14 +18,11 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
+from jointclosure.assessment.effect_names import without
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.cache import digest
-from jointclosure.engine.effect_names import without
-from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.numerical_error import NOT_STABLE
-from jointclosure.engine.scanned_joint import RESOLVED, registered_walls, takes_scans
-from jointclosure.engine.uncertainty import COPIES, coarser
-from jointclosure.engine.workers import Failed, number_of_workers, shared
+from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.execution.cache import digest
+from jointclosure.execution.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from
 from jointclosure.joint.given_walls import checked_walls
@@ -34,6 +31,9 @@ from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import read_csv
+from jointclosure.uncertainty.numerical_error import NOT_STABLE
+from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls, takes_scans
+from jointclosure.uncertainty.variants import COPIES, coarser
 from jointclosure.walls import Walls
 
 CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
@@ -444,7 +444,7 @@ def closures_of(
         if line.endswith("}}"):  # another one was cut off
             entry = json.loads(line)
             kept[entry["key"]] = entry["row"]
-    code = code_digest("jointclosure.engine.joints:close_joint")
+    code = code_digest("jointclosure.ensembles.joints:close_joint")
     walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
     keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
     missing = [task for task in tasks if keys[task] not in kept]

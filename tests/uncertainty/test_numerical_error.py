@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from jointclosure.engine.numerical_error import (
+from jointclosure.uncertainty.numerical_error import (
     EXPECTED_FIRST,
     EXPECTED_LATER,
     FACTOR,

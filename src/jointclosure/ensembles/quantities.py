@@ -1,35 +1,20 @@
 """Quantities of a closed joint: the one place of their titles, units, symbols and rules."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import (
-    ATTRIBUTES,
-    branch_of,
-    cycle_table,
-    hysteresis,
-    loop_between,
-    net_responses,
-    seat_of,
-    values_at_stresses,
-)
-from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
+from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.cycles import hysteresis, loop_between
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.status import LOADING, unbreakable_share
-from jointclosure.walls import Walls
 from jointclosure.walls.roughness import bearing_depths, rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")
 _ROUNDING = 1e-13  # change of a height [m] that is no breakage
-_MOST_CONTACTS = 20_000  # cells in contact above which no snapshot is judged by the dense oracle
 _SHOWN = {
     "m": ("mm", 1e3),
     "Pa": ("MPa", 1e-6),
@@ -56,54 +41,6 @@ def heading(title: str, unit: str) -> str:
     return title if unit in ("", "1") else f"{title} ({unit})"
 
 
-@dataclass(frozen=True)
-class ClosedWalls:
-    """Walls (y, x) [m] before loading, how they closed, processor time of that [s], and stresses
-    (n,) [Pa] at which curves are read.
-    """
-
-    walls: Walls
-    closed: xr.Dataset
-    conditions: Conditions
-    seconds: float
-    stresses: np.ndarray
-
-    @property
-    def final(self) -> Walls:
-        """Walls (y, x) [m] at the end."""
-        return self.closed.upper_final.values, self.closed.lower_final.values
-
-    @cached_property
-    def summed(self) -> np.ndarray:
-        """Summed heights (y, x) of the pristine walls [m]."""
-        return self.walls[0] + self.walls[1]
-
-    @cached_property
-    def net(self) -> dict[str, np.ndarray]:
-        """Net closures and stiffness of each cycle (`net_responses`)."""
-        return net_responses(self.closed)
-
-    @cached_property
-    def table(self) -> pd.DataFrame:
-        """Apertures and contact of each cycle (`cycle_table`)."""
-        return cycle_table(self.closed)
-
-    def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """Read values of steps at stresses, over (cycle, branch, stress)."""
-        tolerance = self.conditions.numerics.stress_tolerance
-        cycles = self.conditions.cycle_count
-        return values_at_stresses(self.closed, values, cycles, stresses, tolerance)
-
-    def hyperbola(self, name: str) -> np.ndarray:
-        """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""
-        cycles = range(1, self.closed.max_closure.size + 1)
-        return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
-
-    @cached_property
-    def _laws(self) -> pd.DataFrame:
-        return fitted_laws(self.closed)
-
-
 class Quantity(NamedTuple):
     """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity, its symbol
     as matplotlib writes formulas, and ``further`` attributes: a comment, or meanings of bits. Those
@@ -113,7 +50,7 @@ class Quantity(NamedTuple):
     title: str
     unit: str
     dims: tuple[str, ...]
-    rule: Callable[[ClosedWalls], Any]
+    rule: Callable[[SimulatedJoint], Any]
     symbol: str = ""
     further: Mapping[str, Any] = {}
     of_effort: bool = False
@@ -139,7 +76,7 @@ def _history(
     name: str,
     dims: tuple[str, ...] = (),
     symbol: str = "",
-    rule: Callable[[ClosedWalls], Any] | None = None,
+    rule: Callable[[SimulatedJoint], Any] | None = None,
 ) -> Quantity:
     """Make a quantity of a variable of a history, read as it is unless by another rule."""
     further = dict(ATTRIBUTES[name])
@@ -161,22 +98,22 @@ def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str 
     return Quantity(title, unit, CYCLE, lambda joint: joint.net[name], symbol, further)
 
 
-def _hydraulic(joint: ClosedWalls) -> np.ndarray:
+def _hydraulic(joint: SimulatedJoint) -> np.ndarray:
     along = joint.closed.hydraulic_aperture.values.T
     return np.stack([joint.curve(values, joint.stresses) for values in along])
 
 
-def _loop(joint: ClosedWalls) -> np.ndarray:
+def _loop(joint: SimulatedJoint) -> np.ndarray:
     half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
     return loop_between(*joint.curve(joint.closed.closure.values, half)[:, :, 0].T)
 
 
-def _aperture_at_seating(joint: ClosedWalls) -> np.ndarray:
+def _aperture_at_seating(joint: SimulatedJoint) -> np.ndarray:
     cycles = range(1, joint.conditions.cycle_count + 1)
-    return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
+    return np.array([joint.history.seat(cycle, LOADING, "mean_aperture") for cycle in cycles])
 
 
-def _volume_error(joint: ClosedWalls) -> float:
+def _volume_error(joint: SimulatedJoint) -> float:
     """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
     errors = []
     for before, after in zip(joint.walls, joint.final, strict=True):
@@ -186,11 +123,11 @@ def _volume_error(joint: ClosedWalls) -> float:
     return max(errors)
 
 
-def _largest_jump(joint: ClosedWalls) -> float:
+def _largest_jump(joint: SimulatedJoint) -> float:
     """Return the largest way from a peak of the stress to where loading exceeds it, over all."""
     shares = []
     for cycle in range(1, joint.closed.max_closure.size + 1):
-        loading = branch_of(joint.closed, cycle, LOADING)
+        loading = joint.history.branch(cycle, LOADING).steps
         curve = joint.closed.isel(step=loading)
         closure, stress = curve.closure.values, np.append(curve.normal_stress.values, np.inf)
         reached = np.maximum.accumulate(stress)
@@ -203,34 +140,11 @@ def _largest_jump(joint: ClosedWalls) -> float:
     return max(shares)
 
 
-def _oracle_ratio(joint: ClosedWalls) -> float:
-    """Return the oracle's largest number over its limit, at the first maximum.
+def _oracle_ratio(joint: SimulatedJoint) -> float:
+    # only here, as it loads the solvers, which jobs that tabulate do not need
+    from jointclosure.ensembles.oracle_limits import oracle_ratio
 
-    NaN for more cells in contact than it can judge, and where breakage passed the maximum.
-    """
-    # few joints are judged, and these load slowly
-    from jointclosure.engine import oracle
-    from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
-    from jointclosure.joint.simulation import height_datum
-
-    closed, given = joint.closed, joint.conditions
-    loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
-    if not loaded.sizes["snapshot"]:
-        return np.nan
-    snapshot, step = loaded.isel(snapshot=0), int(loaded.snapshot_step[0])
-    force, area = snapshot.snapshot_force.values, joint.walls[0].size * given.grid_spacing**2
-    if np.count_nonzero(force) > _MOST_CONTACTS:
-        return np.nan
-    above, below = (height_datum(wall) for wall in joint.walls)  # which the solver takes off
-    upper, lower = snapshot.snapshot_upper.values - above, snapshot.snapshot_lower.values - below
-    reached, total = float(closed.closure[step]), float(closed.normal_stress[step]) * area
-    state = oracle.State(upper, lower, force, reached, total)
-    upper, lower = joint.walls[0] - above, joint.walls[1] - below
-    model = given.rock, given.effects, given.choices
-    pristine = oracle.Joint(upper, lower, given.grid_spacing, *model)
-    verdict = oracle.judge(pristine, state)
-    tolerances = tolerances_of(given.effects, given.numerics)
-    return largest_ratio(verdict._asdict(), limits_of(verdict, given.effects, tolerances))
+    return oracle_ratio(joint)
 
 
 _OF_LAW = {"comment": "of the hyperbolic law of loading since seating"}

@@ -10,11 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
-from jointclosure.engine.expected_cost import check_cells, expected_cost
-from jointclosure.engine.progress import bar, closing_bar
-from jointclosure.engine.uncertainty import uncertainty_budget
-from jointclosure.engine.workers import number_of_workers
+from jointclosure.execution.progress import bar, closing_bar
+from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution, cautions
@@ -24,7 +21,8 @@ from jointclosure.joint.conditions import (
     check_named_stresses,
     conditions_from,
 )
-from jointclosure.joint.curves import cycle_table, stress_table, table_levels, with_snapshots
+from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import with_snapshots
 from jointclosure.joint.laws import (
     LAB_LENGTH,
     JointLaws,
@@ -35,7 +33,11 @@ from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
+from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import Numerics
+from jointclosure.uncertainty.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
+from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
+from jointclosure.uncertainty.variants import uncertainty_budget
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair, registered
@@ -168,7 +170,7 @@ def close(
     ranges : mapping
         Lowest and highest value [SI] of what is known to a range only: a property of the rock,
         ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
-        (`jointclosure.engine.uncertainty`).
+        (`jointclosure.uncertainty.variants`).
     workers : int, optional
         Number of joints of the range that are closed at the same time, by default that of the
         processors available to this process.

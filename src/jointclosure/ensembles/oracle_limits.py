@@ -1,10 +1,14 @@
-"""Limits of the numbers of the oracle."""
+"""Limits of the numbers of the oracle, and the largest ratio to them at the maximum of a joint."""
 
 import math
 from collections.abc import Mapping
 
 import numpy as np
 
+from jointclosure import oracle
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
+from jointclosure.joint.simulation import height_datum
+from jointclosure.joint.status import LOADING
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.registry import solver_named
@@ -12,6 +16,7 @@ from jointclosure.solvers.registry import solver_named
 VOLUME_TOLERANCE = LOAD_TOLERANCE = 1e-12
 STRENGTH_TOLERANCE = 1e-6  # of a contact at rest, due to the last change of the interaction
 ROUNDINGS = 16.0  # allowed error of an overlap, in units in the last place of the heights
+MOST_CONTACTS = 20_000  # cells in contact above which the dense oracle judges no snapshot
 SOLVED = 1.01  # allowed residual over a solver's tolerance, who sums it in another order
 
 
@@ -49,3 +54,39 @@ def largest_ratio(numbers: Mapping[str, float], limits: Mapping[str, float]) -> 
     both = ((value, limits.get(name, 0.0)) for name, value in numbers.items())
     judged = [(value, limit) for value, limit in both if limit < math.inf and (value or limit)]
     return float(np.max([value / limit if limit else math.inf for value, limit in judged]))
+
+
+def oracle_ratio(joint: SimulatedJoint) -> float:
+    """Return the oracle's largest number over its limit, at the first maximum.
+
+    NaN for more cells in contact than it can judge, and where breakage passed the maximum.
+    """
+    closed, given = joint.closed, joint.conditions
+    loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
+    if not loaded.sizes["snapshot"]:
+        return np.nan
+    snapshot = loaded.isel(snapshot=0)
+    step = int(loaded.snapshot_step[0])
+    force = snapshot.snapshot_force.values
+    if np.count_nonzero(force) > MOST_CONTACTS:
+        return np.nan
+    above, below = (height_datum(wall) for wall in joint.walls)  # which the solver takes off
+    area = joint.walls[0].size * given.grid_spacing**2
+    state = oracle.State(
+        snapshot.snapshot_upper.values - above,
+        snapshot.snapshot_lower.values - below,
+        force,
+        float(closed.closure[step]),
+        float(closed.normal_stress[step]) * area,
+    )
+    pristine = oracle.Joint(
+        joint.walls[0] - above,
+        joint.walls[1] - below,
+        given.grid_spacing,
+        given.rock,
+        given.effects,
+        given.choices,
+    )
+    verdict = oracle.judge(pristine, state)
+    tolerances = tolerances_of(given.effects, given.numerics)
+    return largest_ratio(verdict._asdict(), limits_of(verdict, given.effects, tolerances))

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.progress import bar
-from jointclosure.engine.quantities import QUANTITIES, ClosedWalls, names_of_case
-from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
+from jointclosure.ensembles.quantities import QUANTITIES, names_of_case
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
+from jointclosure.execution.progress import bar
+from jointclosure.execution.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
@@ -33,17 +34,17 @@ class Reading(NamedTuple):
     stresses: np.ndarray = np.empty(0)
 
 
-def closed_walls(
+def simulated_joint(
     walls: Walls | CrushedWalls,
     conditions: Conditions,
     stresses: np.ndarray = np.empty(0),
     snapshots: Sequence[float] = (),
-) -> ClosedWalls:
+) -> SimulatedJoint:
     """Close two walls (y, x) [m], and measure the processor time."""
     pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
     start = time.process_time()
     closed = close_walls(*pair, conditions, snapshots=tuple(snapshots), pristine=pristine)
-    return ClosedWalls(pair, closed, conditions, time.process_time() - start, stresses)
+    return SimulatedJoint(pair, closed, conditions, time.process_time() - start, stresses)
 
 
 def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
@@ -52,10 +53,10 @@ def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
     if judged and isinstance(walls, CrushedWalls):
         raise ValueError("oracle_ratio: not of walls that were crushed before")
     kept = (float(conditions.largest_stress),) if judged else ()
-    return read_joint(closed_walls(walls, conditions, reading.stresses, kept), reading.names)
+    return read_joint(simulated_joint(walls, conditions, reading.stresses, kept), reading.names)
 
 
-def read_joint(joint: ClosedWalls, names: Iterable[str]) -> Row:
+def read_joint(joint: SimulatedJoint, names: Iterable[str]) -> Row:
     """Read quantities of a closed joint; of one that failed only those of effort."""
     failed = int(joint.closed.status) >= FAILURE
     read = {name: QUANTITIES[name] for name in names}

@@ -5,8 +5,8 @@ import os
 import pytest
 import xarray as xr
 
-from jointclosure.engine import cache
-from jointclosure.engine.cache import Entry, is_kept, make_missing
+from jointclosure.execution import cache
+from jointclosure.execution.cache import Entry, is_kept, make_missing
 
 
 @pytest.fixture(autouse=True)

@@ -5,9 +5,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.assess import ASSESSED
-from jointclosure.engine.quantities import ClosedWalls
-from jointclosure.engine.selection import (
+from jointclosure.assessment.assess import ASSESSED
+from jointclosure.assessment.selection import (
     ENOUGH,
     FEWEST_PAIRS,
     LONGER,
@@ -19,6 +18,7 @@ from jointclosure.engine.selection import (
     choose_effects,
     possible_scenes,
 )
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Numerics
 from tests.joints import DOLERITE, SPACING
@@ -105,7 +105,7 @@ class MadeUp(Pilot):
         values = np.full(SHAPE, 1.0 + (0.0 if effects == ALL else change)) * self.cycles
         dataset = xr.Dataset({"read": (("quantity", "cycle"), values)})
         seconds = 1.0 if effects == ALL else self.time
-        return ClosedWalls(([], []), dataset, self.conditions, seconds, np.empty(0))
+        return SimulatedJoint(([], []), dataset, self.conditions, seconds, np.empty(0))
 
     def read(self, joint):
         return joint.closed.read.values

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.progress import Countdown
-from jointclosure.engine.workers import Failed, ProcessLostError, shared
+from jointclosure.execution.progress import Countdown
+from jointclosure.execution.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf

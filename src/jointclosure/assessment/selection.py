@@ -19,10 +19,10 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.engine.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
-from jointclosure.engine.effect_names import without
-from jointclosure.engine.joints import closed_walls, read_joint
-from jointclosure.engine.quantities import ClosedWalls
+from jointclosure.assessment.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
+from jointclosure.assessment.effect_names import without
+from jointclosure.ensembles.joints import read_joint, simulated_joint
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.inputs import check_below, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import warn_of_doubts
@@ -116,7 +116,7 @@ class Pilot:
 
     def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
         self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
-        self.closed: dict[Effects, list[ClosedWalls]] = {}
+        self.closed: dict[Effects, list[SimulatedJoint]] = {}
         self.frozen_seconds = 0.0
         self._pairs = pairs
 
@@ -127,12 +127,12 @@ class Pilot:
             closed.append(self.close(pair, effects))
         return np.array([self.read(joint) for joint in closed[:count]])
 
-    def read(self, joint: ClosedWalls) -> np.ndarray:
+    def read(self, joint: SimulatedJoint) -> np.ndarray:
         """Read `_READ` (quantity, cycle) of a joint, NaN if it failed."""
         row, failed = read_joint(joint, _READ), np.full(self.conditions.cycle_count, np.nan)
         return np.array([row.get(name, failed) for name in _READ])
 
-    def close(self, walls: Walls, effects: Effects, **changes: Any) -> ClosedWalls:
+    def close(self, walls: Walls, effects: Effects, **changes: Any) -> SimulatedJoint:
         """Close a pair of walls with some effects, the next of them in `values`."""
         stated = self.conditions._replace(effects=effects, **changes)
         if full := self.closed.get(self.effects, [])[len(self.closed.get(effects, [])) :]:
@@ -141,7 +141,7 @@ class Pilot:
             stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
         for kernel in kernels_of([stated.model]):  # no part of the time of the first joint
             compile_kernels(*kernel)
-        return closed_walls(walls, stated)
+        return simulated_joint(walls, stated)
 
     def predicted(self, fewer: Effects) -> Change:
         """Return the change without interaction, on the final walls of the first joint."""
@@ -250,7 +250,7 @@ class Selection(NamedTuple):
     error: float
     changes: pd.DataFrame
     reasons: tuple[str, ...]
-    closed: tuple[ClosedWalls, ...]
+    closed: tuple[SimulatedJoint, ...]
     lost_seconds: float
 
     def __str__(self) -> str:

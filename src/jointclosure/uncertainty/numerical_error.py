@@ -1,7 +1,7 @@
 """Numerical error of a result of one joint, as a statement that holds in at least nine of ten.
 
 Two things are observed. The joint with other steps shows how results move with the tolerance. Its
-copies, which must close alike but for rounding (`engine.uncertainty.COPIES`), show how results
+copies, which must close alike but for rounding (`uncertainty.variants.COPIES`), show how results
 scatter with the order in which asperities break. Neither shows all: a group of asperities that
 breaks by a tolerance, in all copies, may not break by a finer one. The variance of the copies is
 therefore combined with an expected one, as in the estimate of a variance from a few values and a

@@ -16,7 +16,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import (
+from jointclosure.execution.workers import in_threads, number_of_workers
+from jointclosure.inputs import InputError, check_number, naming
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import table_levels
+from jointclosure.joint.protocol import Report
+from jointclosure.joint.rocks import both_walls
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
+from jointclosure.joint.tables import stress_table
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
+from jointclosure.parameters.units import in_unit, name_and_unit
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.uncertainty.budget import (
     ALL,
     MULTIPLE,
     ORDER,
@@ -30,17 +42,6 @@ from jointclosure.engine.budget import (
     ranges_of,
     results_of,
 )
-from jointclosure.engine.workers import in_threads, number_of_workers
-from jointclosure.inputs import InputError, check_number, naming
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import stress_table, table_levels
-from jointclosure.joint.protocol import Report
-from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.status import FAILURE
-from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
-from jointclosure.parameters.units import in_unit, name_and_unit
-from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 

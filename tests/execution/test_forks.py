@@ -13,7 +13,7 @@ from tests.processes import python
 
 FORK = """
 import ctypes, os, time
-from jointclosure.engine.workers import end_with_parent
+from jointclosure.execution.workers import end_with_parent
 {before}
 parent = os.getpid()
 if os.fork():
@@ -26,7 +26,7 @@ else:
 NO_PRCTL = "ctypes.CDLL = lambda name: None  # as on other systems than Linux"
 POOL = """
 import time
-from jointclosure.engine.workers import shared
+from jointclosure.execution.workers import shared
 list(shared(time.sleep, [(600,), (600,)], workers=2))
 """
 

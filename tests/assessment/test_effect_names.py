@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine.effect_names import effects_title, joined, without
+from jointclosure.assessment.effect_names import effects_title, joined, without
 from jointclosure.parameters import well_posed_scenes
 
 ALL = jc.Effects()

@@ -9,9 +9,13 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine import expected_cost as estimation
-from jointclosure.engine import joints
-from jointclosure.engine.expected_cost import (
+from jointclosure.ensembles import joints
+from jointclosure.ensembles.joints import NOT_SIMULATED
+from jointclosure.execution.workers import in_threads
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.status import FAILURE
+from jointclosure.uncertainty import expected_cost as estimation
+from jointclosure.uncertainty.expected_cost import (
     BYTES,
     EXPONENTS,
     SMALL,
@@ -19,12 +23,8 @@ from jointclosure.engine.expected_cost import (
     check_cells,
     expected_cost,
 )
-from jointclosure.engine.joints import NOT_SIMULATED
-from jointclosure.engine.uncertainty import sources_of, variants_of
-from jointclosure.engine.workers import in_threads
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.status import FAILURE
-from tests.engine.dying import kill_worker_once
+from jointclosure.uncertainty.variants import sources_of, variants_of
+from tests.ensembles.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
 

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine import assess as module
-from jointclosure.engine.assess import ASSESSED, FEATURES, HARD_CASES, JUDGED, Assessment
+from jointclosure.assessment import assess as module
+from jointclosure.assessment.assess import ASSESSED, FEATURES, HARD_CASES, JUDGED, Assessment
 from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
 from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING

@@ -6,8 +6,12 @@ import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.engine import budget as budget_module
-from jointclosure.engine.budget import (
+from jointclosure.joint.interpolation import monotone_curve
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
+from jointclosure.joint.tables import cycle_table
+from jointclosure.uncertainty import budget as budget_module
+from jointclosure.uncertainty.budget import (
     ALL,
     CLOSURE_GROSS,
     CLOSURE_NET,
@@ -22,8 +26,8 @@ from jointclosure.engine.budget import (
     ranges_of,
     total_indices,
 )
-from jointclosure.engine.numerical_error import numerical_error, scatter_of
-from jointclosure.engine.uncertainty import (
+from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
+from jointclosure.uncertainty.variants import (
     DRAWS,
     PLAUSIBLE,
     random_shares,
@@ -32,9 +36,6 @@ from jointclosure.engine.uncertainty import (
     uncertainty_budget,
     variants_of,
 )
-from jointclosure.joint.curves import cycle_table, monotone_curve
-from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.status import FAILURE
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair

@@ -27,22 +27,17 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.numerical_error import NOT_STABLE, numerical_error, scatter_of
-from jointclosure.engine.published_joints import measured_range
-from jointclosure.engine.quantities import CURVES, HEADINGS
-from jointclosure.joint.curves import (
-    FLOW_STATUSES,
-    ONLY_BOUNDS,
-    cycle_table,
-    monotone_curve,
-    net_responses,
-    with_transmissivity,
-)
+from jointclosure.ensembles.quantities import CURVES, HEADINGS
+from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import BENDS, fitted_laws, parameter
 from jointclosure.joint.status import LOADING
+from jointclosure.joint.tables import FLOW_STATUSES, ONLY_BOUNDS, cycle_table, with_transmissivity
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import significant
+from jointclosure.uncertainty.numerical_error import NOT_STABLE, numerical_error, scatter_of
+from jointclosure.uncertainty.published_joints import measured_range
 
 RESIDUAL_NET = "residual_closure_seated_net_mm"
 CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"

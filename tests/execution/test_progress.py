@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointclosure.engine.progress import remaining
+from jointclosure.execution.progress import remaining
 
 
 def test_no_remaining_time_is_shown_before_a_tenth_of_the_work_is_done():

@@ -5,12 +5,14 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import largest_ratio, limits_of, tolerances_of
-from jointclosure.engine.quantities import COLUMNS, HEADINGS, QUANTITIES, ClosedWalls
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import largest_ratio, limits_of, tolerances_of
+from jointclosure.ensembles.quantities import COLUMNS, HEADINGS, QUANTITIES
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import cycle_table, landing_stress
+from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.fast import BAND
 from studies.frame.tables import mean_shown
@@ -25,7 +27,7 @@ CONDITIONS = Conditions(0.25e-3, SLATE, LARGEST, 3, 0.5e6, Effects(), PAPER, Num
 def joint():
     walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
     closed = close_walls(*walls, CONDITIONS)
-    return closed, ClosedWalls(walls, closed, CONDITIONS, 0.0, np.empty(0))
+    return closed, SimulatedJoint(walls, closed, CONDITIONS, 0.0, np.empty(0))
 
 
 def value(name, joint):
@@ -41,11 +43,12 @@ def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
         here = (closed.load_cycle == cycle) & (closed.branch == "loading")
         stress, closure = closed.normal_stress.values[here], net.values[here]
         below, above = closure[stress < HALF].max(), closure[stress >= HALF].min()
-        last = stress == min(landing_stress(closed, cycle), stress.max())
+        last = stress == min(history_of(closed).landing_stresses[cycle - 1], stress.max())
         end, top = float(closure[last][0]), float(stress[last][0])
         stiffness = value("stiffness_net", read)[cycle - 1]
         assert (top - HALF) / (end - below) <= stiffness <= (top - HALF) / (end - above)
-    assert landing_stress(closed, 1) < closed.normal_stress.max() < landing_stress(closed, 2)
+    first, second, _ = history_of(closed).landing_stresses
+    assert first < closed.normal_stress.max() < second
     # the second cycle is stiffer than the first
     assert value("stiffness_net", read)[1] > 2.0 * value("stiffness_net", read)[0]
 
@@ -55,7 +58,7 @@ def test_a_jump_is_the_way_to_where_loading_exceeds_a_stress_again():
     steps |= {"load_cycle": [1] * 6, "branch": ["loading"] * 5 + ["unloading"]}
     made = xr.Dataset({name: ("step", values) for name, values in steps.items()})
     made = made.assign(max_closure=("cycle_number", [4.0]))
-    jumped = ClosedWalls((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
+    jumped = SimulatedJoint((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
     assert value("largest_jump", jumped) == pytest.approx(1.5 / 4.0)
     made["normal_stress"][2] = 2.5
     assert value("largest_jump", jumped) == 0.0
@@ -99,7 +102,7 @@ def test_hysteresis_is_the_work_that_unloading_keeps_over_that_of_loading():
             "max_closure": ("cycle", [2.0, 1.0]),
         }
     )
-    read = ClosedWalls((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
+    read = SimulatedJoint((np.zeros(1),) * 2, made, CONDITIONS, 0.0, np.empty(0))
     np.testing.assert_allclose(value("hysteresis", read), [0.5, 0.75])
 
 
@@ -123,7 +126,7 @@ def test_a_ratio_is_shown_as_it_is(name):
 def test_walls_are_summed_so_that_mates_have_no_relief(joint):
     _, read = joint
     upper = read.walls[0]
-    mates = ClosedWalls((upper, -upper), read.closed, CONDITIONS, 0.0, np.empty(0))
+    mates = SimulatedJoint((upper, -upper), read.closed, CONDITIONS, 0.0, np.empty(0))
     for name in ("rms_height", "rms_slope", "initial_aperture"):
         assert value(name, mates) == 0.0 < value(name, read)
 

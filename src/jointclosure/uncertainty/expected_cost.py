@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.engine.uncertainty import sources_of, threads_for, variants_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Effects, Numerics
+from jointclosure.uncertainty.variants import sources_of, threads_for, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 
 WINDOW = 128  # cells a side of the window of the walls that is closed to estimate the time
