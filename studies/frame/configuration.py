@@ -47,7 +47,7 @@ class Configuration(keys.Section):
         "Rocks by name; a study's own file may add some.", min_length=1
     )
     grid: keys.Grid
-    surface: keys.Surface
+    surface: keys.SurfaceSynthesis
     seating_stress: Annotated[float, keys.OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",

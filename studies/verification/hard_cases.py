@@ -41,7 +41,7 @@ from studies.verification.judged import Judge, JudgedSolver
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
-class Outcome(NamedTuple):
+class CaseOutcome(NamedTuple):
     """Outcome of a case: the dataset (None if refused), and measurements."""
 
     case: dict
@@ -80,12 +80,12 @@ def merged_cases(study: dict) -> dict[str, dict]:
     return cases
 
 
-def run_case(case: dict) -> Outcome:
+def run_case(case: dict) -> CaseOutcome:
     """Close and judge a case's joint and measure the time; the result is kept for the process."""
     return _run(json.dumps(case, sort_keys=True))
 
 
-def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
+def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[str]:
     """List the requirements that do not hold for a case, one line each."""
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
@@ -94,7 +94,7 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
     return failed
 
 
-def row_of(outcome: Outcome, failed: list[str]) -> dict:
+def row_of(outcome: CaseOutcome, failed: list[str]) -> dict:
     """Return the row of the table for a case."""
     case, data, worst = outcome.case, outcome.dataset, outcome.judge.worst
     return {
@@ -127,7 +127,7 @@ def features_of_case(case: dict) -> dict[str, float]:
     return features_of(closures_of(copies, name, {name: conditions}, [(upper, lower)]), name, name)
 
 
-def _measured(outcome: Outcome) -> dict[str, float]:
+def _measured(outcome: CaseOutcome) -> dict[str, float]:
     """Return the closures of a case for its row; NaN without cycles."""
     data, target = outcome.dataset, outcome.target
     none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
@@ -158,7 +158,7 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
 
 
 @lru_cache(maxsize=None)
-def _run(frozen: str) -> Outcome:
+def _run(frozen: str) -> CaseOutcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
         for kernel in kernels_of([_model(case)]):
@@ -167,7 +167,7 @@ def _run(frozen: str) -> Outcome:
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))
     model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
-    given = oracle.Joint(*walls, *model)
+    given = oracle.PristineJoint(*walls, *model)
     judge = Judge(given, tolerances_of(case))
     dataset, message, target = None, "", math.nan
     start = time.perf_counter()
@@ -195,7 +195,7 @@ def _run(frozen: str) -> Outcome:
         force = dataset.force.values
         judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
     warned = [f"{w.category.__name__}: {w.message}" for w in caught]
-    return Outcome(case, dataset, target, status, message, seconds, warned, judge)
+    return CaseOutcome(case, dataset, target, status, message, seconds, warned, judge)
 
 
 def _setting(case: dict) -> dict:
@@ -364,7 +364,7 @@ EXTRA: dict[str, tuple[Callable[..., Any], str]] = {
 that the number is 0 (or not), at most ``within``, or from ``least`` to ``most``."""
 
 
-def _extra(outcome: Outcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
     """Check a requirement of a single case."""
     number, words = EXTRA[name]
     compared: tuple = ()

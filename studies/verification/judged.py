@@ -21,7 +21,7 @@ class Judge:
     judged states.
     """
 
-    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
+    def __init__(self, given: oracle.PristineJoint, tolerances: dict[str, float]):
         self._given, self._tolerances = given, tolerances
         self.worst: dict[str, float] = {}
         self.limits: dict[str, float] = {}

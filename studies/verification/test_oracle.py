@@ -22,7 +22,7 @@ def at_rest(choices):
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
     for closure in np.arange(1, 21) * 12.5e-6:
         answer = solver_named("fast").settle(joint, float(closure), 5e-6)
-    given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)
+    given = oracle.PristineJoint(*walls, SPACING, DOLERITE, effects, choices)
     state = oracle.State(joint.upper, joint.lower, joint.force, answer.closure, answer.total_force)
     return given, state
 

@@ -18,7 +18,7 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.effect_names import without
+from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.sources import code_digest
 from jointclosure.ensembles.joints import Reading, close_joint
 from jointclosure.execution.cache import digest
@@ -53,7 +53,6 @@ FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_ma
 HARD_CASES = Path(__file__).with_name("hard_cases.csv")
 """Names, difficulties and `FEATURES` of the hard cases that the study verification closed."""
 _VERDICTS = ("not stable", "hard", "easy")
-_EFFECT = "without "
 DROPS = (
     ("gouge",),
     ("breakage", "gouge"),
@@ -107,7 +106,7 @@ class Assessment:
         rows = []
         every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
         for (variant, seconds), quantity, cycle in every:
-            reference = self.stated if str(variant).startswith(_EFFECT) else self.ladder[-1]
+            reference = self.ladder[-1] if variant in self.ladder else self.stated
             apart = self._apart((variant, reference), cycle, quantity)
             rows.append((variant, reference, seconds, quantity, cycle, *apart))
         return pd.DataFrame(rows, columns=names)
@@ -119,7 +118,7 @@ class Assessment:
         That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
         of all copies), the ``nearest`` hard case, the ``distance`` to it, and ``oracle_ratio``.
         """
-        of_scene = self.closures[~self.closures.variant.str.startswith(_EFFECT)]
+        of_scene = self.closures[~lacks_effects(self.closures.variant)]
         rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
         return worst_first(pd.DataFrame(rows))
 
@@ -149,11 +148,12 @@ class Assessment:
     def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
         """Format the differences of settings, or of scenes without effects."""
         rows: dict[str, dict[str, str]] = {}
-        for row in self.differences.itertuples():
-            if row.variant.startswith(_EFFECT) == of_effects and row.quantity in quantities:
-                shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
-                text = "reference" if row.variant == row.reference else percent_of(row)
-                shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
+        asked = lacks_effects(self.differences.variant) == of_effects
+        asked &= self.differences.quantity.isin(quantities)
+        for row in self.differences[asked].itertuples():
+            shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+            text = "reference" if row.variant == row.reference else percent_of(row)
+            shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def verdict(self, variant: str) -> str:
@@ -373,7 +373,9 @@ def assess(
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    stated, ladder, variants = variants_of(given._replace(spacing=spacing, flow=False).checked())
+    stated, ladder, variants = assessed_variants(
+        given._replace(spacing=spacing, flow=False).checked()
+    )
     tasks = [
         (name, joint, copy)
         for name, joint in itertools.product(variants, range(len(pairs)))
@@ -391,7 +393,7 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
     given.checked()
 
 
-def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
+def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
     """Return the names of the stated variant and of all settings, finest last, and all variants."""
     variants = {"as stated": given}
     if given.effects.breakage:

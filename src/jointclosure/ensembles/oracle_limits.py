@@ -79,7 +79,7 @@ def oracle_ratio(joint: SimulatedJoint) -> float:
         float(closed.closure[step]),
         float(closed.normal_stress[step]) * area,
     )
-    pristine = oracle.Joint(
+    pristine = oracle.PristineJoint(
         joint.walls[0] - above,
         joint.walls[1] - below,
         given.grid_spacing,

@@ -282,7 +282,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: protocol.History, area: float, conditions: Conditions
+    joint: Joint, history: protocol.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
