@@ -212,11 +212,11 @@ QUANTITIES: dict[str, Quantity] = {
         "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
     "mean_aperture_at_max": Quantity(
         "mean aperture at the maximum stress", "m", CYCLE,
-        lambda joint: 1e-3 * joint.table.mean_aperture_at_max_mm.to_numpy(),
+        lambda joint: joint.history.at_maxima("mean_aperture"),
         r"a_\mathrm{max}"),
     "contact_at_max": Quantity(
         "share of cells in contact at the maximum stress", "1", CYCLE,
-        lambda joint: joint.table.contact_at_max.to_numpy(), r"A_\mathrm{c}"),
+        lambda joint: joint.history.at_maxima("contact_fraction"), r"A_\mathrm{c}"),
     "loop": Quantity(
         "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
         _loop, r"x_\mathrm{loop}"),
@@ -232,7 +232,8 @@ QUANTITIES: dict[str, Quantity] = {
         _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
     "contacts_at_max": Quantity(
         "largest number of cells in contact at the maximum stress", "1", (),
-        lambda joint: float(joint.table.contact_at_max.max() * joint.walls[0].size)),
+        lambda joint: float(
+            np.nanmax(joint.history.at_maxima("contact_fraction")) * joint.walls[0].size)),
     "broken_share": Quantity(
         "share of the cells of both walls that broke", "1", (),
         lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),
