@@ -71,7 +71,8 @@ def range_figure(budget: Budget, title: str) -> Figure:
         1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
     )
     for axes, cycle in zip(panels[0], cycles, strict=True):
-        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
+        row = ranges.loc[cycle]
+        results = budget.results[budget.results.cycle == cycle]
         shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
@@ -99,7 +100,8 @@ def range_figure(budget: Budget, title: str) -> Figure:
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
     """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
-    values, numbers = read_along(closed, of), sorted(set(closed.load_cycle.values.tolist()))
+    values = read_along(closed, of)
+    numbers = sorted(set(closed.load_cycle.values.tolist()))
     seating = float(closed.attrs["seating_stress_Pa"])
     for number in numbers:
         zero = 0.0
@@ -109,7 +111,8 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
             zero = values[branch_of(closed, number, LOADING)[0]]
         for name, style in BRANCH_LINES.items():
             here = branch_of(closed, number, name)
-            closure, stress = values[here], closed.normal_stress.values[here]
+            closure = values[here]
+            stress = closed.normal_stress.values[here]
             if since == "seating":  # from its point at the seating stress
                 over = stress > seating
                 end = 0 if name == LOADING else int(over.sum())
@@ -142,9 +145,11 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
     cycles = int(curves.cycle.max())
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
         # later cycles are thinner and above, so that equal curves are all seen
-        order, colour = 2.0 + 0.01 * cycle, f"C{cycle - 1}"
+        order = 2.0 + 0.01 * cycle
+        colour = f"C{cycle - 1}"
         width = 1.2 + 1.4 * (cycles - cycle) / max(1, cycles - 1)
-        stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
+        stress = rows.normal_stress_MPa
+        label = f"cycle {cycle}, {branch}"
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
@@ -190,11 +195,13 @@ def _draw_closure(
     _draw_along(axes, loading, "closure_net_since_seating_mm", across=True)
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
-    middle, law = "closure_net_since_seating_mm", LAWS["hyperbolic"]
+    middle = "closure_net_since_seating_mm"
+    law = LAWS["hyperbolic"]
     for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
         if not former_maximum(history, int(cycle)):  # a loading beyond it is no hyperbola
-            known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
-            fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
+            stresses = rows.normal_stress_MPa.to_numpy()
+            constants, *_ = fit_law(law, stresses, rows[middle].to_numpy(), seating)
+            fitted = law.closure(stress, seating, *constants)
             label = None if number else "hyperbolas fitted"
             if np.isfinite(fitted).all():  # not that of a curve that does not bend
                 axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
