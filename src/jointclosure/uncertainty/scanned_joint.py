@@ -84,7 +84,7 @@ class ClosedJoint(NamedTuple):
     def curves(self) -> pd.DataFrame:
         """Closure, stiffness, aperture and flow over stress, with bands if they are known.
 
-        They are those of `jointclosure.joint.curves.stress_table` at round stresses and the named
+        They are those of `jointclosure.joint.tables.stress_table` at round stresses and the named
         ones.
         """
         if self.budget is not None:
