@@ -30,6 +30,7 @@ from jointclosure.measured.headings import (
 )
 
 _ALLOWED = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": {}}
+"""Quantities of the columns of a curve, and their units."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
 _SPECIMENS = ("specimen", "specimen_id", "sample", "sample_id", "joint", "joint_id", "test_id")
@@ -434,6 +435,7 @@ def _quantity_of_heading(cell: str) -> str:
 
 
 def _is_number(cell: str) -> bool:
+    """Return whether a cell has a number."""
     try:
         float(cell)
     except ValueError:
@@ -451,6 +453,7 @@ def _cells(line: str, mark: str | None) -> list[str]:
 
 
 def _parsed_number(cell: str, where: str, quantity: str) -> float:
+    """Return the number in a cell; `InputError` names its line if it is none, or no cycle."""
     value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")

@@ -21,6 +21,7 @@ CLOSURE_UNITS = {
 }  # fmt: skip
 """Known units of length [m]."""
 KNOWN = STRESS_UNITS | FORCE_UNITS | CLOSURE_UNITS
+"""All known units, in SI."""
 _SPELT = SPELT | {
     "inch": "in", "inches": "in", '"': "in", "mils": "mil", "thou": "mil", "micrometre": "um",
     "pascal": "Pa", "kilopascal": "kPa", "megapascal": "MPa", "gigapascal": "GPa",
@@ -28,6 +29,7 @@ _SPELT = SPELT | {
     "lb/in2": "psi", "lbf/in2": "psi", "lbs/in2": "psi", "lb/sqin": "psi", "kp/cm2": "kgf/cm2",
     "kg/cm2": "kgf/cm2", "kp": "kgf",
 }  # fmt: skip
+"""Other spellings of known units."""
 _NOT_LENIENT = ("mPa", "mN", "Mm", "Nm", "NM", "mn", "Nn")
 """Spellings that differ from a known unit in the case of letters, and mean another unit."""
 _REFUSED = {
@@ -39,7 +41,9 @@ _REFUSED = {
 _ANYWHERE = {name for name in KNOWN if len(name) > 1 and name not in ("in", "mil", "bar", "atm")}
 """Units that a heading may also have before its end, as in "kN load"."""
 _BRACKETS = re.compile(r"[(\[{<]([^()\[\]{}<>]*)[)\]}>]")
+"""Text in brackets of any form, in which headings have units."""
 _MULTIPLIER = re.compile(r"[x×*·]\s*10|10\s*(?:\^|\*\*|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹+-])|(?<![\d.])1[eE][+-]?\d")
+"""A power of ten, by which values of a column would have to be multiplied."""
 
 
 class Heading(NamedTuple):

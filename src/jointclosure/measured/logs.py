@@ -67,10 +67,12 @@ def scatter_of(values: np.ndarray) -> float:
     if values.size < LEAST_POINTS:
         return 0.0
     changes = np.abs(np.diff(values))
+    # by the median deviation of normal values; a second difference has 6 times their variance
     scatter = 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0)
     if (changes == 0.0).mean() < _NOT_RISING or not changes.any():
         return scatter
-    return max(scatter, float(changes[changes > 0.0].min()) / np.sqrt(12.0))
+    rounding = float(changes[changes > 0.0].min()) / np.sqrt(12.0)
+    return max(scatter, rounding)
 
 
 def smoothed(stress: np.ndarray) -> np.ndarray:

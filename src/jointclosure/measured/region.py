@@ -40,7 +40,7 @@ WAVELENGTHS = 6  # mismatch wavelengths at which joints are closed
 STRENGTHS = 4  # strengths at which joints are closed
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
-NEITHER = "neither"
+NEITHER = "neither"  # name of what has no mechanism between the loadings
 
 
 class Mechanism(NamedTuple):

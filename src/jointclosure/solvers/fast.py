@@ -34,7 +34,7 @@ BAND = 2.8
 SHORT_STEPS = 8
 """Short steps of breakage in a step of closure with resolved breakage."""
 MOST_ROUNDS = 1000  # equilibria of one closure after which a joint counts as not at rest; chosen
-_NO_GROWTH = np.zeros((0, 0))
+_NO_GROWTH = np.zeros((0, 0))  # of the approach, where breakage is not walked through
 _CLEAR_OF_STRENGTH = 0.98
 """Share of its strength below which a contact with an approximate force is assumed to hold."""
 

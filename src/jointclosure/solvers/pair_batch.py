@@ -21,22 +21,22 @@ from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import wall_curvature
 
 BATCH = 128  # most pairs of a batch; chosen
-# Indices of the walls.
-UPPER = 0
-LOWER = 1
+UPPER = 0  # index of the upper wall
+LOWER = 1  # index of the lower wall
 _MOST_NARROWED = 60
 """Largest number of steps of false position for a loss; nearly all need two to four."""
 _FEW = 0.25
 """Share of unsolved pairs below which they are solved one by one."""
-# Indices of cells in 3 x 3 heights.
-SOUTH = 1
-WEST = 3
+# Indices in 3 x 3 heights: the cell itself and its edge neighbours.
+SOUTH = 1  # y - 1
+WEST = 3  # x - 1
 CENTRE = 4
-EAST = 5
-NORTH = 7
+EAST = 5  # x + 1
+NORTH = 7  # y + 1
 
 
 def _batch_fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
+    """Return fields of `Batch` of a shape, with one value for each pair."""
     return [(name, np.float64, (*shape, BATCH)) for name in names]
 
 

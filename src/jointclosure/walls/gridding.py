@@ -16,6 +16,8 @@ REACH = 2.0  # mean point distances within which a cell needs a point to have a 
 MOST_CELLS_PER_POINT = 100  # of a grid; beyond, nearly all cells are far from points
 PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
 MISSING = ("refuse", "avoid", "nearest", "linear")
+"""What is done with cells without a height: an error, joints are cut elsewhere, or they are filled
+by the nearest height or linearly."""
 LARGEST_FILLED_SHARE = 0.05  # of a wall's cells, unless the user allows more
 
 
@@ -77,7 +79,10 @@ def gaps(known: np.ndarray) -> np.ndarray:
 
 
 def _closed_gaps(known: np.ndarray) -> np.ndarray:
-    """Return which cells (y, x) lie between known ones at most three apart; not beside a rim."""
+    """Return which cells (y, x) are known, or in a gap of one or two between known ones of a line.
+
+    Unknown cells at the rim of the grid are in no gap.
+    """
     closed = scipy.ndimage.binary_closing
     return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
 

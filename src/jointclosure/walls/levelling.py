@@ -76,6 +76,7 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
 
 
 def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
+    """Turn a scan until its mean plane is level; return it with a remark, and the rotation."""
     tilt = _inclination(plane)
     if tilt > STEEPEST:
         raise InputError(

@@ -21,7 +21,9 @@ LARGEST_DRAW = 400  # most cells along a side of these walls
 TAIL = 50.0 * (1.0 - 0.95)  # percentage beyond each limit of a 95 % interval
 _SEED = 1  # of the random numbers of intervals, which are the same for all walls
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
+"""Names of the RMS slopes of a wall."""
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
+"""Names of the Hurst exponents of a wall."""
 
 
 class Measure(NamedTuple):

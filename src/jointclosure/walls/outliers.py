@@ -7,7 +7,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
-NEIGHBOURS = 8
+NEIGHBOURS = 8  # nearest points with which the height of a point is compared
 ROUNDS = 4  # most rounds of spike removal: higher spikes hide others
 PLATEAU = 5.0
 """Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1

@@ -56,10 +56,9 @@ _FAR = 1.5
 """Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
 the first contact may be a spike."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
-SHIFTS = ("scanned", "mated")
-SPIKES = ("keep", "cut")
+SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
+SPIKES = ("keep", "cut")  # what is done with spikes
 _SIDES = ("upper", "lower")
-
 
 ORIENTATIONS = {
     "common_frame": "z upwards on both scans",
@@ -69,7 +68,9 @@ ORIENTATIONS = {
 }
 """Orientations of the upper wall's scan, each compared over the full circle."""
 _SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
+"""Signs by which each orientation multiplies x, y and z of the upper wall's scan."""
 _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
+"""The same as matrices (3, 3), by the names of the orientations."""
 
 
 class FineWalls(NamedTuple):
@@ -744,6 +745,7 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
 
 
 def _describe_mating(mismatch: Mismatch) -> str:
+    """Describe at which wavelengths walls are mated."""
     if mismatch.wavelength == 0.0:
         return "the walls are mated at all wavelengths of the grid"
     if np.isinf(mismatch.wavelength):

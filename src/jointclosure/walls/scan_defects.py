@@ -240,7 +240,7 @@ def without_rim(scan: Scan) -> Scan:
 
 
 def _rim_width(heights: np.ndarray, axis: int) -> int:
-    """Return the number of profiles at the start of an axis that are a rim."""
+    """Return the number of profiles at the start of an axis that are a rim, 0 if there is none."""
     side = heights.shape[axis]
     most = max(int(_RIM_SHARE * side), _RIM_CELLS)
     if side < 8 * most or min(heights.shape) < 24:
@@ -257,6 +257,7 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
     inner = inner[np.isfinite(inner)]
     if len(inner) < 8 or not known[: most + 2].all():
         return 0
+    # standard deviation of normal values by the median deviation, which a rim does not affect
     usual = 1.4826 * float(np.median(np.abs(inner - np.median(inner))))
     sharp = np.flatnonzero(np.abs(bends[1 : most + 1]) > RIM * usual)
     # a step between profiles bends the means on both of its sides, in opposite directions

@@ -130,6 +130,7 @@ def _grows_faster(squares: np.ndarray, most: float) -> bool:
 def _mean_squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
     """Return mean squared third differences at `_LAGS` less those of rounding, NaN if unknown."""
     side = heights.shape["yx".index(axis)]
+    # mean square of such a difference of rounding errors (variance step^2 / 12), over the step^2
     noise = math.comb(2 * _ORDER, _ORDER) / 12.0
     squares = np.full(len(_LAGS), np.nan)
     for place, lag in enumerate(_LAGS):
@@ -201,6 +202,7 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
     squares = whole / all_counts
     if not (squares > 0.0).all():
         return math.nan, math.nan
+    # all of the differences at the shortest lag along either axis would be noise
     most = float(squares[:: len(_NOISE_LAGS)].min()) / _WHITE
     student = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1)
     ends = []
@@ -295,15 +297,17 @@ def resolution_remarks(
     steps = [np.diff(wall, axis=axis) for axis in (0, 1)]
     square = float(np.nanmean(np.concatenate([part.ravel() ** 2 for part in steps])))
     rounding = rounding_of(scan)
-    errors = {
-        f"heights are multiples of {1e6 * rounding.heights:.4g} um": rounding.heights**2 / 6.0
-    }
+    # what is wrong, and the squared difference of neighbours [m^2] that comes from it
+    errors = [
+        (f"heights are multiples of {1e6 * rounding.heights:.4g} um", rounding.heights**2 / 6.0)
+    ]
     if isinstance(scan, Cloud):
         noise = noise_of_points(scan)
-        errors[
+        about = (
             f"heights of points close to each other differ by noise of {1e6 * noise:.2g} um, or by "
             "passes of the scanner that lie apart"
-        ] = 2.0 * noise**2
+        )
+        errors.append((about, 2.0 * noise**2))
         distance = point_distance(scan)
         if rounding.places > 0.1 * distance:
             remarks.append(
@@ -313,7 +317,7 @@ def resolution_remarks(
                     "slopes; export more digits of x and y"
                 )
             )
-    for about, excess in errors.items():
+    for about, excess in errors:
         if excess > 2.0 * MOVED * square:
             remarks.append(_error_caution(about, square, excess, spacing))
     return remarks

@@ -16,7 +16,7 @@ from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope,
 RULES = ("self_affine", "walk")  # relations between the long and the short waves of a wall
 NORMALISATIONS = ("wall", "expectation")  # the slope is that of every wall, or of the average
 ROLL_OFF = 3e-3  # wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)
-_LN2 = 0.6931471805599453
+_LN2 = 0.6931471805599453  # natural logarithm of 2
 
 
 class Spectrum(NamedTuple):
@@ -275,6 +275,7 @@ def check_mismatch(wavelength: float | None, correlation: float) -> None:
 def _check_wall_arguments(
     shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int
 ) -> None:
+    """Raise `InputError` if an argument of `wall_pair` is out of its range."""
     check_number("hurst", hurst)
     check_number("correlation", correlation)
     check_count("shift_in_cells", shift_in_cells, 0)

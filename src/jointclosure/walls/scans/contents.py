@@ -22,7 +22,7 @@ VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
-
+"""Name of a column with a unit: "Z_mm", "Z / mm", "Z, mm", "Z in mm", "Z [mm]" or "Z (mm)"."""
 _FOREIGN = frozenset({
     "cm", "dm", "km", "pm", "inch", "inches", "ft", "feet", "foot", "mil", "mils", "thou", "px",
     "pixel", "pixels", "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
@@ -32,7 +32,7 @@ _FOREIGN = frozenset({
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Values that count as missing if they are beyond all other values."""
 _ROWS = 200  # most rows whose precision is checked
-_DOUBLE = np.dtype(float)
+_DOUBLE = np.dtype(float)  # type in which all heights are kept
 LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
 
 

@@ -48,8 +48,8 @@ _OF_LIBRARIES = (
     "institution", "references", "grid_mapping",
 )  # fmt: skip
 """Attributes of netCDF files that libraries apply, or that describe the file in free words."""
-_NEEDED = ("ncols", "nrows")
-_PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
+_NEEDED = ("ncols", "nrows")  # words that the header of an ESRI grid must have
+_PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")  # words that state its place
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")  # words of an ESRI header
 INSTRUMENTS = re.compile(
     "Wyko ASCII|File Format *= *ASCII|Bit2nm|NT-MDT|height conversion factor"

@@ -31,6 +31,7 @@ SCATTERED = caution(
     "the points lie on no regular grid along x and y: heights between them are interpolated, which "
     "makes walls smoother"
 )
+"""Remark on scattered points."""
 
 
 def contents_of(

@@ -31,6 +31,7 @@ _PATCH = 0.1  # share of points of a second patch that is a wall
 _TURNED = {0: ("x", "2,3,1"), 1: ("y", "3,1,2")}
 """Axes along which heights may lie, and columns that turn them to z without mirroring the wall."""
 TWO_WALLS = "a solid or both walls in one file must be cut to one wall"
+"""Advice where a file has more than one wall."""
 
 
 class _Neighbours(NamedTuple):
