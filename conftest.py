@@ -7,7 +7,7 @@ import hypothesis
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine import selection
+from jointclosure.assessment import selection
 from tests.joints import SPACING
 
 hypothesis.settings.register_profile("default", deadline=None, max_examples=60)
@@ -38,5 +38,5 @@ def times_by_effects(monkeypatch):
         joint = measured(walls, conditions)
         return dataclasses.replace(joint, seconds=1.0 + sum(conditions.effects))
 
-    measured = selection.closed_walls
-    monkeypatch.setattr(selection, "closed_walls", closed_in)
+    measured = selection.simulated_joint
+    monkeypatch.setattr(selection, "simulated_joint", closed_in)

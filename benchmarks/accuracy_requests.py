@@ -19,8 +19,8 @@ import xarray as xr
 from effects_auto import SPACING, continued, options, scene, write_summary
 
 import jointclosure as jc
-from jointclosure.engine.assess import FINEST, JUDGED
-from jointclosure.engine.joints import Reading, Row, close_joint, stacked
+from jointclosure.assessment.assess import FINEST, JUDGED
+from jointclosure.ensembles.joints import Reading, Row, close_joint, stacked
 from jointclosure.statistics.randomness import seed_of
 from studies.frame.keys import Accuracy
 from studies.paper.accuracy import START, Counts, next_counts, reached_table

@@ -28,7 +28,8 @@ import pandas as pd
 import peers
 from matplotlib.figure import Figure
 
-from jointclosure.joint.curves import closures_at, landing_stress
+from jointclosure.joint.curves import closures_at
+from jointclosure.joint.history import history_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
@@ -274,12 +275,13 @@ def main(realizations: int, stress: float, output: Path) -> None:
     settings = case_settings(realizations, peers.CELLS, stress, FULL)
     pairs, histories = list(walls_of(settings)), {}
     stresses = [
-        stresses_of(stress, landing_stress(close(walls, FULL, stress), 1)) for walls in pairs
+        stresses_of(stress, history_of(close(walls, FULL, stress)).landing_stresses[0])
+        for walls in pairs
     ]
-    for name, history_of in models().items():
+    for name, simulate_pair in models().items():
         try:
             histories[name] = [
-                closed(name, history_of, walls, there.all)
+                closed(name, simulate_pair, walls, there.all)
                 for walls, there in zip(pairs, stresses, strict=True)
             ]
         except ImportError as error:

@@ -28,15 +28,15 @@ import pandas as pd
 from scipy.optimize import minimize
 
 import jointclosure as jc
-from jointclosure.engine.assess import ASSESSED, JUDGED
-from jointclosure.engine.quantities import ClosedWalls
-from jointclosure.engine.selection import (
+from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.assessment.selection import (
     LONGER,
     MOST_PAIRS,
     Pilot,
     choose_among,
     possible_scenes,
 )
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
@@ -81,7 +81,7 @@ class Surfaces(Pilot):
         seeds = (seed_of(asked.seed, kind, number, surface) for surface in range(count))
         pairs = [jc.wall_pair(spacing=SPACING, seed=each, **walls) for each in seeds]
         super().__init__(pairs, conditions, 20)
-        self.known: dict[tuple, ClosedWalls] = {}
+        self.known: dict[tuple, SimulatedJoint] = {}
 
     def for_joints(self, joints: int) -> "Surfaces":
         """Return a pilot for a number of joints that has closed nothing yet."""
@@ -89,7 +89,7 @@ class Surfaces(Pilot):
         pilot.joints, pilot.closed, pilot.frozen_seconds = joints, {}, 0.0
         return pilot
 
-    def close(self, walls: Walls, effects: jc.Effects, **changes: Any) -> ClosedWalls:
+    def close(self, walls: Walls, effects: jc.Effects, **changes: Any) -> SimulatedJoint:
         """Close a pair of walls, or return what it gave to a former pilot."""
         key = walls[0].tobytes(), effects, *changes.items()
         if key not in self.known:

@@ -25,7 +25,7 @@ import scipy.stats
 import seaborn as sns
 
 import jointclosure as jc
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.walls.synthesis import ROLL_OFF
 from studies.frame.closing import close_joints

@@ -3,8 +3,9 @@
 Conditions are those of `benchmarks/effects_auto.py`: E 5 to 80 GPa, strength 20 to 250 MPa, JRC 2
 to 20, stress 0.001 to 0.5 of the strength, walls independent or mated beyond 1 to 10 mm, here with
 32 to 64 cells along a side. A joint is closed by the tolerance of `jointclosure close`, and with
-its copies by twice of it, of which the error is stated (`jointclosure.engine.numerical_error`). The
-true error is the difference from an eighth of the tolerance.
+its copies by twice of it, of which the error is stated
+(`jointclosure.uncertainty.numerical_error`). The true error is the difference from an eighth of
+the tolerance.
 
 `python benchmarks/numerical_error.py` writes joints.csv and coverage.csv, and goes on with the
 joints that its folder has. ``--seed 7`` has the joints of which the constants were chosen.
@@ -23,14 +24,14 @@ import pandas as pd
 from effects_auto import SPACING, scene
 
 import jointclosure as jc
-from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.numerical_error import NOT_STABLE, numerical_error, scatter_of
-from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.uncertainty import COPIES, coarser
+from jointclosure.ensembles.joints import Reading, close_joint
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.numerical_error import NOT_STABLE, numerical_error, scatter_of
+from jointclosure.uncertainty.scanned_joint import RESOLVED
+from jointclosure.uncertainty.variants import COPIES, coarser
 
 TRUE = 0.125
 """Tolerance of the true closure, over that of `close`."""

@@ -28,7 +28,14 @@ import xarray as xr
 
 import jointclosure as jc
 from benchmarks.registration import Truth
-from jointclosure.engine.budget import (
+from jointclosure.ensembles.quantities import CURVES, HEADINGS
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import LOADING
+from jointclosure.joint.tables import members, stress_table
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.budget import (
     ALL,
     CLOSURE_NET,
     CONTACT,
@@ -39,15 +46,8 @@ from jointclosure.engine.budget import (
     WIDER,
     results_of,
 )
-from jointclosure.engine.quantities import CURVES, HEADINGS
-from jointclosure.engine.scanned_joint import ClosedJoint
-from jointclosure.engine.uncertainty import Variant, sources_of, variants_of
-from jointclosure.joint.curves import members, stress_table
-from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.status import LOADING
-from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.storage.files import write_csv
-from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.scanned_joint import ClosedJoint
+from jointclosure.uncertainty.variants import Variant, sources_of, variants_of
 from jointclosure.walls.gridding import paper_spacing
 
 RESULTS = (CLOSURE_NET, STIFFNESS, KNI, VM, "mean_aperture_at_max_mm", CONTACT)

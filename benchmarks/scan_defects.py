@@ -23,15 +23,15 @@ import pandas as pd
 import scipy
 
 import jointclosure as jc
-from jointclosure.engine.budget import CLOSURE_NET
-from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import cycle_table
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.budget import CLOSURE_NET
+from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Cloud, Scan, filled, point_distance, wall_on_grid
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended

@@ -24,7 +24,7 @@ WORK = """
 import json, sys
 sys.path.insert(0, "benchmarks")
 import yardstick
-from jointclosure.joint.curves import cycle_closures
+from jointclosure.joint.cycles import cycle_closures
 configuration, cases = yardstick.paper_study()
 case_of = {case.rock: case for case in cases}
 print(json.dumps(list(case_of)), flush=True)

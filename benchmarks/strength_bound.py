@@ -7,10 +7,10 @@ of two published scans, a foliation joint on itself turned by 180 degrees and mi
 cells), and the middle (64 x 64) of a fracture. The paper's steps over 64, and of few
 joints over 256, are compared with resolved breakage at a tolerance of 0.01, by the net closure
 since seating of both cycles on the same walls. Resolved closures are means of copies of the walls
-that must close alike (`jointclosure.engine.uncertainty.COPIES`). With a bound of strength this, the
-default of scanned joints, is compared with an eighth of the tolerance, and that difference with the
-numerical error that `jointclosure close` states, by twice the tolerance. Closures that the output
-has are not computed again. 40 joints take an hour of a core.
+that must close alike (`jointclosure.uncertainty.variants.COPIES`). With a bound of strength
+this, the default of scanned joints, is compared with an eighth of the tolerance, and that
+difference with the numerical error that `jointclosure close` states, by twice the tolerance.
+Closures that the output has are not computed again. 40 joints take an hour of a core.
 """
 
 import argparse
@@ -22,13 +22,13 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.engine.joints import Reading, close_joint
-from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
-from jointclosure.engine.uncertainty import COPIES, coarser
+from jointclosure.ensembles.joints import Reading, close_joint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls
+from jointclosure.uncertainty.variants import COPIES, coarser
 
 NONE, BASE = "none, as in the paper", "strength bounded by the base"
 RULES = {NONE: jc.Choices(strength_bound="none"), BASE: jc.Choices(strength_bound="base")}

@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from jointclosure.engine.quantities import HEADINGS, QUANTITIES
+from jointclosure.ensembles.quantities import HEADINGS, QUANTITIES
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.files import read_csv
 

@@ -14,22 +14,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jointclosure.engine.assess import (
+from jointclosure.assessment.assess import (
     ASSESSED,
     HARD_CASES,
     JUDGED,
     READ,
-    variants_of,
+    assessed_variants,
     worst_first,
 )
-from jointclosure.engine.assess import Assessment as Assessed
-from jointclosure.engine.uncertainty import COPIES
+from jointclosure.assessment.assess import Assessment as Assessed
+from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
 from jointclosure.storage.files import read_csv
+from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
-from studies.assessment.section import Assessment
+from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.panels import point_key
@@ -131,7 +132,7 @@ def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> None:
 def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw the change of the mean closures without each group of effects."""
     assessment = tables["assessment"]
-    without = assessment[assessment.variant.str.startswith("without ")]
+    without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
     for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
         scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
@@ -191,14 +192,14 @@ _VALUES = ["value", "low", "high"]
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
-    section, jobs = study.section(Assessment), {}
+    section, jobs = study.section(AssessmentSection), {}
     for number, case in enumerate(_conditions(study, section)):
         settings = settings_of(study, case)
         count = section.joints
         if settings.walls:  # a scan has room for a number of joints
             count = min(count, study.study.realizations)
         settings = settings._replace(realizations=count)
-        stated, _, variants = variants_of(settings.conditions)
+        stated, _, variants = assessed_variants(settings.conditions)
         options = {"unusual_values": study.study.unusual_values == "allow"}
         for name, conditions in variants.items():
             varied = settings.under(numerics=conditions.numerics, effects=conditions.effects)
@@ -217,10 +218,10 @@ def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 def ladders_of(study: Configuration) -> dict[str, tuple]:
     """Return the setting as stated, and those of the numerics by their accuracy, of each rock."""
-    return {name: variants_of(base_case(study, name).conditions)[:2] for name in study.rocks}
+    return {name: assessed_variants(base_case(study, name).conditions)[:2] for name in study.rocks}
 
 
-def _conditions(configuration: Configuration, section: Assessment) -> Iterator[Case]:
+def _conditions(configuration: Configuration, section: AssessmentSection) -> Iterator[Case]:
     """Generate the base case of each rock at each roughness and stress."""
     for name, rock in configuration.rocks.items():
         base = base_case(configuration, name)
@@ -307,6 +308,6 @@ EXPERIMENT = Experiment(
     settings=lambda study: {
         "ladders": ladders_of(study),
         "titles": study.titles,
-        "within": study.section(Assessment).within,
+        "within": study.section(AssessmentSection).within,
     },
 )

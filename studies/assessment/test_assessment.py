@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import jointclosure as jc
-from jointclosure.engine.assess import COPIES, JUDGED, LADDER
+from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
 from studies.assessment.study import (
     EXPERIMENT,
     draw_assessment_effects,

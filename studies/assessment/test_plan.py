@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointclosure.engine.expected_cost import relative_cost
+from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.plan import FEWEST, LEAST_SECONDS, planned, study_seconds
 from studies.frame.cases import base_case, block_settings, closed_keys, seconds_by_paper
 from studies.frame.settings import seeds_of

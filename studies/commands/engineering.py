@@ -14,7 +14,8 @@ import xarray as xr
 from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import KINDS, rising_slopes
+from jointclosure.joint.history import KINDS
+from jointclosure.joint.interpolation import rising_slopes
 from jointclosure.joint.status import LOADING
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import reading_netcdf

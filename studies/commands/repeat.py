@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import read_text
 from jointclosure.storage.netcdf import read_netcdf

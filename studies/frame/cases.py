@@ -6,11 +6,11 @@ are fields of `Case`, and coordinates of every dataset.
 
 from collections.abc import Mapping
 
-from jointclosure.engine.assess import FINEST
-from jointclosure.engine.expected_cost import relative_cost
+from jointclosure.assessment.assess import FINEST
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.two_level import FEWEST
+from jointclosure.uncertainty.expected_cost import relative_cost
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Study

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.joints import Reading, Row, close_joint, stacked
-from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.ensembles.joints import Reading, Row, close_joint, stacked
+from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.walls import CrushedWalls, Walls

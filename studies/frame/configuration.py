@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Self, TypeVar
 from pydantic import PrivateAttr, create_model, model_validator
 
 from jointclosure import parameters
-from jointclosure.engine.assess import FINEST
+from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
@@ -47,7 +47,7 @@ class Configuration(keys.Section):
         "Rocks by name; a study's own file may add some.", min_length=1
     )
     grid: keys.Grid
-    surface: keys.Surface
+    surface: keys.SurfaceSynthesis
     seating_stress: Annotated[float, keys.OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",

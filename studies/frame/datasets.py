@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.status import FAILURE
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf

@@ -181,7 +181,7 @@ class Grid(Section):
         return self.cells_y, self.cells_x
 
 
-class Surface(Section):
+class SurfaceSynthesis(Section):
     """How walls are made from a JRC."""
 
     hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from jointclosure.engine.quantities import HEADINGS
+from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks_at
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
@@ -74,7 +74,7 @@ class Row(NamedTuple):
     axes: Mapping[str, Any] = {}
 
 
-class Column(NamedTuple):
+class PanelColumn(NamedTuple):
     """Columns of tables: coordinate ``along`` a column of panels, and what has ``lines`` by value.
 
     Other columns have the values ``where``. 0 and infinity are at the ends of a logarithmic
@@ -105,7 +105,7 @@ Names = Mapping[str, Mapping[Any, str]]
 @styled
 def panels(
     rows: Sequence[Row],
-    columns: Sequence[Column],
+    columns: Sequence[PanelColumn],
     names: Names,
     *,
     styles: str = "",
@@ -199,7 +199,7 @@ def _places(values: pd.Series, scale: str) -> dict[float, float]:
 
 
 def _draw(
-    axes: Axes, column: Column, row: Row, lines: Sequence, places: Mapping, bars: float
+    axes: Axes, column: PanelColumn, row: Row, lines: Sequence, places: Mapping, bars: float
 ) -> None:
     """Draw the lines of a panel, and its level with its error as a band."""
     table = column.of(row.table)

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.joints import read_joint
-from jointclosure.engine.selection import MOST_PAIRS, Pilot, choose_among
+from jointclosure.assessment.selection import MOST_PAIRS, Pilot, choose_among
+from jointclosure.ensembles.joints import read_joint
 from jointclosure.walls import Walls
 from studies.frame.closing import Report, close_points, joined_rows, reading_of
 from studies.frame.settings import BASE, Point, joints_of

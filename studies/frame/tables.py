@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
+from jointclosure.ensembles.quantities import COLUMNS, COORDINATES, QUANTITIES, shown_as
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import PROPERTIES, Rock
 from jointclosure.statistics.standard_errors import Estimate, harmonic_mean, ratio_of_means

@@ -9,7 +9,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.files import DamagedFileError
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.commands.compare import differences

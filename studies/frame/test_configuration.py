@@ -10,7 +10,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.compilation.sources import PACKAGE
-from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.engine import joints as closing
-from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.ensembles import joints as closing
+from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf

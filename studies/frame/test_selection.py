@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
 from studies.frame import closing

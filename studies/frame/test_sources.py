@@ -172,7 +172,7 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
 
 
 def test_an_edited_title_of_a_quantity_closes_no_walls_again_and_is_drawn(copy, unedited):
-    assert with_other_texts(copy / "engine/quantities.py", "Quantity") > 10
+    assert with_other_texts(copy / "ensembles/quantities.py", "Quantity") > 10
     scripts = moved(unedited)
     assert {"draw_figures", "draw_experiment", "write_report"} <= scripts
     assert not {*CLOSING, "aggregate", "compile_kernels"} & scripts

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint.curves import stress_table
+from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands import compare
 from studies.commands.engineering import band_table
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from tests.joints import DOLERITE, ELASTIC, SPACING
 from tests.studied import study_of
 from tests.world import world
@@ -101,8 +101,8 @@ def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate():
     value = 100.0 * made.wavelength_mm.clip(upper=9.0) + 10.0 * made.shift_mm + made.cycle
     free = {"wavelength_mm": np.inf}
     columns = [
-        Column("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
-        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=free),
+        PanelColumn("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
+        PanelColumn("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=free),
     ]
     row = Row("closure (mm)", made.assign(value=value, error=0.5), "value", "error")
     figure = panels([row], columns, NAMES, bars=2.0)

@@ -15,7 +15,7 @@ from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, configured, resolved
 from studies.frame.settings import ClosureSettings
 from studies.frame.yaml_files import merged, overlaid, refuse
-from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
+from studies.global_sensitivity.section import ROCK, GlobalSensitivitySection, Input
 
 SURFACES = 2
 """Number of surface pairs of a row, the same for all its points."""
@@ -24,7 +24,7 @@ SURFACES = 2
 class Sampling(NamedTuple):
     """What varies over which rows of the unit cube, and the keys of the rocks by their names."""
 
-    section: GlobalSensitivity
+    section: GlobalSensitivitySection
     rocks: dict[str, dict]
     seed: int
 
@@ -65,7 +65,7 @@ def sampling_of(study: Configuration) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
     rocks = {rock: study.stated["rocks"][rock] for rock in study.rocks}
     seed = seed_of(study.study.root_seed, "global sensitivity")
-    return Sampling(study.section(GlobalSensitivity), rocks, seed)
+    return Sampling(study.section(GlobalSensitivitySection), rocks, seed)
 
 
 def check_sampling(study: Configuration) -> None:

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import titles_of_cycles
+from jointclosure.ensembles.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
-from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
+from studies.frame.panels import PanelColumn, Row, keys_of, legend_below, panels, point_key
 from studies.frame.points import Experiment, Jobs, Tables
 from studies.frame.settings import Point
 from studies.global_sensitivity.design import (
@@ -123,7 +123,7 @@ def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         for cycle in (1, 2)
     ]
     columns = [
-        Column(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
+        PanelColumn(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
         for rock in dict.fromkeys(table.rock) or [""]  # axes alone without any rock
     ]
     return panels(rows, columns, {}, bars=_WIDTH, reference=0.0, sharey=True)

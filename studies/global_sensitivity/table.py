@@ -37,8 +37,8 @@ from studies.global_sensitivity.design import (
 from studies.paper.claims import (
     HYSTERESIS,
     LOOP,
+    ClosureStatement,
     Elasticities,
-    Statement,
     statements_of_elasticities,
 )
 from studies.paper.conclusions import SHARES
@@ -355,7 +355,7 @@ def _elasticities(
     }
 
 
-def _about(statement: Statement, name: str, cycle: int) -> dict:
+def _about(statement: ClosureStatement, name: str, cycle: int) -> dict:
     about = {"number": statement.number, "conclusion": statement.text}
     return about | {"response": name, "cycle": cycle}
 
@@ -387,7 +387,7 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
 
 
 def _of_rocks(
-    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: Statement,
+    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: ClosureStatement,
     name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Return margins by rock; none if a rock lacks an elasticity of the statement."""

@@ -1,6 +1,6 @@
 """Simulated joints beside three measured joints: observables, fitted mismatch, and judgement.
 
-Measured values are in `jointclosure.engine.published_joints`. Walls that mate have the
+Measured values are in `jointclosure.uncertainty.published_joints`. Walls that mate have the
 wavelength at which the mean closure of the first loading is that of a measured joint. A measured
 value agrees if its range overlaps the 95 % interval of a single simulated joint. A joint is also
 predicted from others: by the distribution of one more joint, averaged over the wavelengths by their
@@ -15,13 +15,13 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.engine.published_joints import JOINTS, measured
-from jointclosure.engine.quantities import heading
+from jointclosure.ensembles.quantities import heading
 from jointclosure.joint.status import FAILURE
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE
+from jointclosure.uncertainty.published_joints import JOINTS, measured
 
 BASE = "default choices"
 """Name of the model with its default choices."""

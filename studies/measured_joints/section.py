@@ -9,7 +9,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Ascending, Positive, Several, entry
 
 
-class MeasuredJoints(StudySection):
+class MeasuredJointsSection(StudySection):
     """Design of the comparison with measured joints (measured_joints.yaml)."""
 
     mates = True

@@ -9,7 +9,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Ascending, Positive, WithZero, entry
 
 
-class Misalignment(StudySection):
+class MisalignmentSection(StudySection):
     """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
 
     mates = True

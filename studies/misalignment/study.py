@@ -12,7 +12,7 @@ import pandas as pd
 import scipy
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import QUANTITIES, titles_of_cycles
+from jointclosure.ensembles.quantities import QUANTITIES, titles_of_cycles
 from jointclosure.inputs import InputError
 from jointclosure.statistics.standard_errors import ratio_of_means
 from jointclosure.walls import Walls
@@ -26,11 +26,11 @@ from jointclosure.walls.synthesis import (
     wave_numbers,
 )
 from studies.frame.configuration import Configuration
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, seeds_of
 from studies.frame.tables import grouped, mean_shown
-from studies.misalignment.section import Misalignment
+from studies.misalignment.section import MisalignmentSection
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
 """Quantities of the column ``response``."""
@@ -122,7 +122,7 @@ def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
 
 def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
-    section = study.section(Misalignment)
+    section = study.section(MisalignmentSection)
     angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
     return {
@@ -175,8 +175,8 @@ def draw_misalignment(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         for part in [table[(table.response == response) & (table.cycle == cycle)]]
     ]
     columns = [
-        Column("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
-        Column("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
+        PanelColumn("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
+        PanelColumn("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
     ]
     lengths = {length: f"waves beyond {length:g} mm mate" for length in table.wavelength_mm}
     names = {

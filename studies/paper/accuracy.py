@@ -15,8 +15,8 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.engine.assess import ASSESSED, JUDGED
-from jointclosure.engine.quantities import QUANTITIES, shown_unit
+from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.ensembles.quantities import QUANTITIES, shown_unit
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.standard_errors import CONFIDENCE

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
-from jointclosure.joint.curves import branch_of, read_along, seat_of
+from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import CYCLES, barton_bandis, law_holds
 from jointclosure.joint.status import LOADING, TARGET_JUMPED, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
@@ -28,7 +28,7 @@ from studies.frame.panels import key, keys_of, legend_below, point_key
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
-from studies.paper.histories import history_of
+from studies.paper.histories import simulate_again
 from studies.paper.layout import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
@@ -183,7 +183,7 @@ def closure_figure(
     seating_stress: float | None,
     strength_ratio: float,
     measured: Measurements = Measurements(),
-    history: Callable[[xr.Dataset, str, int], xr.Dataset | None] = history_of,
+    history: Callable[[xr.Dataset, str, int], xr.Dataset | None] = simulate_again,
 ) -> Figure:
     """Draw closure curves of each rock's base case, gross as the paper or net since seating.
 
@@ -321,20 +321,22 @@ def _end_of(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | N
 
 
 def _by_steps(
-    history: xr.Dataset, cycle: int, branch: str, seating_stress: float | None
+    joint: xr.Dataset, cycle: int, branch: str, seating_stress: float | None
 ) -> _Branches:
     """Return a branch of one joint by all of its steps."""
-    here = branch_of(history, cycle, branch)
-    stress = history.normal_stress.values[here]
+    history = history_of(joint)
+    here = history.branch(cycle, branch).steps
+    stress = history.stress[here]
     if seating_stress is None:
-        start = branch_of(history, cycle, LOADING)[0]
-        closure = history.closure.values[here] - float(history.closure[start])
+        start = history.branch(cycle, LOADING).steps[0]
+        closure = history.gross[here] - history.gross[start]
     else:  # from the first step above the seating stress, or to the last one
-        seat, end = (seat_of(history, cycle, name) for name in (LOADING, branch))
+        seat = history.seat(cycle, LOADING)
+        end = history.seat(cycle, branch)
         above = np.flatnonzero(stress > seating_stress)
         above = np.arange(above[0], here.size) if branch == LOADING else np.arange(above[-1] + 1)
         place = 0 if branch == LOADING else above.size
-        closure = np.insert(read_along(history)[here[above]], place, end) - seat
+        closure = np.insert(history.net[here[above]], place, end) - seat
         stress = np.insert(stress[above], place, seating_stress)
     upwards = slice(None, None, 1 if branch == LOADING else -1)
     return _Branches(1e3 * closure[None, upwards], 1e-6 * stress[upwards])

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import xarray as xr
 
-from jointclosure.engine.joints import closed_walls
+from jointclosure.ensembles.joints import simulated_joint
 from jointclosure.parameters import scene_of
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, merged_study, resolved
@@ -14,8 +14,8 @@ from studies.frame.walls import cut_walls, walls_of_files
 from studies.frame.yaml_files import merged
 
 
-def history_of(study: xr.Dataset, case: str, realization: int) -> xr.Dataset:
-    """Close a joint of a study again, by the configuration in its dataset, and return its steps."""
+def simulate_again(study: xr.Dataset, case: str, realization: int) -> xr.Dataset:
+    """Simulate a joint of a study again, by the configuration in its dataset."""
     scene = str(study.scene.sel(case=case).item())
     return _closed(study.attrs["configuration"], scene, case, realization)
 
@@ -33,7 +33,7 @@ def _closed(stated: str, scene: str, label: str, realization: int) -> xr.Dataset
         pairs = cut_walls(walls_of_files(scans, *about), settings)
     else:
         pairs = walls_of(settings)
-    return closed_walls(next(iter(pairs)), settings.conditions).closed
+    return simulated_joint(next(iter(pairs)), settings.conditions).closed
 
 
 def _configuration(stated: str) -> Configuration:

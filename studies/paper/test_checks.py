@@ -7,8 +7,9 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.quantities import names_of_case
-from jointclosure.joint.curves import branch_of, crossing
+from jointclosure.ensembles.quantities import names_of_case
+from jointclosure.joint.history import history_of
+from jointclosure.joint.interpolation import crossing
 from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from studies.frame.cases import block_settings, cases_of, closed_keys
 from studies.frame.closing import close_joints
@@ -20,7 +21,7 @@ from studies.frame.test_closing import NAMES, point_of
 from studies.paper import figures
 from studies.paper.checks import check_results, flow_table, remarked_joints
 from studies.paper.closures import max_closure_table
-from studies.paper.histories import history_of
+from studies.paper.histories import simulate_again
 from studies.paper.report.content import outcome, scanned_walls
 from tests.studied import keys_of, study_of
 
@@ -159,14 +160,14 @@ def test_the_surface_closest_to_the_mean_is_drawn_by_its_steps_which_are_the_sto
     configuration = study_of(TINY)
     figure = figures.closure_figure(study, configuration.rocks, seating, 1.5)
     chosen = figures.closest_to_mean(study, "slate-base", seating)
-    history = history_of(study, "slate-base", chosen)
+    history = simulate_again(study, "slate-base", chosen)
     gross = study.closure - study.residual_closure.shift(cycle=1, fill_value=0.0)
     stored = gross if seating is None else since_seating(study)
     for cycle, axes in enumerate(figure.axes, start=1):
         bold = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 2.0]
         for line, branch in zip(bold, ("loading", "unloading"), strict=True):
             if seating is None:
-                assert len(line) == branch_of(history, cycle, branch).size
+                assert len(line) == history_of(history).branch(cycle, branch).steps.size
             at = {"case": "slate-base", "realization": chosen, "cycle": cycle, "branch": branch}
             curve = stored.sel(at)
             curve = curve[(curve.stress >= (seating or 0.0)).values]

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.engine.assess import FINEST
+from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.statistics.repetitions import Design

@@ -15,7 +15,7 @@ import scipy
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
+from jointclosure.ensembles.quantities import COLUMNS, titles_of_cycles
 from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
@@ -24,11 +24,11 @@ from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Grid
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.frame.tables import gridded
-from studies.size.section import Size
+from studies.size.section import SizeSection
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""
@@ -264,7 +264,7 @@ def nested(
 
 def size_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
-    design, base = study.section(Size), study.grid
+    design, base = study.section(SizeSection), study.grid
     finest, longest = design.spacing[0], design.patch[-1]
     walls = {"whole": [round(longest / finest), finest], "base": base.spacing}
     jobs: dict[str, list[Point]] = {}
@@ -283,7 +283,7 @@ def size_jobs(study: Configuration) -> dict[str, list[Point]]:
     return jobs
 
 
-def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:
+def sizes_of(design: SizeSection, base: float) -> Iterator[tuple[float, float]]:
     """Generate the patches and spacings [m] with few cells, or at the spacing of the base."""
     for patch, spacing in itertools.product(design.patch, design.spacing):
         if round(patch / spacing) <= design.most_cells or spacing == base:
@@ -444,7 +444,7 @@ def tabulate_laws(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataF
 
 def settings_of_tables(study: Configuration) -> dict[str, Any]:
     """Return what the tables and the figure read of a study [SI]."""
-    spectra = study.section(Size).spectra
+    spectra = study.section(SizeSection).spectra
     return {
         "base": base_of(study.grid),
         "hursts": {name: spectrum.hurst for name, spectrum in spectra.items()},
@@ -471,8 +471,10 @@ def draw_size(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         for name, length in zip(("patch_mm", "spacing_mm"), settings["base"], strict=True)
     )
     columns = [
-        Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
-        Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
+        PanelColumn(
+            "patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"
+        ),
+        PanelColumn("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
     ]
     titles = {}
     for name, roll_off in settings["roll_offs"].items():

@@ -2,7 +2,7 @@
 
 A case is an entry of ``hard_cases.yaml``, merged with that file's defaults. `run_case`
 closes its joint with a solver that passes every state at rest to the oracle
-(`jointclosure.engine.oracle`), and lists every requirement that does not hold.
+(`jointclosure.oracle`), and lists every requirement that does not hold.
 """
 
 import faulthandler
@@ -20,9 +20,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine import judging, oracle
-from jointclosure.engine.assess import FEATURES, closures_of, features_of
-from jointclosure.engine.uncertainty import COPIES
+from jointclosure import oracle
+from jointclosure.assessment.assess import FEATURES, closures_of, features_of
+from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
@@ -32,6 +32,7 @@ from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
 from jointclosure.storage.provenance import commit, processor, versions_of
+from jointclosure.uncertainty.variants import COPIES
 from studies.frame.keys import validated
 from studies.frame.yaml_files import merged
 from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
@@ -40,7 +41,7 @@ from studies.verification.judged import Judge, JudgedSolver
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
-class Outcome(NamedTuple):
+class CaseOutcome(NamedTuple):
     """Outcome of a case: the dataset (None if refused), and measurements."""
 
     case: dict
@@ -79,12 +80,12 @@ def merged_cases(study: dict) -> dict[str, dict]:
     return cases
 
 
-def run_case(case: dict) -> Outcome:
+def run_case(case: dict) -> CaseOutcome:
     """Close and judge a case's joint and measure the time; the result is kept for the process."""
     return _run(json.dumps(case, sort_keys=True))
 
 
-def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
+def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[str]:
     """List the requirements that do not hold for a case, one line each."""
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
@@ -93,7 +94,7 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
     return failed
 
 
-def row_of(outcome: Outcome, failed: list[str]) -> dict:
+def row_of(outcome: CaseOutcome, failed: list[str]) -> dict:
     """Return the row of the table for a case."""
     case, data, worst = outcome.case, outcome.dataset, outcome.judge.worst
     return {
@@ -126,7 +127,7 @@ def features_of_case(case: dict) -> dict[str, float]:
     return features_of(closures_of(copies, name, {name: conditions}, [(upper, lower)]), name, name)
 
 
-def _measured(outcome: Outcome) -> dict[str, float]:
+def _measured(outcome: CaseOutcome) -> dict[str, float]:
     """Return the closures of a case for its row; NaN without cycles."""
     data, target = outcome.dataset, outcome.target
     none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
@@ -157,7 +158,7 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
 
 
 @lru_cache(maxsize=None)
-def _run(frozen: str) -> Outcome:
+def _run(frozen: str) -> CaseOutcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
         for kernel in kernels_of([_model(case)]):
@@ -166,7 +167,7 @@ def _run(frozen: str) -> Outcome:
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))
     model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
-    given = oracle.Joint(*walls, *model)
+    given = oracle.PristineJoint(*walls, *model)
     judge = Judge(given, tolerances_of(case))
     dataset, message, target = None, "", math.nan
     start = time.perf_counter()
@@ -194,7 +195,7 @@ def _run(frozen: str) -> Outcome:
         force = dataset.force.values
         judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
     warned = [f"{w.category.__name__}: {w.message}" for w in caught]
-    return Outcome(case, dataset, target, status, message, seconds, warned, judge)
+    return CaseOutcome(case, dataset, target, status, message, seconds, warned, judge)
 
 
 def _setting(case: dict) -> dict:
@@ -249,7 +250,7 @@ def tolerances_of(case: dict) -> dict[str, float]:
     """Return the limits of the oracle's numbers, and of the distance to the target, by name."""
     numerics = Numerics()._replace(**case["numerics"])
     by_stress = case["closure"] is None
-    limits = judging.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
+    limits = oracle_limits.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
     return limits | {"target": numerics.stress_tolerance}
 
 
@@ -363,7 +364,7 @@ EXTRA: dict[str, tuple[Callable[..., Any], str]] = {
 that the number is 0 (or not), at most ``within``, or from ``least`` to ``most``."""
 
 
-def _extra(outcome: Outcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
     """Check a requirement of a single case."""
     number, words = EXTRA[name]
     compared: tuple = ()

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import limits_of
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import limits_of
 from jointclosure.solvers.joint import CRUSHED, Joint, Outcome, Settled
 
 LARGEST_JUDGED = 2500
@@ -21,7 +21,7 @@ class Judge:
     judged states.
     """
 
-    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
+    def __init__(self, given: oracle.PristineJoint, tolerances: dict[str, float]):
         self._given, self._tolerances = given, tolerances
         self.worst: dict[str, float] = {}
         self.limits: dict[str, float] = {}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import largest_ratio
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import largest_ratio
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
 from studies.verification.judged import Judge
@@ -22,7 +22,7 @@ def at_rest(choices):
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
     for closure in np.arange(1, 21) * 12.5e-6:
         answer = solver_named("fast").settle(joint, float(closure), 5e-6)
-    given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)
+    given = oracle.PristineJoint(*walls, SPACING, DOLERITE, effects, choices)
     state = oracle.State(joint.upper, joint.lower, joint.force, answer.closure, answer.total_force)
     return given, state
 

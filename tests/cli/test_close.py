@@ -12,12 +12,12 @@ import pytest
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.results import summary
-from jointclosure.engine import scanned_joint
-from jointclosure.engine.budget import ALL, QUANTITIES
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.curves import stress_table
 from jointclosure.joint.rocks import named_rock
+from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty import scanned_joint
+from jointclosure.uncertainty.budget import ALL, QUANTITIES
 from jointclosure.walls.registration import registered
 from tests.joints import TWO_WALLS
 
@@ -106,7 +106,7 @@ def test_stiffness_is_shown_and_stored_at_named_stresses(scans, tmp_path, comman
 def test_a_stress_that_no_loading_reaches_is_refused_before_any_computing(
     scans, name, stresses, command, monkeypatch
 ):
-    for module in ("cli.simulate.simulate", "engine.scanned_joint.registered_walls"):
+    for module in ("cli.simulate.simulate", "uncertainty.scanned_joint.registered_walls"):
         monkeypatch.setattr(f"jointclosure.{module}", Mock(side_effect=AssertionError))
     files = scans if name == "close" else ["--jrc", 8]
     own = ["--units", "mm"] if name == "close" else []

@@ -15,16 +15,16 @@ from jointclosure.cli import exports
 from jointclosure.cli import main as cli
 from jointclosure.cli.results import _flow_remarks
 from jointclosure.joint import flow
-from jointclosure.joint.curves import (
+from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import history_of
+from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
+from jointclosure.joint.tables import (
     TRANSMISSIVITIES,
     WATER,
-    branch_of,
     curve_table,
     cycle_table,
     stress_table,
-    table_levels,
 )
-from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.files import write
 from jointclosure.storage.netcdf import read_netcdf
@@ -125,7 +125,7 @@ def test_the_transmissivity_of_a_bound_is_a_bound_by_its_name(history):
 
 def test_a_bound_of_the_flow_never_stands_in_for_an_aperture_that_is_not_known(history, capsys):
     """Not solved at the maximum of the first cycle, bounded from below at that of the second."""
-    tops = [int(branch_of(history, cycle, "unloading")[0]) for cycle in (1, 2)]
+    tops = [int(history_of(history).branch(cycle, "unloading").steps[0]) for cycle in (1, 2)]
     flowing = with_flow(history, statuses=dict(zip(tops, ("not_solved", "at_least"), strict=True)))
     whole, table = stress_table(with_flow(history)), stress_table(flowing)
     names = ["hydraulic_aperture_mm", "transmissivity_m2_per_s"]

@@ -20,7 +20,7 @@ STRENGTH = ["--range", "compressive_strength_MPa"]
 @pytest.fixture(autouse=True)
 def nothing_is_computed(monkeypatch, inputs):
     monkeypatch.chdir(inputs)
-    for name in ("joint.simulation.close_walls", "engine.scanned_joint.close_walls"):
+    for name in ("joint.simulation.close_walls", "uncertainty.scanned_joint.close_walls"):
         monkeypatch.setattr(f"jointclosure.{name}", None)
 
 

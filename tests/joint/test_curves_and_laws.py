@@ -8,22 +8,15 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.cli.exports import porepy_files
 from jointclosure.joint.curves import (
-    GROSS,
-    NET,
-    area_of,
-    branch_of,
     closures_at,
-    cubic_over,
-    curve_table,
-    cycle_table,
-    landing_stress,
-    net_responses,
     round_levels,
     secant_stiffness,
     stress_levels,
-    stress_table,
     table_levels,
 )
+from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.history import GROSS, NET, history_of
+from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import (
     CYCLES,
     LAWS,
@@ -36,6 +29,7 @@ from jointclosure.joint.laws import (
     parameter,
     scaled_to,
 )
+from jointclosure.joint.tables import curve_table, cycle_table, stress_table
 from tests import joints
 from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair
 
@@ -181,7 +175,10 @@ def test_stiffness_rises_with_stress_however_the_closure_was_reached(closed):
             assert (np.diff(stiffness) >= 0.0).all()
             rise = np.diff(known.closure_net_since_seating_mm.iloc[[0, -1]])[0]
             assert np.trapezoid(1.0 / stiffness, stress) == pytest.approx(rise, rel=0.1)
-    first, end = on(stress_table(closed), 1, "loading"), 1e-6 * landing_stress(closed, 1)
+    first, end = (
+        on(stress_table(closed), 1, "loading"),
+        1e-6 * history_of(closed).landing_stresses[0],
+    )
     landed = first.normal_stiffness_net_MPa_per_mm.isna()
     assert (first.normal_stress_MPa[landed] > 0.98 * end).all()
     assert landed.any()
@@ -212,7 +209,7 @@ def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
 @pytest.mark.parametrize("reading", [GROSS, NET])
 def test_a_secant_ends_where_the_landing_begins(closed, reading):
     """Net of bulk indentation no step is a whole one: the landing is that of the closure."""
-    end = landing_stress(closed, 1)
+    end = history_of(closed).landing_stresses[0]
     closures = closures_at(closed, np.array([2e6, end, 5e6]), reading)[:, 0]
     first = (end - 2e6) / (closures[0, 1] - closures[0, 0])
     assert secant_stiffness(closed, 1, 2e6, 5e6, reading) == pytest.approx(first)
@@ -226,7 +223,7 @@ def test_curves_agree_with_the_history(closed):
     table = curve_table(closed)
     first = on(table, 1, "loading")
     assert first.closure_gross_mm.iloc[-1] == pytest.approx(1e3 * float(closed.max_closure[0]))
-    assert area_of(closed) == pytest.approx(20 * 24 * SPACING**2)
+    assert history_of(closed).area == pytest.approx(20 * 24 * SPACING**2)
     stays = 1e3 * closed.residual_closure_seated.values
     np.testing.assert_allclose(cycle_table(closed).residual_closure_seated_mm, stays)
     unloading = on(table, 1, "unloading")
@@ -236,8 +233,10 @@ def test_curves_agree_with_the_history(closed):
     assert stays[0] == pytest.approx(back)
     # void volume falls by the area times the closure, less what half-spaces and contacts give way
     lost = first.void_volume_mm3.iloc[0] - first.void_volume_mm3.iloc[-1]
-    area, overlap = 1e6 * area_of(closed), 1e3 * closed.mean_overlap.values
-    closes = first.closure_net_mm.iloc[-1] - overlap[branch_of(closed, 1, "loading")[-1]]
+    area, overlap = 1e6 * history_of(closed).area, 1e3 * closed.mean_overlap.values
+    closes = (
+        first.closure_net_mm.iloc[-1] - overlap[history_of(closed).branch(1, "loading").steps[-1]]
+    )
     assert lost == pytest.approx(area * closes, rel=1e-9)
 
 
@@ -307,8 +306,8 @@ def test_the_laws_of_a_straight_loading_have_a_stiffness_and_no_largest_closure(
 
 def test_chords_before_a_landing_know_nothing_of_it(closed):
     """A cubic through all steps would bring the stiffness of the landing into the chord before."""
-    end = landing_stress(closed, 1)
-    first = branch_of(closed, 1, "loading")
+    end = history_of(closed).landing_stresses[0]
+    first = history_of(closed).branch(1, "loading").steps
     kept = first[closed.normal_stress.values[first] <= end]
     levels = np.linspace(0.9 * end, end, 4)
     without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
@@ -316,7 +315,7 @@ def test_chords_before_a_landing_know_nothing_of_it(closed):
 
 
 def test_bulk_indentation_and_laws_end_at_the_same_landing(closed):
-    end = np.array([landing_stress(closed, 1)])
+    end = np.array([history_of(closed).landing_stresses[0]])
     bulk = closures_at(closed, end, GROSS) - closures_at(closed, end, NET)
     at_end = np.flatnonzero(closed.normal_stress.values == end)[0]
     assert bulk[0, 0, 0] == pytest.approx(closed.bulk_indentation.values[at_end])

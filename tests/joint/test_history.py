@@ -11,23 +11,12 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.engine.uncertainty import coarser
-from jointclosure.joint import curves
-from jointclosure.joint.curves import (
-    GROSS,
-    branch_of,
-    closures_at,
-    crossing,
-    cycle_closures,
-    landing_stress,
-    loop_between,
-    net_responses,
-    rising_slopes,
-    seat_of,
-    stress_levels,
-    unloading_excess,
-    values_at_stresses,
-)
+from jointclosure.joint import cycles
+from jointclosure.joint.curves import closures_at, stress_levels, values_at_stresses
+from jointclosure.joint.cycles import cycle_closures, loop_between, net_responses, unloading_excess
+from jointclosure.joint.history import GROSS, history_of
+from jointclosure.joint.interpolation import crossing, rising_slopes
+from jointclosure.uncertainty.variants import coarser
 from tests.joints import SPACING, closed
 
 STRESS = np.array([0.0, 1.0, 3.0, 2.0, 4.0])
@@ -87,7 +76,7 @@ def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
 def test_unloading_below_the_loading_on_both_sides_has_no_excess_without_a_cubic(monkeypatch):
     """A monotone cubic lies between its neighbours; the library that has it is slow to load."""
     closed = history([*UP, 2.5, 1.5, 1.2], [*LOAD, 1.5, 0.5, 0.0], [4, 3])
-    monkeypatch.setattr(curves, "scipy", None)
+    monkeypatch.setattr(cycles, "scipy", None)
     np.testing.assert_array_equal(unloading_excess(closed, [0.0, 0.0]), [0.0, np.nan])
 
 
@@ -120,7 +109,7 @@ def test_every_branch_has_steps_enough_for_a_chord(stiff_joints):
     for usual, _ in stiff_joints:
         for cycle in (1, 2):
             for branch in ("loading", "unloading"):
-                stress = usual.normal_stress.values[branch_of(usual, cycle, branch)]
+                stress = usual.normal_stress.values[history_of(usual).branch(cycle, branch).steps]
                 assert (stress > 0.5 * LARGEST).sum() >= 5
 
 
@@ -142,19 +131,19 @@ LANDED = [0.0, 1.0, 2.0, 2.5, 2.6], [0.0, 1.0, 3.0, 3.9, 4.0]
 
 def test_only_loadings_beyond_a_former_maximum_by_fixed_steps_land_from_their_last_whole_step():
     once = [5]
-    assert landing_stress(lab_history(*LANDED, once), 1) == 3.0
+    assert history_of(lab_history(*LANDED, once)).landing_stresses[0] == 3.0
     for changed in ({"breakage": "resolved"}, {"target": "interpolate"}):
-        assert landing_stress(lab_history(*LANDED, once, changed), 1) == np.inf
+        assert history_of(lab_history(*LANDED, once, changed)).landing_stresses[0] == np.inf
     elastic = lab_history(*LANDED, once, effects={"breakage": False})
-    assert landing_stress(elastic, 1) == np.inf
+    assert history_of(elastic).landing_stresses[0] == np.inf
     for beyond, lands in ((1.0, False), (1.002, False), (1.05, True)):
         up = [2.0, 2.5, 3.0, 3.1], [0.0, 2.0, 3.5, 4.0 * beyond]
         twice = lab_history([*LANDED[0], *up[0]], [*LANDED[1], *up[1]], [5, 1, 3])
-        found = landing_stress(twice, 2)
+        found = history_of(twice).landing_stresses[1]
         assert found == (3.5 if lands else np.inf)
     # without any whole step it lands from its start
     short = lab_history([0.0, 0.4, 0.7], [0.0, 2.0, 4.0], [3])
-    assert landing_stress(short, 1) == 0.0
+    assert history_of(short).landing_stresses[0] == 0.0
 
 
 def test_closures_of_a_cycle_are_unknown_unless_it_was_unloaded_to_its_minimum():
@@ -168,13 +157,13 @@ def test_closures_of_a_cycle_are_unknown_unless_it_was_unloaded_to_its_minimum()
     # the second one begins below the seating stress, and ends above it
     assert np.isfinite(found["max_closure_seated"]).all()
     assert np.isnan(found["residual_closure_seated"][1])
-    assert seat_of(closed.isel(step=slice(5, None)), 2, "loading") != 0.0
+    assert history_of(closed.isel(step=slice(5, None))).seat(2, "loading") != 0.0
     for breakage in ("resolved", "fixed_step"):
         above = lab_history(
             [0.0, 4.0, 3.0, 4.0], [0.0, 4.0, 2.0, 4.0], [2, 1, 1], {"breakage": breakage}
         )
-        assert np.isfinite(seat_of(above, 1, "loading"))
-        assert np.isnan(seat_of(above, 2, "loading"))  # begins at 2
+        assert np.isfinite(history_of(above).seat(1, "loading"))
+        assert np.isnan(history_of(above).seat(2, "loading"))  # begins at 2
 
 
 def test_a_cycle_that_was_not_completed_has_no_net_responses():

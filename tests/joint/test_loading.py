@@ -9,10 +9,11 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.conditions import SEATING_STRESS
-from jointclosure.joint.curves import branch_of, curve_table, cycle_table, stress_table
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
+from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
+from jointclosure.joint.tables import curve_table, cycle_table, stress_table
 from tests import joints
 from tests.joints import COARSE, ELASTIC, SPACING, pair
 from tests.studied import study_of
@@ -65,7 +66,7 @@ def test_every_branch_ends_where_the_load_turns_and_goes_no_further(way, seed):
     short = []
     for cycle, (maximum, minimum) in enumerate(np.reshape([*TURNS, 0.0], (-1, 2)), start=1):
         up, down = (
-            history.normal_stress.values[branch_of(history, cycle, name)]
+            history.normal_stress.values[history_of(history).branch(cycle, name).steps]
             for name in ("loading", "unloading")
         )
         assert (up <= maximum * (1.0 + within)).all()

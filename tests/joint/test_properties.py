@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 
 import jointclosure as jc
-from jointclosure.engine import oracle
-from jointclosure.engine.judging import tolerances_of
+from jointclosure import oracle
+from jointclosure.ensembles.oracle_limits import tolerances_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import close_walls, height_datum
 from jointclosure.joint.status import FAILURE, FLAGS
@@ -101,7 +101,7 @@ def closed(problem, cycles):
     walls = [wall - height_datum(wall) for wall in problem["walls"]]
     given = [problem[name] for name in ("spacing", "rock", "effects", "choices")]
     tolerances = tolerances_of(problem["effects"], problem["numerics"])
-    judge, stated = Judge(oracle.Joint(*walls, *given), tolerances), dict(problem)
+    judge, stated = Judge(oracle.PristineJoint(*walls, *given), tolerances), dict(problem)
     history = close_walls(
         *stated.pop("walls"),
         Conditions(**stated, seating_stress=0.0, cycles=cycles),

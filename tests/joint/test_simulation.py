@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.curves import branch_of
+from jointclosure.joint.history import history_of
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.walls.gridding import Scan
 from tests import joints
@@ -30,7 +30,7 @@ def closed(walls):
 
 def on(dataset, cycle, branch):
     """Closure and stress on one branch, its start included."""
-    here = branch_of(dataset, cycle, branch)
+    here = history_of(dataset).branch(cycle, branch).steps
     return dataset.closure.values[here], dataset.normal_stress.values[here]
 
 

@@ -8,9 +8,9 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import branch_of, closures_at, read_along
+from jointclosure.joint.curves import closures_at
+from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import close_walls
-from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.calibration import (
     likelihood_of,
     logs_of,
@@ -49,8 +49,9 @@ def closures_of(asked, wavelengths, surfaces):
 
 def curve_of(history):
     """A history as a laboratory would have measured it, the rock's deformation subtracted."""
-    steps = np.concatenate([branch_of(history, 1, name) for name in (LOADING, UNLOADING)])
-    stress, closure = history.normal_stress.values[steps], read_along(history)[steps]
+    read = history_of(history)
+    steps = np.concatenate([branch.steps for branch in read.cycles[0].branches])
+    stress, closure = read.stress[steps], read.net[steps]
     return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
 
 

@@ -8,7 +8,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.engine.uncertainty import coarser
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
@@ -20,6 +19,7 @@ from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.statistics.randomness import generator
+from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING

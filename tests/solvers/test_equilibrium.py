@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 
 import jointclosure as jc
-from jointclosure.engine import oracle
+from jointclosure import oracle
 from jointclosure.joint.status import FLAGS
 from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.parameters import SOLVER_NAMES, Choices, Effects
@@ -57,7 +57,7 @@ def test_forces_and_gaps_are_complementary(solver, small_joint, closure, soft_pe
     found = balanced(small_joint, closure, **about, **exact)
     force = found.force.values
     assert force.min() >= 0.0
-    joint = oracle.Joint(*small_joint, SPACING, DOLERITE, effects, Choices())
+    joint = oracle.PristineJoint(*small_joint, SPACING, DOLERITE, effects, Choices())
     state = oracle.State(*small_joint, force, closure, force.sum())
     assert oracle.judge(joint, state).residual < 1e-9  # 1e-4 of the smallest force is more
     assert found.normal_stress == pytest.approx(force.sum() / (force.size * SPACING**2))

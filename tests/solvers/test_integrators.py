@@ -6,7 +6,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.joint.curves import branch_of, net_responses
+from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
@@ -286,5 +287,5 @@ def test_elastic_branches_have_a_state_near_the_seating_stress(tolerance):
         stated = {"breakage": "resolved", "tolerance": tolerance, "cycles": 2, "replay": False}
         joint = closed(seed, seating_stress=seating, **stated)
         for cycle, branch in ((1, UNLOADING), (2, LOADING), (2, UNLOADING)):
-            stress = joint.normal_stress.values[branch_of(joint, cycle, branch)]
+            stress = joint.normal_stress.values[history_of(joint).branch(cycle, branch).steps]
             assert np.abs(stress / seating - 1.0).min() < 0.06

@@ -11,9 +11,9 @@ from scipy import ndimage
 
 import jointclosure as jc
 from benchmarks.registration import Truth, rotation
-from jointclosure.engine.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.curves import with_snapshots
+from jointclosure.joint.history import with_snapshots
+from jointclosure.uncertainty.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.walls import motion
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes

@@ -12,7 +12,7 @@ import yaml
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.cases import cases_of
 from studies.frame.closing import close_joints

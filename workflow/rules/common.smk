@@ -11,7 +11,7 @@ from snakemake.exceptions import WorkflowError
 
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.compilation.sources import code_digest
-from jointclosure.engine.selection import MOST_PAIRS, possible_scenes
+from jointclosure.assessment.selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.walls.scans import file_digest, files_of

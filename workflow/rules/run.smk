@@ -11,7 +11,7 @@ import psutil
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from jointclosure.engine.progress import duration, remaining
+from jointclosure.execution.progress import duration, remaining
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import expected_seconds
 from studies.paper.layout import closure_lines

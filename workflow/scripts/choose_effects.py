@@ -1,6 +1,6 @@
 """Choose the effects that the cases of a rock call for, on the surfaces of one of them."""
 
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.pilots import choose_effects

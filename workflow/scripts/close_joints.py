@@ -1,6 +1,6 @@
 """Close the joints of a case, or of a block of its realisations, over their load cycles."""
 
-from jointclosure.engine.quantities import names_of_case
+from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.closing import close_joints, under_chosen

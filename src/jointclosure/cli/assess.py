@@ -10,11 +10,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from jointclosure.assessment.assess import assess, check_request
 from jointclosure.cli import options, results
-from jointclosure.engine.assess import assess, check_request
-from jointclosure.engine.progress import bar
-from jointclosure.engine.scanned_joint import RESOLVED, registered_walls
+from jointclosure.execution.progress import bar
 from jointclosure.joint.conditions import Conditions
+from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls
 
 
 def declare(command: argparse.ArgumentParser) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 import psutil
 
 from jointclosure.compilation.kernels import SHIPPED, cache_folder
-from jointclosure.engine.workers import number_of_workers
+from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
 

@@ -9,21 +9,13 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.results import FIGURES, failed
-from jointclosure.engine.quantities import CURVES
+from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import (
-    ONLY_BOUNDS,
-    branch_of,
-    curve_table,
-    cycle_table,
-    former_maximum,
-    has_flow,
-    members,
-    spacing_of,
-    table_levels,
-)
+from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
 from jointclosure.joint.status import LOADING
+from jointclosure.joint.tables import ONLY_BOUNDS, curve_table, cycle_table, members
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -46,7 +38,7 @@ _NET = (
 
 
 def export_files(
-    history: xr.Dataset,
+    joint: xr.Dataset,
     title: str,
     curves: pd.DataFrame,
     laws: JointLaws,
@@ -54,17 +46,21 @@ def export_files(
     """Return the files of a joint from its `stress_table`, with known bands, and laws; print what
     is not written.
     """
-    if failed(history):
+    if failed(joint):
         return {}
     from jointclosure.plotting.joint import engineering_figure
 
-    curves, bandis = curves.copy(), "barton_bandis_mm"
+    curves = curves.copy()
     for cycle, law in laws.by_cycle.items():
-        above = 1e6 * curves.normal_stress_MPa - float(history.attrs["seating_stress_Pa"])
+        above = 1e6 * curves.normal_stress_MPa - history_of(joint).seating_stress
         here = (curves.cycle == cycle) & (curves.branch == LOADING)
-        curves.loc[here, bandis] = 1e3 * law.closure(above[here])
-    tables = {"curves": curve_table(history), "cycles": cycle_table(history), "answer": curves}
-    tables["laws"] = fitted_laws(history)
+        curves.loc[here, "barton_bandis_mm"] = 1e3 * law.closure(above[here])
+    tables = {
+        "curves": curve_table(joint),
+        "cycles": cycle_table(joint),
+        "answer": curves,
+        "laws": fitted_laws(joint),
+    }
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
@@ -72,30 +68,35 @@ def export_files(
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
     for export in exports:
         try:
-            files |= export(history, curves)
+            files |= export(joint, curves)
         except InputError as error:  # the files of other programs are still written
             print(f"- not written: {error}")
-    return files | {"engineering.png": engineering_figure(history, title, curves, laws.by_cycle)}
+    return files | {"engineering.png": engineering_figure(joint, title, curves, laws.by_cycle)}
 
 
-def _loading(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
+def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
     """Return the rows of the last loading from seating by endings of files.
 
     The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band.
     """
-    usual = curves.normal_stress_MPa.isin(table_levels(history) / 1e6)  # no further named ones
+    usual = curves.normal_stress_MPa.isin(table_levels(joint) / 1e6)  # no further named ones
     loading = curves[usual & (curves.branch == LOADING)]
     known = loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
-    seating, stress = float(history.attrs["seating_stress_Pa"]), history.normal_stress.values
-    cycles = [
-        cycle
-        for cycle in known.cycle.unique()
-        if (here := branch_of(history, cycle, LOADING)).size > 1 and stress[here].min() <= seating
+    history = history_of(joint)
+    from_seating = [
+        cycle.number
+        for cycle in history.cycles
+        if cycle.loading.exists
+        and history.stress[cycle.loading.steps].min() <= history.seating_stress
+        and cycle.number in known.cycle.unique()
     ]
-    if not cycles:
-        must = f"no loading begins at or below the seating stress, {seating:g} Pa"
-        raise InputError(f"{program}: {must}")
-    rows, last = known[known.cycle == cycles[-1]], {}
+    if not from_seating:
+        raise InputError(
+            f"{program}: no loading begins at or below the seating stress, "
+            f"{history.seating_stress:g} Pa"
+        )
+    rows = known[known.cycle == from_seating[-1]]
+    last = {}
     shown = [name for name in CURVES if name in rows]
     for number, _ in enumerate(members(curves, shown[0])):
         ending = ("", "_low", "_high")[number]
@@ -114,18 +115,23 @@ class Hyperbola(NamedTuple):
     cycle: int
 
 
-def _hyperbolas(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
+def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
     """Return the hyperbolas of the last loading by endings as in `_loading`; print what has none.
 
     They are net, as programs deform the rock themselves, and count from the seating stress.
     """
-    seating, law = 1e-6 * float(history.attrs["seating_stress_Pa"]), LAWS["hyperbolic"]
-    found, loadings = {}, _loading(history, curves, program)
-    if former := former_maximum(history, cycle := int(loadings[""].cycle.iloc[0])):
+    history = history_of(joint)
+    seating = 1e-6 * history.seating_stress
+    law = LAWS["hyperbolic"]
+    loadings = _loading(joint, curves, program)
+    cycle = int(loadings[""].cycle.iloc[0])
+    former = history.former_maxima[cycle - 1]
+    if former:
         raise InputError(
             f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
+    found = {}
     for ending, rows in loadings.items():
         stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
         fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
@@ -149,7 +155,7 @@ def _hyperbolas(history: xr.Dataset, curves: pd.DataFrame, program: str) -> dict
     return found
 
 
-def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
+def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
     """Return PorePy's Barton-Bandis constants [Pa/m, m, m]."""
     return {
         f"porepy{ending}.json": {
@@ -157,7 +163,7 @@ def porepy_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[st
             "maximum_elastic_fracture_opening": law.largest_closure,
             "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
         }
-        for ending, law in _hyperbolas(history, curves, "PorePy").items()
+        for ending, law in _hyperbolas(joint, curves, "PorePy").items()
     }
 
 
@@ -170,7 +176,7 @@ end
 
 
 def barton_bandis_commands(
-    history: xr.Dataset, curves: pd.DataFrame, laws: JointLaws
+    joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws
 ) -> dict[str, str]:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
@@ -195,7 +201,7 @@ def barton_bandis_commands(
         values[f"bb_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
     try:
-        fitted, function = _hyperbolas(history, curves, "UDEC, 3DEC"), _STIFFNESS_FUNCTION
+        fitted, function = _hyperbolas(joint, curves, "UDEC, 3DEC"), _STIFFNESS_FUNCTION
     except InputError as error:
         if not values:
             raise
@@ -206,24 +212,24 @@ def barton_bandis_commands(
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
     if fitted:
-        seating = float(history.attrs["seating_stress_Pa"])
+        seating = float(joint.attrs["seating_stress_Pa"])
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
     head = "; Barton-Bandis constants in SI, net of the deformation of the rock"
     return {"barton_bandis.dat": "\n".join([head, *lines]) + "\n" + function}
 
 
-def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
+def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return gaps and apertures [m], hydraulic or mean, of the last loading as GEOS reads them."""
-    if float(history.attrs["seating_stress_Pa"]) == 0.0:
+    if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    parts = _loading(history, curves, "GEOS")
+    parts = _loading(joint, curves, "GEOS")
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
         raise InputError(f"GEOS: the loading of cycle {parts[''].cycle.iloc[0]} {must}")
     columns = {"": "mean_aperture_mm"}  # by what follows "aperture" in the names of files
-    if has_flow(history):
+    if history_of(joint).has_flow:
         columns = {"": "hydraulic_aperture_mm", "_bound": "largest_hydraulic_mm"}
     apertures: dict[str, np.ndarray] = {}
     reasons: dict[str, str] = {}
@@ -237,7 +243,7 @@ def geos_files(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
         reason += f"is not at {first:.3g} MPa"
-        if has_flow(history):
+        if history_of(joint).has_flow:
             status = curves.flow_status[rows.index[int(np.argmax(missing))]]
             reason += f" (flow_status: {status})"
         reasons[name] = reason
@@ -256,15 +262,15 @@ _TENTH = 9.0
 """GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
 
 
-def geos_barton_bandis(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
+def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return GEOS' BartonBandis, fitted to apertures of the last loading, hydraulic or mean.
 
     Its aperture a0/(1 + 9 s/s_ref) falls with the stress s from a0 at zero stress to a tenth at the
     reference stress s_ref (`BartonBandis.hpp` of GEOS).
     """
-    column = "hydraulic_aperture_mm" if has_flow(history) else "mean_aperture_mm"
+    column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title, lines = CURVES[column][0].removesuffix(" (mm)"), []
-    for ending, rows in _loading(history, curves, "GEOS").items():
+    for ending, rows in _loading(joint, curves, "GEOS").items():
         known = rows[rows[column] > 0.0]
         name, must = f"joint_aperture{ending}", f"the {title} must be known, and fall with stress"
         stress, aperture = known.normal_stress_MPa.to_numpy(), known[column].to_numpy()
@@ -313,10 +319,11 @@ _TABLES = (
 """Comment, name, column and unit of the tables for 3DEC; the last two are of flow."""
 
 
-def itasca_tables(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
+def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
     lines = []
-    for comment, name, column, scale in _TABLES if has_flow(history) else _TABLES[:1]:
+    tables = _TABLES if history_of(joint).has_flow else _TABLES[:1]
+    for comment, name, column, scale in tables:
         lines.append(f"; {comment}")
         for member, ending in zip(members(curves, column), ("", "-low", "-high"), strict=False):
             for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
@@ -339,18 +346,18 @@ def _unknown_apertures(curves: pd.DataFrame) -> list[str]:
     ]
 
 
-def fracture_mesh(history: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
+def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     """Triangulate the midplane of the joint at its end, where the walls just touch.
 
     Fields of triangles, two between four cells: ``aperture`` [m], the mean of the corners,
     ``contact``, 1 if one of them is in contact, and ``MaterialIDs``, 0.
     """
-    upper, lower = history.upper_final.values, history.lower_final.values
-    opening, spacing = float((upper + lower).max()), spacing_of(history)
+    upper, lower = joint.upper_final.values, joint.lower_final.values
+    opening = float((upper + lower).max())
     aperture = np.maximum(opening - upper - lower, 0.0)
     midplane = lower + 0.5 * (opening - upper - lower)
     ny, nx = upper.shape
-    y, x = np.indices(upper.shape) * spacing
+    y, x = np.indices(upper.shape) * history_of(joint).spacing
     points = np.column_stack([x.ravel(), y.ravel(), midplane.ravel()])
     corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
     halves = (corner, corner + 1, corner + nx), (corner + 1, corner + nx + 1, corner + nx)

@@ -9,7 +9,6 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
-from jointclosure.engine.scanned_joint import close
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -20,6 +19,7 @@ from jointclosure.measured.joints import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.files import check_record
+from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
 from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import NORMALISATIONS, RULES

@@ -15,8 +15,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.results import with_bands
-from jointclosure.engine.budget import NOT_MODELLED, QUANTITIES
-from jointclosure.engine.quantities import CURVES, HEADINGS
+from jointclosure.ensembles.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
@@ -24,6 +23,7 @@ from jointclosure.joint.status import LOADING
 from jointclosure.statistics.standard_errors import ABSENT, number_text
 from jointclosure.storage.files import add_file, read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.uncertainty.budget import NOT_MODELLED, QUANTITIES
 
 with needs("report", "a page"):
     import jinja2

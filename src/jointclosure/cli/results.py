@@ -10,7 +10,22 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.budget import (
+from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
+from jointclosure.inputs.remarks import caution
+from jointclosure.joint.history import history_of, with_snapshots
+from jointclosure.joint.laws import JointLaws
+from jointclosure.joint.status import FAILURE, LOADING
+from jointclosure.joint.tables import (
+    HYDRAULIC,
+    ONLY_BOUNDS,
+    flow_statuses,
+    has_bands,
+    members,
+)
+from jointclosure.statistics.standard_errors import number_text, significant
+from jointclosure.storage.files import replace_files, write
+from jointclosure.storage.provenance import origin, to_plain
+from jointclosure.uncertainty.budget import (
     NOT_MODELLED,
     ROUNDING,
     UNDETERMINED,
@@ -19,26 +34,7 @@ from jointclosure.engine.budget import (
     results_of,
     table_of,
 )
-from jointclosure.engine.budget import QUANTITIES as BUDGETED
-from jointclosure.engine.quantities import CURVES, QUANTITIES, shown_as
-from jointclosure.inputs.remarks import caution
-from jointclosure.joint.curves import (
-    HYDRAULIC,
-    ONLY_BOUNDS,
-    branch_of,
-    cycle_table,
-    flow_statuses,
-    has_bands,
-    has_flow,
-    maxima_of,
-    members,
-    with_snapshots,
-)
-from jointclosure.joint.laws import JointLaws
-from jointclosure.joint.status import FAILURE, LOADING, UNLOADING
-from jointclosure.statistics.standard_errors import number_text, significant
-from jointclosure.storage.files import replace_files, write
-from jointclosure.storage.provenance import origin, to_plain
+from jointclosure.uncertainty.budget import QUANTITIES as BUDGETED
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
@@ -88,17 +84,9 @@ def summary(
     ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
     """
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
-    for cycle, aperture in cycle_table(closed)[["cycle", "mean_aperture_at_max_mm"]].to_numpy():
-        for step in branch_of(closed, int(cycle), UNLOADING)[:1]:
-            overlap = 1e3 * float(closed.mean_overlap[step])
-            pressed = (
-                f"at the maximum of cycle {cycle:g} contacts are pressed into each other by "
-                f"{overlap:.2g} mm on average over all cells, more than the mean aperture of "
-                f"{aperture:.2g} mm that is left: the model of separate asperities does not hold "
-                "there, and closure and aperture are to be used at lower stresses only"
-            )
-            remarks += [caution(pressed)] if overlap > aperture else []
-    remarks += _flow_remarks(closed) if has_flow(closed) else []
+    remarks += _overlap_remarks(closed)
+    if history_of(closed).has_flow:
+        remarks += _flow_remarks(closed)
     table = result_table(closed, laws, curves, budget)
     about = "gross closure contains the elastic indentation of the half-spaces, net does not"
     head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
@@ -124,6 +112,26 @@ def summary(
         "remarks": remarks,
     }
     return "\n".join(lines), answer
+
+
+def _overlap_remarks(closed: xr.Dataset) -> list[str]:
+    """Warn of maxima at which contacts overlap by more than the mean aperture that is left."""
+    remarks: list[str] = []
+    for cycle in history_of(closed).cycles:
+        if not cycle.unloading.exists:
+            continue
+        at_maximum = closed.isel(step=cycle.unloading.steps[0])
+        overlap = 1e3 * float(at_maximum.mean_overlap)
+        aperture = 1e3 * float(at_maximum.mean_aperture)
+        if overlap > aperture:
+            pressed = (
+                f"at the maximum of cycle {cycle.number} contacts are pressed into each other by "
+                f"{overlap:.2g} mm on average over all cells, more than the mean aperture of "
+                f"{aperture:.2g} mm that is left: the model of separate asperities does not hold "
+                "there, and closure and aperture are to be used at lower stresses only"
+            )
+            remarks.append(caution(pressed))
+    return remarks
 
 
 def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
@@ -159,7 +167,7 @@ def result_table(
         table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
     reached = curves[curves.branch == LOADING].dropna(subset=members(curves, _NAMED[0]))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
-    for name in _FLOW if has_flow(closed) else ():
+    for name in _FLOW if history_of(closed).has_flow else ():
         title = CURVES[name][0].replace(" (", ", at the maximum stress (")
         table.loc[title] = [
             *with_bands(highest, name, 2 if budget else 4),
@@ -178,13 +186,13 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
     """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
-    largest, values = maxima_of(closed), {}
+    maxima = history_of(closed).maxima
+    values: dict[str, dict[str, float]] = {}
     for cycle, law in laws.by_cycle.items():
-        results = law.results(float(largest[cycle - 1]), laws.seating)
-        shown = {name: shown_as(name, QUANTITIES[name].unit) for name in results}
-        values[f"Barton-Bandis, cycle {cycle}"] = {
-            column: scale * results[name] for name, (column, scale) in shown.items()
-        }
+        of_cycle = values[f"Barton-Bandis, cycle {cycle}"] = {}
+        for name, value in law.results(float(maxima[cycle - 1]), laws.seating).items():
+            column, scale = shown_as(name, QUANTITIES[name].unit)
+            of_cycle[column] = scale * value
     return values
 
 
@@ -192,10 +200,11 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
     """Describe the hydraulic apertures at the maximum of each cycle, and statuses of all steps."""
     from jointclosure.joint.flow import LARGEST_IMBALANCE  # loads scipy's sparse matrices
 
-    remarks, statuses = [], flow_statuses(closed)
-    for cycle in cycle_table(closed).cycle:
+    remarks = []
+    statuses = flow_statuses(closed)
+    for cycle in history_of(closed).cycles:
         parts = []
-        for step in branch_of(closed, cycle, UNLOADING)[:1]:
+        for step in cycle.unloading.steps[:1]:
             for along, status in zip(closed.direction.values, statuses[step], strict=True):
                 at = closed.isel(step=step).sel(direction=along)
                 value, least, most = (1e3 * float(at[name]) for name in HYDRAULIC)
@@ -205,7 +214,7 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
                 elif status in ONLY_BOUNDS:
                     text = f"between {least:.2g} and {most:.2g}"
                 parts.append(f"along {along} {text} ({status})")
-        about_cycle = f"cycle {cycle}: {'; '.join(parts)}"
+        about_cycle = f"cycle {cycle.number}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
     steps, imbalance = len(statuses), closed.flow_imbalance.values
     for status, reason in _REASONS.items():

@@ -20,12 +20,13 @@ from typing import Any
 
 from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
-from jointclosure.engine.progress import closing_bar, duration
+from jointclosure.execution.progress import closing_bar, duration
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, check_named_stresses
-from jointclosure.joint.curves import stress_table, table_levels
+from jointclosure.joint.curves import table_levels
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
+from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import Numerics
 from jointclosure.walls.synthesis import wall_pair
 

@@ -30,7 +30,7 @@ TITLED = ("Property", "Quantity", "_net", "_VARIABLES")
 """Calls whose first argument is the title of a number, and the table of titles of variables:
 no numbers depend on them, so that closed joints and kernels stay when a title is reworded."""
 UNCOUNTED = (
-    "jointclosure/engine/progress.py",
+    "jointclosure/execution/progress.py",
     "jointclosure/storage/logs.py",
 )
 """Modules that report on jobs and protect their inputs, and that change no result."""
@@ -131,7 +131,7 @@ def raw_digest() -> str:
     """Return the digest of the bytes of all modules of the package."""
     digest = hashlib.sha256()
     for root in ROOTS.values():
-        for file in sorted(root.rglob("*.py")):
+        for file in sorted([*root.rglob("*.py"), *root.rglob("*.pyi")]):
             digest.update(file.relative_to(root.parent).as_posix().encode() + b"\0")
             digest.update(file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
@@ -170,8 +170,13 @@ def _files_of(name: str) -> set[Path]:
     if base.with_suffix(".py").is_file():
         return {base.with_suffix(".py")}
     if (base / "__init__.py").is_file():
-        return {base / "__init__.py"} if base == ROOTS["jointclosure"] else set(base.rglob("*.py"))
+        return _package() if base == ROOTS["jointclosure"] else set(base.rglob("*.py"))
     raise FileNotFoundError(f"jointclosure has no module {name!r}")
+
+
+def _package() -> set[Path]:
+    """Return the files of the package itself: its module, and the stub with its public names."""
+    return {PACKAGE / "__init__.py", PACKAGE / "__init__.pyi"}
 
 
 def _module_name(file: Path) -> str:
@@ -192,10 +197,12 @@ def _imported_files(tree: ast.AST) -> frozenset[Path]:
     for node in _executed_nodes(tree):
         if isinstance(node, ast.Import):
             imported |= {f for alias in node.names for f in _module_files(alias.name)}
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+        elif isinstance(node, ast.ImportFrom):
+            # only the stub of the public names has relative imports
+            package = f"{PACKAGE.name}." if node.level else ""
+            module = f"{package}{node.module or ''}".rstrip(".")
             for alias in node.names:
-                inner = _module_files(f"{node.module}.{alias.name}")
-                imported |= inner or _module_files(node.module)
+                imported |= _module_files(f"{module}.{alias.name}") or _module_files(module)
     return frozenset(imported - {_path_of_name(name) for name in UNCOUNTED})
 
 
@@ -247,6 +254,8 @@ def _module_files(name: str) -> set[Path]:
     if top not in ROOTS:
         return set()
     base = ROOTS[top].joinpath(*parts)
+    if base == PACKAGE:
+        return _package()
     for file in (base.with_suffix(".py") if parts else base / "__init__.py", base / "__init__.py"):
         if file.is_file():
             return {file}

@@ -11,7 +11,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import ATTRIBUTES as OF_HISTORY
+from jointclosure.joint.attributes import ATTRIBUTES as OF_HISTORY
 from jointclosure.joint.protocol import Step
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Joint

@@ -16,7 +16,8 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError, check_length
-from jointclosure.joint import curves
+from jointclosure.joint.curves import closures_at, stress_levels
+from jointclosure.joint.history import history_of
 from jointclosure.joint.status import BRANCHES, LOADING
 
 POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
@@ -78,32 +79,32 @@ LAWS = {
 }
 
 
-def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
+def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
     """Read stress [MPa], closure since seating [mm] by cycle and branch, none beyond a maximum."""
-    seating = float(history.attrs["seating_stress_Pa"])
+    history = history_of(joint)
     read = {}
-    for index in range(int(history.load_cycle.max())):
-        levels = curves.stress_levels(history, POINTS, index + 1)
-        branches = curves.closures_at(history, levels)[index]
-        for name, closure in zip(BRANCHES, branches, strict=True):
-            beyond = name == LOADING and curves.former_maximum(history, index + 1) > 0.0
+    for index, cycle in enumerate(history.cycles):
+        levels = stress_levels(joint, POINTS, cycle.number)
+        closures = closures_at(joint, levels)[index]
+        for branch, closure in zip(cycle.branches, closures, strict=True):
+            loads = branch.name == LOADING
+            beyond = loads and history.former_maxima[index] > 0.0
             if beyond or not np.isfinite(closure).all():
                 continue
             # without seating from where the branch begins, or where it ends on unloading
-            here = curves.branch_of(history, index + 1, name)
-            ends = curves.read_along(history)[here[[0, -1]]]
-            start = closure[0] if seating > 0.0 else ends[0 if name == LOADING else 1]
-            read[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
+            end = branch.steps[0 if loads else -1]
+            start = closure[0] if history.seating_stress > 0.0 else history.net[end]
+            read[cycle.number, branch.name] = 1e-6 * levels, 1e3 * (closure - start)
     return read
 
 
 def fitted_laws(
-    history: xr.Dataset, laws: Sequence[str] = tuple(LAWS), branches: Sequence[str] = BRANCHES
+    joint: xr.Dataset, laws: Sequence[str] = tuple(LAWS), branches: Sequence[str] = BRANCHES
 ) -> pd.DataFrame:
     """Fit laws by least squares of closure, for each cycle and branch."""
-    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    seating = 1e-6 * history_of(joint).seating_stress
     rows = []
-    for (cycle, branch), (stress, closure) in law_curves(history).items():
+    for (cycle, branch), (stress, closure) in law_curves(joint).items():
         for name in laws if branch in branches else ():
             law = LAWS[name]
             values, errors, fit = fit_law(law, stress, closure, seating)

@@ -50,7 +50,7 @@ class Step(NamedTuple):
     mean_height: float
 
 
-class History(NamedTuple):
+class StepRecord(NamedTuple):
     """All accepted steps in order, status bits, total effort, replayed cycles, and steps without
     interaction, which would displace no contact by more than ``idle_displacement`` of the closure.
     """
@@ -147,7 +147,7 @@ def run_cycles(
     seating_force: float = 0.0,
     report: Report | None = None,
     observers: Sequence[Observer] = (),
-) -> History:
+) -> StepRecord:
     """Load to a force [N] and unload to a lower one or to last contact, repeatedly.
 
     Net closures are read at the ``seating_force`` [N]: elastic histories have a
@@ -187,10 +187,10 @@ def run_cycles(
         # up to here the joint is elastic
         joint.held_to = max(maximum, joint.held_to if intact else -np.inf) if elastic else -np.inf
     idle = run.idle_steps, run.idle_displacement
-    return History(run.steps, run.status, run.effort, replayed, *idle)
+    return StepRecord(run.steps, run.status, run.effort, replayed, *idle)
 
 
-def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:
+def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> StepRecord:
     """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
     start, height = _untouched(joint), _mean_height(joint)
     forces = _elastic_forces(numerics, cycles, seating_force)
@@ -211,7 +211,7 @@ def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:
         if turns[-1]:
             solver.elastic_curve(joint, forces[turns[-1] :][:1])
     counts = zip(*(settled.effort for settled in curve), strict=True)
-    return History(steps, status, Effort(*map(sum, counts)))
+    return StepRecord(steps, status, Effort(*map(sum, counts)))
 
 
 def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
@@ -224,7 +224,7 @@ def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
     return np.union1d(forces, apart) if apart else forces
 
 
-def _show_elastic(joint, solver, history: History, observers: Sequence[Observer]) -> None:
+def _show_elastic(joint, solver, history: StepRecord, observers: Sequence[Observer]) -> None:
     """Show every step of an elastic history to the observers."""
     ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
     for step in history.steps if observers else ():

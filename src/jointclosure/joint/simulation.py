@@ -9,7 +9,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.inputs import LENGTHS, InputError, check_length, check_number, naming
-from jointclosure.joint import curves, protocol
+from jointclosure.joint import protocol
+from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -18,7 +19,9 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
+from jointclosure.joint.cycles import cycle_closures, unloading_excess
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
+from jointclosure.joint.history import GROSS, history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
@@ -89,7 +92,7 @@ def simulate(
         of the overlaps delta_S of contacts over the number of cells), ``equilibrium_residual``,
         with coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
-        (`jointclosure.joint.curves.cycle_closures`), ``locked_share`` and
+        (`jointclosure.joint.cycles.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
@@ -279,7 +282,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: protocol.History, area: float, conditions: Conditions
+    joint: Joint, history: protocol.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
@@ -308,10 +311,10 @@ def _history_dataset(
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    unloading = (curves.branch_of(closed, number, UNLOADING) for number in closed.cycle.values)
-    maxima = [settled[steps[0]] if steps.size else None for steps in unloading]
-    along_cycle = curves.cycle_closures(closed, curves.GROSS, reached)
-    along_cycle["unloading_excess"] = curves.unloading_excess(closed, reached)
+    unloading = [history_of(closed).branch(n, UNLOADING) for n in range(1, len(load) + 1)]
+    maxima = [settled[branch.steps[0]] if branch.steps.size else None for branch in unloading]
+    along_cycle = cycle_closures(closed, GROSS, reached)
+    along_cycle["unloading_excess"] = unloading_excess(closed, reached)
     for field in ("mean_interaction", "locked_share", "flat_share"):
         name = "max_bulk_indentation" if field == "mean_interaction" else field
         along_cycle[name] = np.array([getattr(point, field, np.nan) for point in maxima])
@@ -337,7 +340,7 @@ def _history_dataset(
 def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, ...]]:
     """Return values by name with the dimensions of their group, and their attributes."""
     return {
-        name: (dimensions, value, curves.ATTRIBUTES[name])
+        name: (dimensions, value, ATTRIBUTES[name])
         for dimensions, values in groups
         for name, value in values.items()
     }

@@ -11,10 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engine.cache import Entry, make_missing
-from jointclosure.engine.scanned_joint import RESOLVED
-from jointclosure.engine.uncertainty import coarser
-from jointclosure.engine.workers import number_of_workers
+from jointclosure.execution.cache import Entry, make_missing
+from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
@@ -30,6 +28,8 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty.scanned_joint import RESOLVED
+from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls import shifted
 
 CHECKED = 4  # nearest joints that are closed by a finer tolerance too, for the numerical error

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import crossing
+from jointclosure.joint.interpolation import crossing
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured import logs
 from jointclosure.measured.headings import (

@@ -8,7 +8,6 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
@@ -27,6 +26,7 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 WAVELENGTHS = 8  # mismatch wavelengths at which joints are closed
 STRENGTHS = 4  # strengths at which joints are closed, if they are fitted

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, Required, TypedDict
 
 import numpy as np
 
-from jointclosure.engine.scanned_joint import Wall, registered_walls
 from jointclosure.inputs import InputError, check_count, check_number, check_positive, naming
 from jointclosure.inputs.keywords import check_keywords
 from jointclosure.joint.conditions import Conditions, usual_seating
@@ -25,6 +24,7 @@ from jointclosure.parameters import (
 )
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
+from jointclosure.uncertainty.scanned_joint import Wall, registered_walls
 from jointclosure.walls import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 import pandas as pd
 
-from jointclosure.engine.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
@@ -33,6 +32,7 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
+from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""

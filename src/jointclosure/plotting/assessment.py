@@ -9,7 +9,8 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.assess import ASSESSED, JUDGED, Assessment
+from jointclosure.assessment.assess import ASSESSED, JUDGED, Assessment
+from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 
 
@@ -21,7 +22,7 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     percent = 100.0 * table[["value", "low", "high"]].add_suffix("_percent")
     table = table.join(percent)
     within = 100.0 * assessment.within
-    without = table.variant.str.startswith("without ")
+    without = lacks_effects(table.variant)
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
     draw_price(left, table[~without], within)
     finest = table.reference[~without].iloc[0]

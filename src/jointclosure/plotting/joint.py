@@ -9,7 +9,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engine.budget import (
+from jointclosure.ensembles.quantities import CURVES
+from jointclosure.joint.history import GROSS, NET, history_of
+from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
+from jointclosure.joint.status import LOADING
+from jointclosure.joint.tables import WATER, has_bands, members, stress_table
+from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
+from jointclosure.uncertainty.budget import (
     ALL,
     CLOSURE_GROSS,
     CLOSURE_NET,
@@ -18,23 +24,6 @@ from jointclosure.engine.budget import (
     WIDER,
     Budget,
 )
-from jointclosure.engine.quantities import CURVES
-from jointclosure.joint.curves import (
-    GROSS,
-    NET,
-    WATER,
-    branch_of,
-    former_maximum,
-    has_bands,
-    has_flow,
-    members,
-    read_along,
-    seat_of,
-    stress_table,
-)
-from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
-from jointclosure.joint.status import LOADING
-from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 
 @styled
@@ -100,34 +89,38 @@ def range_figure(budget: Budget, title: str) -> Figure:
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
     """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
-    values = read_along(closed, of)
-    numbers = sorted(set(closed.load_cycle.values.tolist()))
-    seating = float(closed.attrs["seating_stress_Pa"])
-    for number in numbers:
+    history = history_of(closed)
+    values = history.along(of)
+    seating = history.seating_stress
+    for cycle in history.cycles:
         zero = 0.0
         if since == "seating":
-            zero = seat_of(closed, number, LOADING, of)
+            zero = history.seat(cycle.number, LOADING, of)
         elif since == "cycle":
-            zero = values[branch_of(closed, number, LOADING)[0]]
-        for name, style in BRANCH_LINES.items():
-            here = branch_of(closed, number, name)
-            closure = values[here]
-            stress = closed.normal_stress.values[here]
+            zero = values[cycle.loading.steps[0]]
+        for branch in cycle.branches:
+            closure = values[branch.steps]
+            stress = history.stress[branch.steps]
             if since == "seating":  # from its point at the seating stress
                 over = stress > seating
-                end = 0 if name == LOADING else int(over.sum())
-                closure = np.insert(closure[over], end, seat_of(closed, number, name, of))
+                end = 0 if branch.name == LOADING else int(over.sum())
+                seat = history.seat(cycle.number, branch.name, of)
+                closure = np.insert(closure[over], end, seat)
                 stress = np.insert(stress[over], end, seating)
             axes.plot(
-                1e3 * (closure - zero), 1e-6 * stress, style, color=f"C{number - 1}",
-                zorder=above(number, name), label=f"cycle {number}, {name}",
-            )  # fmt: skip
+                1e3 * (closure - zero),
+                1e-6 * stress,
+                BRANCH_LINES[branch.name],
+                color=f"C{cycle.number - 1}",
+                zorder=above(cycle.number, branch.name),
+                label=f"cycle {cycle.number}, {branch.name}",
+            )
     words = {"touch": "first touch", "cycle": "the cycle's start"}
     words["seating"] = f"{1e-6 * seating:g} MPa"
     kind = "net" if of == NET else "gross"
     axes.set(xlabel=f"{kind} closure from {words[since]} (mm)")
     axes.set(ylabel="normal stress (MPa)", ylim=0.0)
-    if len(numbers) <= 5:
+    if history.begun <= 5:
         axes.legend(frameon=False)
 
 
@@ -162,24 +155,25 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
 
 @styled
 def engineering_figure(
-    history: xr.Dataset,
+    joint: xr.Dataset,
     title: str,
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> Figure:
     """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
-    curves = stress_table(history) if curves is None else curves
-    shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
+    curves = stress_table(joint) if curves is None else curves
+    has_flow = history_of(joint).has_flow
+    shape, size = ((2, 2), (10.4, 8.4)) if has_flow else ((1, 3), (13.5, 4.6))
     if has_bands(curves):
         title += ": with bands of nine in ten joints that the scans allow"
     _, panels = subplots(*shape, figsize=size, title=title)
     panels = panels.ravel()
-    _draw_closure(panels[0], history, curves, laws)
+    _draw_closure(panels[0], joint, curves, laws)
     draw_stiffness(panels[1], curves)
     panels[1].set_title("normal stiffness")
     _draw_along(panels[2], curves, "mean_aperture_mm")
     panels[2].set(title="mean aperture", ylim=(0.0, None))
-    if has_flow(history):
+    if has_flow:
         _draw_flow(panels[3], curves)
     for axes in panels:
         sns.despine(ax=axes)
@@ -188,17 +182,19 @@ def engineering_figure(
 
 
 def _draw_closure(
-    axes, history: xr.Dataset, curves: pd.DataFrame, laws: Mapping[int, BartonBandis]
+    axes, joint: xr.Dataset, curves: pd.DataFrame, laws: Mapping[int, BartonBandis]
 ) -> None:
     """Draw loading of each cycle from its seating, fitted hyperbolas, and Barton and Bandis."""
     loading = curves[curves.branch == LOADING]
     _draw_along(axes, loading, "closure_net_since_seating_mm", across=True)
-    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    history = history_of(joint)
+    seating = 1e-6 * history.seating_stress
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
     middle = "closure_net_since_seating_mm"
     law = LAWS["hyperbolic"]
     for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
-        if not former_maximum(history, int(cycle)):  # a loading beyond it is no hyperbola
+        # a loading beyond the former maximum is no hyperbola
+        if not history.former_maxima[int(cycle) - 1]:
             stresses = rows.normal_stress_MPa.to_numpy()
             constants, *_ = fit_law(law, stresses, rows[middle].to_numpy(), seating)
             fitted = law.closure(stress, seating, *constants)

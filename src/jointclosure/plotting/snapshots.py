@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import GROSS, spacing_of
+from jointclosure.joint.history import GROSS, history_of
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.style import panel_grid, styled, subplots
 from jointclosure.plotting.walls import draw_field
@@ -63,7 +63,7 @@ MAPS: dict[str, dict[str, Any]] = {
 def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesImage:
     """Draw one of `MAPS` of a snapshot, with colours for all snapshots."""
     force = closed.snapshot_force.values
-    spacing = spacing_of(closed)
+    spacing = history_of(closed).spacing
     colours: str | Colormap
     norm: Normalize
     if name == "aperture":
@@ -144,7 +144,7 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
         touching = at.snapshot_force.values > 0.0
         contacts = np.ma.masked_where(~touching, np.zeros(touching.shape))
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0, "interpolation": "nearest"}
-        draw_field(panels["map"], contacts, spacing_of(closed), **style)
+        draw_field(panels["map"], contacts, history_of(closed).spacing, **style)
         panels["map"].set_title(f"contacts black: {100.0 * touching.mean():.2g} % of the cells")
         _draw_walls(panels["walls"], closed, frame)
         for name in ("curve", "walls"):

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.report import provenance_rows
-from jointclosure.engine.progress import duration
+from jointclosure.execution.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
     Estimate,

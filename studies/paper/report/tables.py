@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engine.assess import ASSESSED, JUDGED
-from jointclosure.engine.effect_names import effects_title
+from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.assessment.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of
 from jointclosure.statistics.standard_errors import ABSENT, percent, rounded

@@ -1,0 +1,1 @@
+"""Assessment of a scene: price of accuracy, hardness, and the choice of its effects."""

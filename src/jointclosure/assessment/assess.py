@@ -1,0 +1,522 @@
+"""Assessment of a scene: what accuracy costs on it, how hard it is, and which effects it needs.
+
+The same walls are closed by variants of the scene: with other numerics, without an effect, and as
+copies that must close alike. All results are read from the differences between variants on the same
+walls. A lone joint is compared on its copies, whose scatter is that of the order of breakage;
+several joints are compared as they are.
+"""
+
+import itertools
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.assessment.effect_names import lacks_effects, without
+from jointclosure.compilation.sources import code_digest
+from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.execution.cache import digest
+from jointclosure.execution.workers import Failed, number_of_workers, shared
+from jointclosure.inputs import InputError, check_below
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
+from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.parameters import Numerics
+from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
+from jointclosure.storage.files import read_csv
+from jointclosure.uncertainty.numerical_error import NOT_STABLE
+from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls, takes_scans
+from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.walls import Walls
+
+CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
+JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch
+STIFFNESS = "stiffness_net"
+ASSESSED = {
+    CLOSURE: "net closure",
+    "max_closure": "gross closure",
+    STIFFNESS: "net stiffness",
+    "mean_aperture_at_max": "aperture",
+}
+"""Quantities that are compared, and their short titles."""
+REFINEMENT = 5.0  # tolerance of a resolved setting over that of the next finer one
+FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",
+            "stress_over_strength", "spread")  # fmt: skip
+"""Quantities by which joints are placed among the hard cases, and the spread of copies [1]."""
+HARD_CASES = Path(__file__).with_name("hard_cases.csv")
+"""Names, difficulties and `FEATURES` of the hard cases that the study verification closed."""
+_VERDICTS = ("not stable", "hard", "easy")
+DROPS = (
+    ("gouge",),
+    ("breakage", "gouge"),
+    ("interaction",),
+    ("substrate", "interaction"),
+    ("soft_peaks",),
+)
+"""Effects that are left out together."""
+READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
+"""Quantities that are read of every closure; the last one only where states are judged."""
+LADDER = {"the paper's steps": Numerics()} | {
+    f"tolerance {numerics.tolerance:g}": numerics
+    for numerics in (coarser(RESOLVED, REFINEMENT**power) for power in (1, 0, -1))
+}
+"""Settings of the numerics that are compared, from the cheapest to the finest."""
+FINEST = list(LADDER.values())[-1]
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What accuracy costs on a scene, how hard it is, and which effects it needs.
+
+    Attributes
+    ----------
+    closures : DataFrame
+        One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
+        `ASSESSED` and `FEATURES` but the spread [SI], ``oracle_ratio``, and the ``error`` of walls
+        that could not be closed.
+    ladder : list of str
+        Settings of the numerics, from the cheapest to the finest.
+    stated : str
+        Variant as the scene is stated.
+    within, budget : float
+        Request [1], and time [s] or None.
+    """
+
+    closures: pd.DataFrame
+    ladder: Sequence[str]
+    stated: str
+    within: float
+    budget: float | None = None
+
+    @cached_property
+    def differences(self) -> pd.DataFrame:
+        """Mean difference of each variant from its ``reference`` on the same walls, over its mean.
+
+        It is that of each quantity of `ASSESSED` and cycle, with its 95 % interval (``value``,
+        ``low``, ``high`` [1]), beside the ``seconds`` of a joint.
+        """
+        names = ["variant", "reference", "seconds", "quantity", "cycle", *Interval._fields]
+        rows = []
+        every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
+        for (variant, seconds), quantity, cycle in every:
+            reference = self.ladder[-1] if variant in self.ladder else self.stated
+            apart = self._apart((variant, reference), cycle, quantity)
+            rows.append((variant, reference, seconds, quantity, cycle, *apart))
+        return pd.DataFrame(rows, columns=names)
+
+    @cached_property
+    def hardness(self) -> pd.DataFrame:
+        """Verdict on each joint, the worst first: ``verdict``, ``reason``, and what gave it.
+
+        That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
+        of all copies), the ``nearest`` hard case, the ``distance`` to it, and ``oracle_ratio``.
+        """
+        of_scene = self.closures[~lacks_effects(self.closures.variant)]
+        rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
+        return worst_first(pd.DataFrame(rows))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What follows for the request."""
+        worst = self.hardness.iloc[0]
+        subject = "this joint" if self._lone else f"joint {worst.joint}"
+        words = f"{subject} is {worst.verdict}: {worst.reason}"
+        if self._lone and worst.spread > self.within:
+            words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
+        return [*self._limits(), self._of_joint() if self._lone else self._of_mean(), words]
+
+    @property
+    def price(self) -> pd.DataFrame:
+        """Seconds, and difference of net closure and net stiffness from the finest setting (%), one
+        row per setting.
+        """
+        return self._table(False, (CLOSURE, STIFFNESS))
+
+    @property
+    def effects(self) -> pd.DataFrame:
+        """Seconds, changes (%), and verdict, one row per group of effects left out."""
+        table = self._table(True, tuple(ASSESSED))
+        return table.assign(verdict=[self.verdict(name) for name in table.index])
+
+    def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
+        """Format the differences of settings, or of scenes without effects."""
+        rows: dict[str, dict[str, str]] = {}
+        asked = lacks_effects(self.differences.variant) == of_effects
+        asked &= self.differences.quantity.isin(quantities)
+        for row in self.differences[asked].itertuples():
+            shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+            text = "reference" if row.variant == row.reference else percent_of(row)
+            shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+    def verdict(self, variant: str) -> str:
+        """Say whether effects can be left out within the request, by `JUDGED` of all cycles."""
+        if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
+            return "needed: fails"
+        rows = self.differences[self.differences.variant == variant]
+        ends = rows.loc[rows.quantity.isin(JUDGED), list(Interval._fields)].dropna()
+        inside = {Interval(*row).within(self.within) for row in ends.to_numpy()}
+        return (
+            "needed" if False in inside else "not decided" if None in inside else "can be left out"
+        )
+
+    def __str__(self) -> str:
+        effects = self.effects.filter(regex="^(?!net st|aperture)")
+        tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
+        return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
+
+    @property
+    def _lone(self) -> bool:
+        return len(self.closures.joint.unique()) == 1
+
+    @cached_property
+    def _compared(self) -> pd.DataFrame:
+        """Closures of a lone joint and its copies, or of several joints as they are."""
+        as_they_are = self.closures[self.closures.copy_of_walls == "as it is"]
+        return self.closures if self._lone else as_they_are
+
+    @cached_property
+    def _seconds(self) -> pd.Series:
+        """Mean processor time of a joint [s] by variant."""
+        return self._compared.groupby("variant", sort=False).seconds.mean()
+
+    @property
+    def _cycles(self) -> list[int]:
+        return sorted(self._compared.cycle.unique())
+
+    def _paired(
+        self, variants: Sequence[str], cycle: int, quantity: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return values (n,) of two variants in a cycle, of what both closed."""
+        rows = self._compared[self._compared.cycle == cycle]
+        one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
+        known = np.isfinite(one) & np.isfinite(two)
+        return one[known], two[known]
+
+    def _apart(self, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
+        """Return the relative difference of the means of two variants."""
+        one, two = self._paired(variants, cycle, quantity)
+        if not one.size:
+            return Interval(math.nan, -math.inf, math.inf)
+        return t_interval((one - two) / two.mean())
+
+    def _hardness(self, own: pd.DataFrame) -> dict[str, Any]:
+        """Return a row of `hardness` from the closures of a joint."""
+        copies = own[own.variant == self.stated]
+        features = features_of(own, self.stated, self.ladder[-1])
+        nearest, hard, distance = nearest_hard_case(features)
+        share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
+        failed, verdict = own[~(own.status < FAILURE)], "not stable"
+        if len(failed):
+            first = failed.iloc[0]
+            flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
+            reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
+        elif judged > 1.0:
+            found = f"a state {judged:.2g} times beyond a limit"
+            reason = f"the independent implementation finds {found}"
+        elif features["spread"] > NOT_STABLE:
+            reason = (
+                f"copies that must close alike scatter by {100 * features['spread']:.2g} % (not "
+                f"stable: more than {100 * NOT_STABLE:.0f} %)"
+            )
+        else:
+            easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
+            verdict = "easy" if easy else "hard"
+            spreads = (f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items())
+            reason = (
+                f"copies that must close alike scatter by {', '.join(spreads)} (easy: "
+                f"{50 * self.within:.2g} %), {100 * share:.2g} % of its force is on contacts that "
+                f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump "
+                f"is {100 * features['largest_jump']:.2g} % of its closure, and the nearest hard "
+                f"case ({distance:.2g}) is {nearest}: {hard}"
+            )
+        row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
+        return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
+
+    def _limits(self) -> list[str]:
+        """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
+        lines, ladder = [], self.ladder
+        for cycle in self._cycles if len(ladder) > 2 else ():
+            lasts = {name: self._apart(ladder[-2:], cycle, name) for name in JUDGED}
+            known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
+            judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
+            coarse, last = self._apart(ladder[-3:-1], cycle, judged), lasts[judged]
+            limit = {
+                True: "it has a limit within the request",
+                False: "no limit was reached",
+                None: "these joints do not show whether it has a limit within the request",
+            }[last.within(self.within)]
+            if coarse.within(0.0) is False and last.within(0.0) is False:
+                order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
+                limit += f" (observed order {order:.2g})"
+            lines.append(
+                f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
+                f"{percent_of(last)} %: {limit}"
+            )
+        return lines
+
+    def _of_joint(self) -> str:
+        """Say which setting a lone joint needs, or what the budget buys."""
+        *cheaper, finest = self.ladder
+        budget, seconds = self.budget, self._seconds
+        rows = self.differences[self.differences.quantity.isin(JUDGED)]
+        errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
+        limited, limit = (errors, self.within) if budget is None else (seconds, budget)
+        allowed = [name for name in cheaper if limited[name] <= limit]
+        takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
+        if budget is not None and not allowed:
+            least = min(seconds[name] for name in (cheaper or [finest]))
+            return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
+        if budget is not None and budget >= seconds[finest]:
+            return f"budget = {budget:g} s: suffices for all settings; {takes}"
+        if not allowed:
+            return f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}"
+        name = min(allowed, key=lambda name: seconds[name] if budget is None else errors[name])
+        reached = f"{name} is within {100 * errors[name]:.2g} % of the finest"
+        return f"{reached} and takes {seconds[name]:.2g} s; {takes}"
+
+    def _of_mean(self) -> str:
+        """Say how many joints a mean takes to be within the request, or what the budget buys."""
+        finest, budget = self.ladder[-1], self.budget
+        plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
+        if not plans and budget is None:
+            return f"no mean can be planned, as fewer than two joints closed with {finest}"
+        if not plans:
+            least = FEWEST * float(self._seconds[finest])
+            return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
+        of = "seconds" if budget is None else "half_width"
+        name = min(plans, key=lambda name: getattr(plans[name], of))
+        plan, halves = plans[name], []
+        further = f", {plan.differences} of them with {finest} too" if name != finest else ""
+        for cycle in self._cycles:
+            closed = (self._paired((finest, finest), cycle, judged)[0] for judged in JUDGED)
+            means = [t_interval(values) for values in closed if values.size]
+            half = max(mean.high / mean.value - 1.0 for mean in means)
+            halves.append(f"{100 * half:.2g} % on cycle {cycle}")
+        return (
+            f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes "
+            f"{plan.joints} joints with {name}{further}: {plan.seconds:.3g} s of processor time "
+            f"(deviations of {self.closures.joint.nunique()} joints; their mean is known to "
+            f"{', '.join(halves)})"
+        )
+
+    def _plan(self, name: str) -> Plan | None:
+        """Return the plan of a mean with a setting that all closures of all cycles need."""
+        finest, plans = self.ladder[-1], list[Plan | None]()
+        cost = float(self._seconds[name])
+        both = cost + float(self._seconds[finest]) if name != finest else 0.0
+        for at in itertools.product(self._cycles, JUDGED):
+            cheap, best = self._paired((name, finest), *at)
+            if best.size > 1:
+                first, second = (
+                    float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)
+                )
+                plans.append(best_plan((first, second), (cost, both), self.within, self.budget))
+        possible = [plan for plan in plans if plan]
+        if len(possible) < max(1, len(plans)):
+            return None
+        return max(possible, key=lambda plan: (plan.seconds, plan.half_width))
+
+
+@takes_scans
+def assess(
+    walls: Any,
+    *,
+    conditions: Conditions | None = None,
+    within: float = 0.05,
+    budget: float | None = None,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    report: Callable[[float, str], None] = lambda share, variant: None,
+    **changes: Unpack[Changes],
+) -> Assessment:
+    """Say what accuracy costs on a scene, how hard it is, and which effects it needs.
+
+    Parameters
+    ----------
+    walls : (upper, lower), or list of such pairs
+        Arrays (y, x) of heights towards the other wall [m]; or two scans as for
+        `jointclosure.close`.
+    within : float
+        Relative error that is requested of mean closures, and up to which an effect can be left
+        out, in (0, 1).
+    budget : float, optional
+        Processor time [s] whose use is described instead.
+    folder : path, optional
+        Existing folder where closures are kept, so that an interrupted assessment goes on.
+    workers : int, optional
+        Number of processes, by default that of the processors available to this process.
+    report : callable
+        Receives the finished share and the variant that was closed.
+    conditions, **changes
+        As for `jointclosure.simulate`; breakage is resolved unless ``numerics`` are given.
+
+    Returns
+    -------
+    Assessment
+
+    Raises
+    ------
+    InputError
+        If an argument is out of its range or a scan cannot be read.
+    """
+    changes = changes if conditions else {"numerics": RESOLVED} | changes
+    given = conditions_from(conditions, changes, "assess")
+    check_request(given, within, budget)
+    if folder is not None and not Path(folder).is_dir():
+        raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
+    pairs, spacing = checked_pairs(walls, given.spacing)
+    stated, ladder, variants = assessed_variants(
+        given._replace(spacing=spacing, flow=False).checked()
+    )
+    tasks = [
+        (name, joint, copy)
+        for name, joint in itertools.product(variants, range(len(pairs)))
+        for copy in (COPIES if name == stated or len(pairs) == 1 else ["as it is"])
+    ]
+    closures = closures_of(tasks, stated, variants, pairs, folder, workers, report)
+    return Assessment(closures, ladder, stated, within, budget)
+
+
+def check_request(given: Conditions, within: float = 0.05, budget: float | None = None) -> None:
+    """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
+    check_below("within", within, 1.0)
+    if budget is not None:
+        check_below("budget", budget, 1e9)  # thirty years [s]
+    given.checked()
+
+
+def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
+    """Return the names of the stated variant and of all settings, finest last, and all variants."""
+    variants = {"as stated": given}
+    if given.effects.breakage:
+        points = given.numerics.curve_points  # of elastic curves, no part of a setting
+        settings = {
+            name: given._replace(numerics=numerics._replace(curve_points=points))
+            for name, numerics in LADDER.items()
+        }
+        variants = settings if given in settings.values() else variants | settings
+    stated = next(name for name, variant in variants.items() if variant == given)
+    ladder = list(variants)
+    for names in DROPS:
+        acting = [name for name in names if getattr(given.effects, name)]
+        fewer = given.effects._replace(**dict.fromkeys(acting, False))
+        # joints that break have no equilibrium without a substrate
+        if acting and (fewer.substrate or not fewer.breakage):
+            variants[without(acting)] = given._replace(effects=fewer)
+    return stated, ladder, variants
+
+
+def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
+    """Return checked pairs of walls and their spacing [m]; scans are registered."""
+    pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
+    if isinstance(walls, np.ndarray) or any(len(pair) != 2 for pair in pairs):
+        raise InputError("walls: must be (upper, lower), or a list of such pairs")
+    if len(pairs) == 1 and not all(isinstance(wall, np.ndarray) for wall in pairs[0]):
+        upper, lower = pairs[0]
+        pair = registered_walls(upper, lower, {}, spacing)
+        return [(pair.upper, pair.lower)], pair.spacing
+    if spacing is None:
+        raise InputError("spacing = None: must be given for walls that are arrays")
+    if not len(pairs):
+        raise InputError("walls: 0 pairs, must be at least one")
+    return [checked_walls(upper, lower, spacing) for upper, lower in pairs], spacing
+
+
+def closures_of(
+    tasks: Sequence[tuple[str, int, str]],
+    stated: str,
+    variants: Mapping[str, Conditions],
+    pairs: Sequence[Walls],
+    folder: str | Path | None = None,
+    workers: int | None = 1,
+    report: Callable[[float, str], None] = lambda share, variant: None,
+) -> pd.DataFrame:
+    """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
+    processes, kept = number_of_workers(workers), dict[str, Any]()
+    file = Path(folder) / "closures.jsonl" if folder else None
+    for line in file.read_text(encoding="utf-8").splitlines() if file and file.exists() else ():
+        if line.endswith("}}"):  # another one was cut off
+            entry = json.loads(line)
+            kept[entry["key"]] = entry["row"]
+    code = code_digest("jointclosure.ensembles.joints:close_joint")
+    walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
+    keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
+    missing = [task for task in tasks if keys[task] not in kept]
+    asked = [
+        (
+            tuple(COPIES[copy](wall) for wall in pairs[joint]),
+            Reading(variants[name], READ if copy == "as it is" else READ[:-1]),
+        )
+        for name, joint, copy in missing
+    ]
+    for kernel in kernels_of({variants[name].model for name, *_ in missing}):
+        compile_kernels(*kernel)  # before processes need them, and no part of a measured time
+    for done, (at, row) in enumerate(shared(close_joint, asked, processes), start=1):
+        name, key = missing[at][0], keys[missing[at]]
+        if isinstance(row, Failed):
+            if name == stated and isinstance(row.error, InputError):
+                raise row.error  # no scene, and nothing to compare
+            row = {"error": str(row.error)}
+        kept[key] = {quantity: np.asarray(values).tolist() for quantity, values in row.items()}
+        if file:
+            with file.open("a", encoding="utf-8") as lines:
+                lines.write(json.dumps({"key": key, "row": kept[key]}) + "\n")
+        report(done / len(missing), name)
+    parts = []
+    for (name, joint, copy), key in keys.items():
+        cycles = np.arange(1, variants[name].cycle_count + 1)
+        row = {"variant": name, "joint": joint, "copy_of_walls": copy, "cycle": cycles, "error": ""}
+        parts.append(pd.DataFrame(row | dict.fromkeys(READ, math.nan) | kept[key]))
+    return pd.concat(parts, ignore_index=True).rename(columns={"timing_simulation": "seconds"})
+
+
+def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
+    """Return joints in the order of their verdicts, and of the spread of their copies."""
+    order = np.lexsort((-hardness.spread, hardness.verdict.map(_VERDICTS.index)))
+    return hardness.iloc[order].reset_index(drop=True)
+
+
+def spread_of(copies: pd.DataFrame) -> pd.Series:
+    """Return the standard deviation of closure over the copies of a joint [1], by cycle."""
+    values = copies.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
+    return values.std(axis=1) / values.mean(axis=1)
+
+
+def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, float]:
+    """Return `FEATURES` of a joint: of its finest history, and the spread of the stated one."""
+    fine = closures[(closures.variant == finest) & (closures.copy_of_walls == "as it is")]
+    spread = spread_of(closures[closures.variant == stated]).max()
+    return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
+
+
+def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
+    """Return the hard case with the most similar features, what is hard on it, and its distance:
+    the rms, over the features, of the difference between the shares of hard cases that have less.
+    """
+    cases, apart = read_csv(HARD_CASES), []
+    for name in FEATURES:
+        known = np.sort(cases[name].dropna())
+        both = np.append(cases[name], features[name])
+        below, upto = np.searchsorted(known, both), np.searchsorted(known, both, "right")
+        less = np.where(np.isnan(both), np.nan, 0.5 * (below + upto))
+        apart.append((less[:-1] - less[-1]) / known.size)
+    comparable = np.isfinite(apart).any(axis=0)
+    if not comparable.any():
+        return "", "", math.nan
+    distances = np.sqrt(np.nanmean(np.square(apart)[:, comparable], axis=0))
+    nearest = cases[comparable].iloc[distances.argmin()]
+    return nearest["name"], nearest.hard, float(distances.min())
+
+
+def percent_of(row: Any) -> str:
+    """Format an interval of relative differences in percent, without the sign of percent."""
+    value, low, high = (f"{float(f'{100 * v:.2g}'):+g}" for v in (row.value, row.low, row.high))
+    return f"{value} ({low} to {high})" if math.isfinite(row.low) else value

@@ -1,0 +1,292 @@
+"""Quantities of a closed joint: the one place of their titles, units, symbols and rules."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jointclosure.ensembles.simulated_joint import SimulatedJoint
+from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.cycles import hysteresis, loop_between
+from jointclosure.joint.rocks import both_walls
+from jointclosure.joint.status import LOADING, unbreakable_share
+from jointclosure.walls.roughness import bearing_depths, rms_slope
+
+CYCLE = ("cycle",)
+CURVE = ("cycle", "branch", "stress")
+_ROUNDING = 1e-13  # change of a height [m] that is no breakage
+_SHOWN = {
+    "m": ("mm", 1e3),
+    "Pa": ("MPa", 1e-6),
+    "Pa/m": ("MPa/mm", 1e-9),
+    "m/Pa": ("mm/MPa", 1e9),
+    "1": ("", 1.0),
+}
+"""Unit in tables and figures, and its scale, by SI unit."""
+
+
+def shown_unit(unit: str) -> tuple[str, float]:
+    """Return the unit in which tables and figures show an SI unit, and its scale."""
+    return _SHOWN.get(unit, (unit, 1.0))
+
+
+def shown_as(name: str, unit: str) -> tuple[str, float]:
+    """Return the column of a quantity in tables, and the scale of its values there."""
+    shown, scale = shown_unit(unit)
+    return f"{name}_{shown.replace('/', '_per_')}".removesuffix("_"), scale
+
+
+def heading(title: str, unit: str) -> str:
+    """Return a title with its unit in brackets, unless it is a ratio."""
+    return title if unit in ("", "1") else f"{title} ({unit})"
+
+
+class Quantity(NamedTuple):
+    """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity, its symbol
+    as matplotlib writes formulas, and ``further`` attributes: a comment, or meanings of bits. Those
+    ``of_effort`` say what the computation did; failed joints have no others.
+    """
+
+    title: str
+    unit: str
+    dims: tuple[str, ...]
+    rule: Callable[[SimulatedJoint], Any]
+    symbol: str = ""
+    further: Mapping[str, Any] = {}
+    of_effort: bool = False
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of a variable of a dataset."""
+        unit = {} if "flag_masks" in self.further else {"units": self.unit}
+        return {"long_name": self.title} | unit | dict(self.further)
+
+    @property
+    def harmonic(self) -> bool:
+        """Whether its mean over joints is harmonic: that of stiffnesses, of the mean curve."""
+        return self.unit == "Pa/m"
+
+    @property
+    def heading(self) -> str:
+        """Title with the unit in which tables and figures show the quantity."""
+        return heading(self.title, shown_unit(self.unit)[0])
+
+
+def _history(
+    name: str,
+    dims: tuple[str, ...] = (),
+    symbol: str = "",
+    rule: Callable[[SimulatedJoint], Any] | None = None,
+) -> Quantity:
+    """Make a quantity of a variable of a history, read as it is unless by another rule."""
+    further = dict(ATTRIBUTES[name])
+    title, unit = further.pop("long_name"), further.pop("units", "1")
+    rule = rule or (lambda joint: joint.closed[name].values)
+    return Quantity(title, unit, dims, rule, symbol, further)
+
+
+def _curve(name: str) -> Quantity:
+    """Make a quantity of a variable of steps, read at the stresses of each branch."""
+    return _history(
+        name, CURVE, rule=lambda joint: joint.curve(joint.closed[name].values, joint.stresses)
+    )
+
+
+def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str = "") -> Quantity:
+    """Make a quantity of `net_responses`."""
+    further = {"comment": comment} if comment else {}
+    return Quantity(title, unit, CYCLE, lambda joint: joint.net[name], symbol, further)
+
+
+def _hydraulic(joint: SimulatedJoint) -> np.ndarray:
+    along = joint.closed.hydraulic_aperture.values.T
+    return np.stack([joint.curve(values, joint.stresses) for values in along])
+
+
+def _loop(joint: SimulatedJoint) -> np.ndarray:
+    half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
+    return loop_between(*joint.curve(joint.closed.closure.values, half)[:, :, 0].T)
+
+
+def _aperture_at_seating(joint: SimulatedJoint) -> np.ndarray:
+    cycles = range(1, joint.conditions.cycle_count + 1)
+    return np.array([joint.history.seat(cycle, LOADING, "mean_aperture") for cycle in cycles])
+
+
+def _volume_error(joint: SimulatedJoint) -> float:
+    """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
+    errors = []
+    for before, after in zip(joint.walls, joint.final, strict=True):
+        scale = float(np.sum(before - before.min()))
+        change = abs(float(np.sum(after - before)))
+        errors.append(change / scale if scale > 0.0 else change)
+    return max(errors)
+
+
+def _largest_jump(joint: SimulatedJoint) -> float:
+    """Return the largest way from a peak of the stress to where loading exceeds it, over all."""
+    shares = []
+    for cycle in range(1, joint.closed.max_closure.size + 1):
+        loading = joint.history.branch(cycle, LOADING).steps
+        curve = joint.closed.isel(step=loading)
+        closure, stress = curve.closure.values, np.append(curve.normal_stress.values, np.inf)
+        reached = np.maximum.accumulate(stress)
+        before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
+        low, high = stress[beyond - 1], stress[beyond]
+        share = (reached[:-1] - low) / (high - low)
+        end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
+        closed = closure[-1] - closure[0]
+        shares.append(float(np.max(end - closure[before])) / closed if closed > 0.0 else 0.0)
+    return max(shares)
+
+
+def _oracle_ratio(joint: SimulatedJoint) -> float:
+    # only here, as it loads the solvers, which jobs that tabulate do not need
+    from jointclosure.ensembles.oracle_limits import oracle_ratio
+
+    return oracle_ratio(joint)
+
+
+_OF_LAW = {"comment": "of the hyperbolic law of loading since seating"}
+_EFFORT = ("status", "breakage_steps", "locked_contacts", "solver_iterations", "replayed_cycles",
+           "idle_steps")  # fmt: skip
+QUANTITIES: dict[str, Quantity] = {
+    "max_closure": _history("max_closure", CYCLE, r"x_\mathrm{max}"),
+    "residual_closure": _history("residual_closure", CYCLE, r"x_\mathrm{res}"),
+    "max_closure_seated": _history("max_closure_seated", CYCLE, r"x_\mathrm{max,s}"),
+    "residual_closure_seated": _history("residual_closure_seated", CYCLE),
+    "max_bulk_indentation": _history("max_bulk_indentation", CYCLE),
+    "locked_share": _history("locked_share", CYCLE),
+    "flat_share": _history("flat_share", CYCLE),
+    "unloading_excess": _history("unloading_excess", CYCLE),
+    **{name: _history(name)._replace(of_effort=True) for name in _EFFORT},
+    "least_force": _history("least_force"),
+    "idle_displacement": _history("idle_displacement"),
+    "closure": _curve("closure"),
+    "bulk_indentation": _curve("bulk_indentation"),
+    "max_closure_net": _net("maximum net closure", "max_closure_net", r"x_\mathrm{net}"),
+    "max_closure_seated_net": _net(
+        "net closure since seating", "max_closure_seated_net", r"x_\mathrm{net,s}"),
+    "residual_closure_seated_net": _net(
+        "net residual closure at seating", "residual_closure_seated_net", r"x_\mathrm{res,s}"),
+    "stiffness_net": _net(
+        "net normal stiffness", "stiffness_net", r"k_\mathrm{n}", "Pa/m",
+        "chord of loading from half of the maximum stress to the landing on it"),
+    "landing_stress": _net(
+        "landing stress", "landing_stress", unit="Pa",
+        comment="loading lands on its maximum by smaller steps from here, infinite without"),
+    "largest_residual": Quantity(
+        "largest equilibrium residual of all steps", "1", (),
+        lambda joint: float(joint.closed.equilibrium_residual.max())),
+    "mean_aperture": _curve("mean_aperture"),
+    "hydraulic_aperture": _history("hydraulic_aperture", ("direction", *CURVE), rule=_hydraulic),
+    "largest_flow_imbalance": Quantity(
+        "largest sum of the cells' mass balances over the inflow, of all steps", "1", (),
+        lambda joint: float(joint.closed.flow_imbalance.max())),
+    "volume_error": Quantity(
+        "change of a wall's volume over the volume above its lowest point", "1", (),
+        _volume_error),
+    "timing_simulation": Quantity(
+        "processor time of the simulation", "s", (), lambda joint: joint.seconds, of_effort=True),
+    "compliance_net": Quantity(
+        "net normal compliance", "m/Pa", CYCLE, lambda joint: 1.0 / joint.net["stiffness_net"],
+        r"c_\mathrm{n}", {"comment": "one over the net normal stiffness"}),
+    "kni_net": Quantity(
+        "initial net stiffness kni", "Pa/m", CYCLE,
+        lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"), r"k_\mathrm{ni}", _OF_LAW),
+    "vm_net": Quantity(
+        "largest net closure Vm", "m", CYCLE, lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
+        r"V_\mathrm{m}", _OF_LAW),
+    "rms_height": Quantity(
+        "rms of the summed heights", "m", (), lambda joint: float(np.std(joint.summed)), "R_q"),
+    "rms_slope": Quantity(
+        "rms slope of the summed heights at their spacing", "1", (),
+        lambda joint: rms_slope(joint.summed, joint.conditions.grid_spacing), "Z_2"),
+    "depth_5": Quantity(
+        "depth of the highest 5 % of the summed heights below their top", "m", (),
+        lambda joint: float(bearing_depths(joint.summed, 0.05)), "d_5"),
+    "initial_aperture": Quantity(
+        "mean aperture at first touch", "m", (),
+        lambda joint: float((joint.summed.max() - joint.summed).mean()), "a_0"),
+    "mean_aperture_at_seating": Quantity(
+        "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
+    "mean_aperture_at_max": Quantity(
+        "mean aperture at the maximum stress", "m", CYCLE,
+        lambda joint: joint.history.at_maxima("mean_aperture"),
+        r"a_\mathrm{max}"),
+    "contact_at_max": Quantity(
+        "share of cells in contact at the maximum stress", "1", CYCLE,
+        lambda joint: joint.history.at_maxima("contact_fraction"), r"A_\mathrm{c}"),
+    "loop": Quantity(
+        "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
+        _loop, r"x_\mathrm{loop}"),
+    "hysteresis": Quantity(
+        "hysteresis, share of the work of loading", "1", CYCLE,
+        lambda joint: hysteresis(joint.closed), r"\eta",
+        {"comment": "what unloading does not give back"}),
+    "unbreakable_share": Quantity(
+        "largest share of the force on contacts that cannot break", "1", (),
+        lambda joint: float(unbreakable_share(joint.closed).max())),
+    "largest_jump": Quantity(
+        "largest closure of a loading at constant stress, over its closure", "1", (),
+        _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
+    "contacts_at_max": Quantity(
+        "largest number of cells in contact at the maximum stress", "1", (),
+        lambda joint: float(
+            np.nanmax(joint.history.at_maxima("contact_fraction")) * joint.walls[0].size)),
+    "broken_share": Quantity(
+        "share of the cells of both walls that broke", "1", (),
+        lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),
+    "stress_over_strength": Quantity(
+        "maximum stress over the compressive strength of the weaker rock", "1", (),
+        lambda joint: joint.conditions.largest_stress / min(
+            rock.compressive_strength for rock in both_walls(joint.conditions.rock))),
+    "oracle_ratio": Quantity(
+        "largest number of the oracle over its limit, at the first maximum", "1", (),
+        _oracle_ratio),
+}  # fmt: skip
+"""All quantities by name: that of variables of datasets, and of what tables call a response."""
+COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
+"""Columns of tables, and their scale, by quantity."""
+COORDINATES = {
+    "wavelength": ("mismatch wavelength", "m"),
+    "shift": ("shift", "m"),
+    "patch": ("patch length", "m"),
+    "spacing": ("spacing", "m"),
+    "tilt": ("tilt", "degrees"),
+    "rotation": ("rotation", "degrees"),
+    "stress": ("maximum stress", "Pa"),
+}
+"""Titles and SI units of coordinates of points that are numbers."""
+HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.items()} | {
+    shown_as(name, unit)[0]: heading(title, shown_unit(unit)[0])
+    for name, (title, unit) in COORDINATES.items()
+}
+"""Headings of tables and labels of axes, by column."""
+CURVES = {
+    "closure_net_since_seating_mm": ("net closure since seating (mm)", True),
+    "normal_stiffness_net_MPa_per_mm": ("net normal stiffness kn (MPa/mm)", True),
+    "mean_aperture_mm": ("mean aperture (mm)", False),
+    "hydraulic_aperture_mm": ("hydraulic aperture (mm)", False),
+    "smallest_hydraulic_mm": ("lower bound of the hydraulic aperture (mm)", False),
+    "largest_hydraulic_mm": ("upper bound of the hydraulic aperture (mm)", False),
+    "transmissivity_m2_per_s": ("transmissivity of water at 20 °C (m2/s)", False),
+    "smallest_transmissivity_m2_per_s": ("lower bound of the transmissivity (m2/s)", False),
+    "largest_transmissivity_m2_per_s": ("upper bound of the transmissivity (m2/s)", False),
+}
+"""Headings of curves over stress (`jointclosure.joint.curves.stress_table`), by column, and whether
+they rise with stress; the others fall."""
+
+
+def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:
+    """Return titles of quantities in a cycle, by both."""
+    return {(name, cycle): f"{QUANTITIES[name].title}, cycle {cycle}" for name, cycle in shown}
+
+
+OF_FLOW = ("mean_aperture", "hydraulic_aperture", "largest_flow_imbalance")
+_STORED = tuple(QUANTITIES)[: tuple(QUANTITIES).index("timing_simulation") + 1]
+
+
+def names_of_case(flow: bool) -> tuple[str, ...]:
+    """Return the quantities that are stored of every joint of a case."""
+    return tuple(name for name in _STORED if flow or name not in OF_FLOW)

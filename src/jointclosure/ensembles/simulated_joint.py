@@ -1,0 +1,64 @@
+"""One simulated joint of an ensemble, with what its quantities are read of."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.curves import values_at_stresses
+from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.history import History, history_of
+from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.joint.status import LOADING
+from jointclosure.walls import Walls
+
+
+@dataclass(frozen=True)
+class SimulatedJoint:
+    """Walls (y, x) [m] before loading, how they closed, processor time of that [s], and stresses
+    (n,) [Pa] at which curves are read.
+    """
+
+    walls: Walls
+    closed: xr.Dataset
+    conditions: Conditions
+    seconds: float
+    stresses: np.ndarray
+
+    @property
+    def final(self) -> Walls:
+        """Walls (y, x) [m] at the end."""
+        return self.closed.upper_final.values, self.closed.lower_final.values
+
+    @cached_property
+    def history(self) -> History:
+        """Cycles and branches of the joint."""
+        return history_of(self.closed)
+
+    @cached_property
+    def summed(self) -> np.ndarray:
+        """Summed heights (y, x) of the pristine walls [m]."""
+        return self.walls[0] + self.walls[1]
+
+    @cached_property
+    def net(self) -> dict[str, np.ndarray]:
+        """Net closures and stiffness of each cycle (`net_responses`)."""
+        return net_responses(self.closed)
+
+    def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Read values of steps at stresses, over (cycle, branch, stress)."""
+        tolerance = self.conditions.numerics.stress_tolerance
+        cycles = self.conditions.cycle_count
+        return values_at_stresses(self.closed, values, cycles, stresses, tolerance)
+
+    def hyperbola(self, name: str) -> np.ndarray:
+        """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""
+        cycles = range(1, self.closed.max_closure.size + 1)
+        return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
+
+    @cached_property
+    def _laws(self) -> pd.DataFrame:
+        return fitted_laws(self.closed)

@@ -1,0 +1,1 @@
+"""Work shared among processes: workers, progress, and a cache of what they made."""

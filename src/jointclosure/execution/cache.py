@@ -1,0 +1,122 @@
+"""Cache of closed joints: files that processes make, and that are kept while their key agrees.
+
+The key is a digest of the settings of a file and of the code of its maker. A killed run goes on
+with what is closed, an edit makes again what depends on it, and so do a foreign and a damaged file.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from jointclosure.compilation.sources import code_digest
+from jointclosure.execution.progress import Countdown
+from jointclosure.execution.workers import Failed, ProcessLostError, shared
+from jointclosure.inputs import InputError
+from jointclosure.storage.logs import logging_to
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
+
+
+class Entry(NamedTuple):
+    """A file of a cache: its ``name`` in the folder, and the function that makes its dataset.
+
+    ``make`` gets the ``settings``, on which the key depends, and as keywords the ``options``, which
+    do not change the result, and ``report``. Entries take a time proportional to their ``joints``.
+    The key depends on the code of functions, ``module:function``, that ``make`` ``uses`` by name.
+    """
+
+    name: str
+    make: Callable[..., xr.Dataset]
+    settings: tuple
+    options: Mapping[str, Any] = {}
+    joints: int = 1
+    uses: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Digest of the settings, and of the code of the maker."""
+        made_by = f"{self.make.__module__}:{self.make.__name__}"
+        return digest(_code(made_by, *self.uses), self.settings)
+
+    def file(self, folder: Path) -> Path:
+        """Path in the folder of a cache."""
+        return folder / f"{self.name}.nc"
+
+
+def digest(*parts: object) -> str:
+    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@lru_cache(maxsize=None)
+def _code(*functions: str) -> str:
+    return code_digest(*functions, titles=False)
+
+
+def is_kept(entry: Entry, folder: Path) -> bool:
+    """Return whether the file of an entry is there, whole, and of this key."""
+    try:
+        with reading_netcdf(entry.file(folder)) as stored:
+            return stored.attrs.get("key") == entry.key
+    except OSError:
+        return False
+
+
+def make_missing(
+    entries: Iterable[Entry],
+    folder: Path,
+    workers: int,
+    report: Callable[[str], None],
+    title: str = "closed",
+    prepare: Callable[[], object] = lambda: None,
+    apart: bool = True,
+) -> None:
+    """Make the files of entries that are not kept, each with its log and benchmark.
+
+    ``prepare`` is called before the processes start, if anything is missing. ``apart`` is as for
+    `shared`. If some could not be made, an error is raised after all others are: `InputError` if
+    that was the first reason, or else `RuntimeError`.
+    """
+    entries = list(entries)
+    missing = [entry for entry in entries if not is_kept(entry, folder)]
+    again = sum(entry.file(folder).exists() for entry in missing)
+    if again:
+        report(f"{again} files are of other settings or code, or damaged, and are made again")
+    if not missing:
+        return
+    prepare()
+    for entry in missing:
+        entry.file(folder).parent.mkdir(parents=True, exist_ok=True)
+    done = Countdown(title, sum(entry.joints for entry in missing), report)
+    failed: list[tuple[Exception, str]] = []
+    tasks = [(entry, entry.key, folder) for entry in missing]
+    for place, answer in shared(_make, tasks, workers, apart):
+        if isinstance(answer, Failed):
+            reason = _described(missing[place], answer.error)
+            failed.append((answer.error, reason))
+            report(reason)
+        else:
+            done(missing[place].joints)
+    if failed:
+        error, reason = failed[0]
+        kind = InputError if isinstance(error, InputError) else RuntimeError
+        raise kind(f"{len(failed)} of {len(entries)} could not be made: {reason}")
+
+
+def _make(entry: Entry, key: str, folder: Path) -> None:
+    """Make the file of an entry, in a worker."""
+    log, benchmark = folder / f"logs/{entry.name}.log", folder / f"benchmarks/{entry.name}.tsv"
+    with logging_to(log, benchmark, raised=True) as logbook:
+        made = entry.make(*entry.settings, **entry.options, report=logbook)
+        write_netcdf(made.assign_attrs(key=key), entry.file(folder))
+
+
+def _described(entry: Entry, error: Exception) -> str:
+    """Describe a failure: its reason, and what repeats it."""
+    notes = list(getattr(error, "__notes__", []))
+    if isinstance(error, ProcessLostError):
+        notes.append("systems that run out of memory kill processes: start again with CORES=1")
+    return "; ".join([f"{entry.name}: {type(error).__name__}: {error}", *notes])

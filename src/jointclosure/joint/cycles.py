@@ -1,0 +1,115 @@
+"""Results of each load cycle: closures, stiffness as laboratories report it, hysteresis."""
+
+from typing import Any
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from jointclosure.joint.curves import secant_stiffness
+from jointclosure.joint.history import NET, Branch, History, history_of
+from jointclosure.joint.status import LOADING, UNLOADING
+
+CHORD_START = 0.5
+"""Stress over the maximum of the cycle from which the chord of the net stiffness is read."""
+_LOOP_ROUNDING = 1e-12  # closure of a loop over that of loading, below which it is rounding
+
+
+def cycle_closures(
+    joint: xr.Dataset, of: str = NET, minima: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """Compute the closures of each cycle (cycles,) [m]; NaN unless unloaded to its minimum [Pa]."""
+    history = history_of(joint)
+    closure = history.along(of)
+    minima = np.full(history.begun, np.inf) if minima is None else minima
+    names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
+    closures = {name: np.full(len(minima), np.nan) for name in names}
+    for index, cycle in history.unloaded_cycles(minima):
+        seat = history.seat(cycle.number, LOADING, of)
+        back = history.seat(cycle.number, UNLOADING, of)
+        maximum = closure[cycle.loading.steps[-1]]
+        closures["max_closure"][index] = maximum - closure[cycle.loading.steps[0]]
+        closures["residual_closure"][index] = closure[cycle.unloading.steps[-1]]
+        closures["max_closure_seated"][index] = maximum - seat
+        closures["residual_closure_seated"][index] = back - seat
+    return closures
+
+
+def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
+    """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa]."""
+    history = history_of(joint)
+    excess = np.full(len(minima), np.nan)
+    for index, cycle in history.unloaded_cycles(minima):
+        excess[index] = _excess(history, cycle.loading, cycle.unloading)
+    return excess
+
+
+def _excess(history: History, loading: Branch, unloading: Branch) -> float:
+    """Return the largest excess [Pa] of an unloading over its loading at equal closure."""
+    closure = history.gross
+    stress = history.stress
+    # keep the last of several steps at one closure
+    at, last = np.unique(closure[loading.steps][::-1], return_index=True)
+    loaded = stress[loading.steps][::-1][last]
+    after = closure[unloading.steps[1:]]
+    unloaded = stress[unloading.steps[1:]]
+    next_one = np.minimum(np.searchsorted(at, after), at.size - 1)
+    if np.array_equal(at[next_one], after):
+        below = loaded[next_one]  # both branches have the same steps: no interpolation
+    else:
+        below = np.minimum(loaded[next_one], loaded[np.maximum(next_one - 1, 0)])
+        if at.size > 1 and np.any(unloaded >= below):
+            # a monotone cubic lies between its neighbours, and is not needed above unloading
+            cubic = scipy.interpolate.PchipInterpolator(at, loaded)
+            below = cubic(np.clip(after, at[0], at[-1]))
+    below[after < at[0]] = 0.0 if stress[loading.steps[0]] == 0.0 else np.inf
+    return max(0.0, float(np.max(unloaded - below)))
+
+
+def hysteresis(joint: xr.Dataset) -> np.ndarray:
+    """Compute the share (cycles,) of each cycle's work of loading lost on unloading."""
+    history = history_of(joint)
+    shares = np.full(joint.max_closure.size, np.nan)
+    for index, cycle in history.unloaded_cycles(np.full(shares.size, np.inf)):
+        given = _work(history, cycle.loading)
+        back = -_work(history, cycle.unloading)
+        shares[index] = 1.0 - back / given if given > 0.0 else np.nan
+    return shares
+
+
+def _work(history: History, branch: Branch) -> float:
+    """Return the integral [J/m2] of the stress of a branch over the gross closure."""
+    return np.trapezoid(history.stress[branch.steps], history.gross[branch.steps])
+
+
+def loop_between(loading: Any, unloading: Any) -> Any:
+    """Return closures of unloading less those of loading, both at the same stress."""
+    loop = unloading - loading
+    return loop * (abs(loop) > _LOOP_ROUNDING * abs(loading))
+
+
+def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return the net closures [m] of each cycle (cycles,), as laboratories report them, the net
+    stiffness [Pa/m], and the landing stress [Pa].
+
+    The stiffness is the chord of a loading from half of its maximum, or from a higher former
+    maximum. Results of a cycle that was not completed are NaN.
+    """
+    history = history_of(joint)
+    closures = cycle_closures(joint)
+    responses = {
+        f"{name}_net": closures[name]
+        for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
+    }
+    stiffness = []
+    for cycle, maximum in zip(history.cycles, history.maxima, strict=True):
+        start = max(CHORD_START * maximum, history.former_maxima[cycle.number - 1])
+        stiffness.append(secant_stiffness(joint, cycle.number, start, maximum))
+    responses["stiffness_net"] = np.array(stiffness)
+    responses["landing_stress"] = history.landing_stresses
+    completed = np.isfinite(joint.max_closure.values)
+    not_begun = (0, completed.size - history.begun)
+    return {
+        name: np.where(completed, np.pad(values, not_begun, constant_values=np.nan), np.nan)
+        for name, values in responses.items()
+    }

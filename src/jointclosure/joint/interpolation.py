@@ -1,0 +1,111 @@
+"""Interpolation of measured and simulated curves, and monotone curves near them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy
+
+from jointclosure.joint.status import LOADING
+
+LAST_CHORD = 0.15
+"""Least part of the range of stress over which the last stiffness of a curve is read."""
+END_SLOPES = 0.5, 2.0
+"""Least stiffness at the lower end of a curve, and largest at its upper end, over that of the
+nearest block of equal slope: an extrapolation by less than half of a block goes no further."""
+END_CHANGE = 0.5
+"""Largest change of a monotone curve beyond its outer group of equal values, over their mean."""
+
+
+def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str = LOADING) -> float:
+    """Return the value where the stress (n,) [Pa] is first (unloading: last) at a level, or NaN."""
+    reached = np.flatnonzero(stress >= level)
+    if reached.size == 0:
+        return float("nan")
+    at = int(reached[0 if branch == LOADING else -1])
+    before = at - 1 if branch == LOADING else at
+    if not 0 <= before < stress.size - 1:
+        return float(values[at])
+    rise = stress[before + 1] - stress[before]
+    part = (level - stress[before]) / rise
+    return float(values[before] + part * (values[before + 1] - values[before]))
+
+
+def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
+    """Return values (n,) as a monotone cubic of stress where that exceeds all before; or NaN.
+
+    NaN also between two stresses of which one has an unknown value, NaN.
+    """
+    rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
+    stress = stress[rises]
+    values = values[rises]
+    known = np.isfinite(values)
+    if known.sum() < 2:
+        at = dict(zip(stress.tolist(), values.tolist(), strict=True))
+        return np.vectorize(lambda level: at.get(level, np.nan), otypes=[float])
+    cubic = scipy.interpolate.PchipInterpolator(stress[known], values[known], extrapolate=False)
+    if known.all():
+        return cubic
+
+    def where_known(level: Any) -> np.ndarray:
+        last = stress.size - 1
+        after = np.minimum(np.searchsorted(stress, level, "left"), last)
+        beyond = np.minimum(np.searchsorted(stress, level, "right"), last)
+        before = np.where(stress[after] == level, after, np.maximum(beyond - 1, 0))
+        return np.where(known[before] & known[after], cubic(level), np.nan)
+
+    return where_known
+
+
+def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """Return the stiffness (levels,) [Pa/m], which rises with stress, of closures (n,) [m].
+
+    It is the slope of the concave curve nearest to the closures over stresses (n,) [Pa] (isotonic
+    regression of the chords), read in the middle of each block of equal slope and linear between.
+    """
+    run = np.diff(stress)
+    fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
+    # no later slope corrects the last ones, which are one chord therefore
+    blocks = fit.blocks[stress[fit.blocks] <= stress[-1] - LAST_CHORD * np.ptp(stress)]
+    blocks = np.append(blocks, stress.size - 1)
+    middle = 0.5 * (stress[blocks[:-1]] + stress[blocks[1:]])
+    compliance = np.diff(closure[blocks]) / np.diff(stress[blocks])
+    closes = compliance > 0.0
+    middle = middle[closes]
+    slopes = 1.0 / compliance[closes]
+    if slopes.size < 2:
+        return np.full(levels.size, slopes[0] if slopes.size else np.nan)
+    rise = np.diff(slopes)[[0, -1]] / np.diff(middle)[[0, -1]]
+    outer = slopes[[0, -1]]
+    ends = outer + rise * (stress[[0, -1]] - middle[[0, -1]])
+    least, largest = END_SLOPES
+    ends = np.clip(ends, outer * [least, 1.0], outer * [1.0, largest])
+    places = np.concatenate([stress[:1], middle, stress[-1:]])
+    return np.interp(levels, places, np.concatenate([ends[:1], slopes, ends[1:]]))
+
+
+def monotone_curve(at: np.ndarray, values: np.ndarray, rises: bool) -> np.ndarray:
+    """Return a monotone curve near values (n,) at ascending places, without steps.
+
+    Neighbours that are against the order have one mean (isotonic regression). A monotone cubic
+    leads through the middles of such groups, so that the curve is not flat along them. It is
+    straight beyond the outer middles, and changes there by at most `END_CHANGE` of the outer mean.
+    """
+    fit = scipy.optimize.isotonic_regression(values, increasing=rises)
+    # values that agree with the order stay as they are, each a group of its own
+    kept_block = np.logical_and.reduceat(fit.x == values, fit.blocks[:-1])
+    kept = np.flatnonzero(np.repeat(kept_block, np.diff(fit.blocks)))
+    starts = np.union1d(fit.blocks[:-1], kept)
+    if starts.size < 2 or starts.size == values.size:
+        return fit.x
+    sizes = np.diff(np.append(starts, values.size))
+    middle = np.add.reduceat(at, starts) / sizes
+    means = fit.x[starts]
+    slopes = np.diff(means)[[0, -1]] / np.diff(middle)[[0, -1]]
+    change = slopes * (at[[0, -1]] - middle[[0, -1]])
+    most = END_CHANGE * np.abs(means[[0, -1]])
+    ends = means[[0, -1]] + np.clip(change, -most, most)
+    inner = (middle > at[0]) & (middle < at[-1])
+    places = np.concatenate([at[:1], middle[inner], at[-1:]])
+    through = np.concatenate([ends[:1], means[inner], ends[1:]])
+    return scipy.interpolate.PchipInterpolator(places, through)(at)

@@ -1,0 +1,175 @@
+"""Tables of a simulated joint: by step, by load cycle, and at given stresses."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.joint.curves import closures_at, normal_stiffness, table_levels
+from jointclosure.joint.cycles import cycle_closures
+from jointclosure.joint.history import KINDS, Branch, History, history_of
+from jointclosure.joint.status import BRANCHES, LOADING
+
+WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
+"""Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
+HYDRAULIC = "hydraulic_aperture", "smallest_hydraulic", "largest_hydraulic"
+"""Variables of flow: the hydraulic aperture where it is known, and its bounds."""
+TRANSMISSIVITIES = {
+    "hydraulic_aperture_mm": "transmissivity_m2_per_s",
+    "smallest_hydraulic_mm": "smallest_transmissivity_m2_per_s",
+    "largest_hydraulic_mm": "largest_transmissivity_m2_per_s",
+}
+"""Columns of the transmissivity of water, and of its bounds, by those of apertures."""
+FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
+"""Words of the status of a flow, from the one by which most is known."""
+ONLY_BOUNDS = FLOW_STATUSES[2:]
+"""Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
+
+
+def curve_table(joint: xr.Dataset) -> pd.DataFrame:
+    """Tabulate closure, aperture and contact of each step, by cycle and branch."""
+    history = history_of(joint)
+    flow = _flow_columns(history)
+    rows = []
+    for _, branch in history.existing_branches():
+        columns = _columns_of_branch(history, branch)
+        columns |= {name: values[branch.steps] for name, values in flow.items()}
+        rows.append(pd.DataFrame(columns))
+    return pd.concat(rows, ignore_index=True)
+
+
+def _columns_of_branch(history: History, branch: Branch) -> dict[str, Any]:
+    """Return the columns of `curve_table` for the steps (n,) of one branch."""
+    steps = branch.steps
+    columns: dict[str, Any] = {
+        "cycle": branch.cycle,
+        "branch": branch.name,
+        "normal_stress_MPa": 1e-6 * history.stress[steps],
+    }
+    for kind, of in KINDS.items():
+        since = history.along(of)[steps] - history.seat(branch.cycle, LOADING, of)
+        columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
+    for kind, of in KINDS.items():
+        columns[f"closure_{kind}_mm"] = 1e3 * history.along(of)[steps]
+    aperture = history.along("mean_aperture")[steps]
+    contact = history.along("contact_fraction")[steps]
+    columns["mean_aperture_mm"] = 1e3 * aperture
+    columns["void_volume_mm3"] = 1e9 * history.area * aperture
+    columns["contact_area_mm2"] = 1e6 * history.area * contact
+    columns["contact_fraction"] = contact
+    return columns
+
+
+def flow_statuses(joint: xr.Dataset) -> np.ndarray:
+    """Return the status of the flow in words (steps, directions)."""
+    words = np.array(joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
+    return words[joint.flow_status.values.astype(int)]
+
+
+def flow_status_at(joint: xr.Dataset, levels: np.ndarray) -> np.ndarray:
+    """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
+
+    It is the one by which least is known, along both directions and at the steps on both sides of
+    the stress; "" where the stress is not reached.
+    """
+    rank = np.vectorize(FLOW_STATUSES.index)(flow_statuses(joint)).max(axis=1)
+    ranks = np.zeros((history_of(joint).begun, 2, levels.size), dtype=int)
+    for least in range(1, len(FLOW_STATUSES)):
+        ranks += closures_at(joint, levels, (rank >= least).astype(float)) > 0.0
+    reached = np.isfinite(closures_at(joint, levels, np.zeros(rank.size)))
+    return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
+
+
+def _flow_columns(history: History) -> dict[str, np.ndarray]:
+    """Return hydraulic apertures (steps,), their bounds, status, and ratio to the mean aperture."""
+    columns: dict[str, np.ndarray] = {}
+    if not history.has_flow:
+        return columns
+    joint = history.joint
+    mean = joint.mean_aperture.values
+    statuses = flow_statuses(joint)
+    for place, direction in enumerate(joint.direction.values):
+        for name in HYDRAULIC:
+            columns[f"{name}_{direction}_mm"] = 1e3 * joint[name].sel(direction=direction).values
+        aperture = joint.hydraulic_aperture.sel(direction=direction).values
+        ratio = np.divide(aperture, mean, out=np.full(mean.shape, np.nan), where=mean > 0.0)
+        columns[f"hydraulic_ratio_{direction}"] = ratio
+        columns[f"flow_status_{direction}"] = statuses[:, place]
+    return columns
+
+
+def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
+    """Tabulate the closures of each cycle, since seating as in laboratory reports."""
+    history = history_of(joint)
+    columns: dict[str, Any] = {"cycle": np.array([cycle.number for cycle in history.cycles])}
+    for kind, of in KINDS.items():
+        suffix = "_net" if kind == "net" else ""
+        closures = cycle_closures(joint, of)
+        since = 1e3 * closures["max_closure_seated"]
+        residual = 1e3 * closures["residual_closure_seated"]
+        columns[f"max_closure_seated{suffix}_mm"] = since
+        columns[f"residual_closure_seated{suffix}_mm"] = residual
+        columns[f"residual_share{suffix}"] = residual / since
+        columns[f"max_closure{suffix}_mm"] = 1e3 * closures["max_closure"]
+    columns["mean_aperture_at_seating_mm"] = 1e3 * history.seats(LOADING, "mean_aperture")
+    states = {"mean_aperture_mm": 1e3 * history.along("mean_aperture")}
+    states |= _flow_columns(history)
+    states["contact"] = history.along("contact_fraction")
+    for name, values in states.items():
+        if "ratio" not in name:
+            column = f"{name.removesuffix('_mm')}_at_max{'_mm' if name.endswith('_mm') else ''}"
+            columns[column] = history.at_maxima(values)
+    return pd.DataFrame(columns)
+
+
+def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
+    """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
+
+    By default the stresses are those of `table_levels`.
+    """
+    history = history_of(joint)
+    levels = table_levels(joint) if levels is None else levels
+    columns: dict[str, np.ndarray] = {}
+    for kind, of in KINDS.items():
+        since = closures_at(joint, levels, of) - history.seats(LOADING, of)[:, None, None]
+        columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
+    for kind, of in KINDS.items():
+        stiffness = 1e-9 * normal_stiffness(joint, levels, of)
+        columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
+    columns["mean_aperture_mm"] = 1e3 * closures_at(joint, levels, "mean_aperture")
+    if history.has_flow:
+        for name in HYDRAULIC:  # geometric means along x and y
+            mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
+            columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(joint, levels, mean), 0.0)
+        columns["flow_status"] = flow_status_at(joint, levels)
+    index = pd.MultiIndex.from_product(
+        [range(1, history.begun + 1), BRANCHES, levels / 1e6],
+        names=["cycle", "branch", "normal_stress_MPa"],
+    )
+    flat = {name: values.ravel() for name, values in columns.items()}
+    return with_transmissivity(pd.DataFrame(flat, index).reset_index())
+
+
+def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
+    """Add the transmissivity of every hydraulic aperture and bound of it in `stress_table`, or in
+    its bands, by `TRANSMISSIVITIES`.
+    """
+    added = {}
+    for name, transmissivity in TRANSMISSIVITIES.items():
+        if name in curves:
+            for column in members(curves, name):
+                added[column.replace(name, transmissivity)] = WATER * (1e-3 * curves[column]) ** 3
+    return curves.assign(**added)
+
+
+def has_bands(curves: pd.DataFrame) -> bool:
+    """Return whether a `stress_table` has bands."""
+    return "closure_net_since_seating_mm_low" in curves
+
+
+def members(curves: pd.DataFrame, name: str) -> list[str]:
+    """Return the columns of a quantity: that of the joint, and low and high if it has a band."""
+    if f"{name}_low" in curves:
+        return [name, f"{name}_low", f"{name}_high"]
+    return [name]

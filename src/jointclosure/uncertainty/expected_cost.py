@@ -1,0 +1,134 @@
+"""Time and memory that joints will take, before they are closed."""
+
+import time
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.simulation import close_walls
+from jointclosure.parameters import Effects, Numerics
+from jointclosure.uncertainty.variants import sources_of, threads_for, variants_of
+from jointclosure.walls.scan_errors import ScanErrors
+
+WINDOW = 128  # cells a side of the window of the walls that is closed to estimate the time
+EXPONENTS = (1.15, 1.75)
+"""Smallest and largest power of the number of cells with which the time of a closure grows. From
+128 x 128 to 300 x 300 cells of eight pairs of walls (granite, JRC 8, 10 MPa, resolved breakage) it
+was 1.7 and 1.8 for independent walls with waves of all lengths, and 1.2 to 1.5 for walls that mate
+beyond 3 or 10 mm or have a roll-off of 3 mm."""
+SCATTER = 1.4
+"""Factor by which a single time is shorter or longer than by these powers: with it, all times of
+these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
+BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 400 cells
+BASE_BYTES = 300e6  # memory of the program with a small joint
+SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
+LARGEST = 1000 * 1000  # most cells that are closed without a stated grid spacing
+RESOLVED_COST, TOLERANCE_COST, NO_GOUGE_COST = 9.0, 0.2, 9.0
+NO_BREAKAGE_COST, NO_INTERACTION_COST = 0.2, 0.7
+"""Time of a joint over that by the paper's steps with all effects: of resolved breakage at least,
+and times the tolerance; without gouge, and without breakage, by any steps; without interaction.
+As the two later joints of three took (100 x 100 cells): tolerances of 0.1, 0.02 and 0.004 8.9, 12
+and 47 times as long in dolerite, 7.3, 10 and 42 times in siltstone, 9.5 and 10 times in a granite
+of JRC 10 with waves of all lengths and a bound of strength; without gouge 9.3 and 9.1 times,
+without breakage 0.17 and 0.22, without interaction 0.64 and 0.89, without soft peaks 1.1 and 0.75
+times (dolerite, siltstone)."""
+SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
+
+
+class Cost(NamedTuple):
+    """Estimated cost: smallest and largest processor time [s], and memory [bytes]."""
+
+    seconds: tuple[float, float]
+    memory: float
+
+    def sentence(self, shape: tuple[int, int], spacing: float) -> str:
+        """Describe the cost, and a coarser spacing that takes less."""
+        ny, nx = shape
+        low, high = (_rounded(seconds) for seconds in self.seconds)
+        return (
+            f"{nx} x {ny} cells will take about {low} to {high} of processor time and "
+            f"{1e-9 * self.memory:.1f} GB; {coarser(shape, spacing)}"
+        )
+
+
+def coarser(shape: tuple[int, int], spacing: float) -> str:
+    """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
+    step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
+    return (
+        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
+        "less, but a cell is an asperity: its effect is in the range with other choices"
+    )
+
+
+def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
+    """Raise `InputError` for more than `LARGEST` cells, unless the grid spacing was stated."""
+    cells = shape[0] * shape[1]
+    if cells > LARGEST and not stated:
+        raise InputError(
+            f"{shape[1]} x {shape[0]} cells of {1e3 * spacing:.4g} mm: must be at most {LARGEST:,} "
+            f"cells unless the grid spacing is stated; {coarser(shape, spacing)}"
+        )
+
+
+def expected_cost(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    single: bool,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    errors: ScanErrors | None = None,
+    workers: int | None = None,
+) -> Cost | None:
+    """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
+
+    The time of a window of the walls is multiplied by the powers `EXPONENTS` of the cells, and by
+    the closures of a range unless ``single``, of which ``workers`` are closed at the same time.
+    """
+    sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
+    if upper.size <= SMALL:
+        return None
+    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
+    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
+    share = upper.size / cells
+    variants = [] if single else list(variants_of(conditions, sources))
+    least, most = (
+        factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
+        for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
+    )
+    largest = max(upper.size, errors.cells if errors else 0)
+    joints = 1 if single else threads_for(largest, workers)
+    return Cost((least, most), BASE_BYTES + BYTES * largest * joints)
+
+
+def relative_cost(effects: Effects, numerics: Numerics) -> float:
+    """Return about the time of a joint over that by the paper's steps with all effects."""
+    if not effects.breakage:
+        return NO_BREAKAGE_COST
+    cost = 1.0
+    if numerics.breakage == "resolved":
+        cost = max(RESOLVED_COST, TOLERANCE_COST / numerics.tolerance)
+    if not effects.gouge:
+        cost = max(cost, NO_GOUGE_COST)
+    return cost if effects.interaction else NO_INTERACTION_COST * cost
+
+
+def _time_of_window(
+    upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
+) -> tuple[float, int]:
+    """Return the processor time [s] of closing the middle of two walls, and its cells."""
+    corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
+    window = tuple(slice(corner, corner + size) for corner in corners)
+    start = time.process_time()
+    close_walls(upper[window], lower[window], conditions)
+    return time.process_time() - start, upper[window].size
+
+
+def _rounded(seconds: float) -> str:
+    """Format a rough time with one digit, in one unit."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= size:
+            return f"{float(f'{seconds / size:.1g}'):g} {unit}"
+    return f"{float(f'{seconds:.1g}'):g} s"

@@ -1,0 +1,380 @@
+"""Closure of a joint whose two walls were scanned: registration and simulation."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any, NamedTuple, Unpack
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.execution.progress import bar, closing_bar
+from jointclosure.execution.workers import number_of_workers
+from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.keywords import takes
+from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    check_named_stresses,
+    conditions_from,
+)
+from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import with_snapshots
+from jointclosure.joint.laws import (
+    LAB_LENGTH,
+    JointLaws,
+    check_joint_lengths,
+    laws_of_joint,
+)
+from jointclosure.joint.protocol import Report
+from jointclosure.joint.rocks import both_walls, rock_text
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
+from jointclosure.joint.tables import cycle_table, stress_table
+from jointclosure.parameters import Numerics
+from jointclosure.uncertainty.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
+from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
+from jointclosure.uncertainty.variants import uncertainty_budget
+from jointclosure.walls.gridding import FLAT, Cloud, Scan
+from jointclosure.walls.measures import joint_jrc
+from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.scan_errors import ScanErrors
+from jointclosure.walls.scans import read_scan
+
+Wall = str | Path | Sequence[str | Path] | Scan | Cloud
+"""A wall: file or three files of x, y and heights, scan, or "flat"."""
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.02,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
+takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
+resolved unless numerics are given, and scans determine the spacing."""
+
+
+class ClosedJoint(NamedTuple):
+    """Two scanned walls after registration and closure.
+
+    ``pair`` has the walls that were closed, and describes their registration in its ``report``;
+    ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
+    only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
+    are named stresses [Pa] of its curves, ``joint_length`` and ``lab_length`` [m] those of its
+    laws.
+    """
+
+    pair: RegisteredPair
+    history: xr.Dataset
+    conditions: Conditions
+    rock_name: str = "rock"
+    budget: Budget | None = None
+    at: tuple[float, ...] = ()
+    joint_length: float | None = None
+    lab_length: float = LAB_LENGTH
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Closure, stiffness, aperture and flow over stress, with bands if they are known.
+
+        They are those of `jointclosure.joint.curves.stress_table` at round stresses and the named
+        ones.
+        """
+        if self.budget is not None:
+            return self.budget.curves
+        return stress_table(self.history, table_levels(self.history, self.at))
+
+    def __repr__(self) -> str:
+        ny, nx = self.pair.upper.shape
+        step = 1e3 * self.pair.spacing
+        seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
+        table = cycle_table(self.history)
+        net, gross = (self._closures(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
+        failed = ", failed" if int(self.history.status) >= FAILURE else ""
+        return (
+            f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
+            f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
+            f"({gross} mm gross) since {seating:g} MPa "
+            f"({self.conditions.load_text()}){failed}>"
+        )
+
+    def __str__(self) -> str:
+        """Return the line of `repr`, and below it the range of all results and its reasons."""
+        return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
+
+    @property
+    def laws(self) -> JointLaws:
+        """Laws of Barton and Bandis for the JRC of the walls and the strength of the weaker one."""
+        jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
+        strength = min(wall.compressive_strength for wall in both_walls(self.conditions.rock))
+        seating = float(self.history.attrs["seating_stress_Pa"])
+        lengths = self.joint_length, self.lab_length
+        return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count, *lengths)
+
+    def _closures(self, column: str, table: pd.DataFrame) -> str:
+        """Format a closure of each cycle, with its range if that is known."""
+        if self.budget is None:
+            return ", ".join(f"{value:.4g}" for value in table[column])
+        return ", ".join(self.budget.text(cycle, column) for cycle in table.cycle)
+
+
+@takes_scans
+def close(
+    upper: Wall,
+    lower: Wall,
+    *,
+    conditions: Conditions | None = None,
+    units: str | tuple[str, str] | None = None,
+    scan_spacing: float | tuple[float, float] | None = None,
+    variable: str | None = None,
+    orientation: str | None = None,
+    shift: str | None = None,
+    spikes: str = "cut",
+    single: bool = False,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    workers: int | None = None,
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
+    at: Sequence[float] = (),
+    joint_length: float | None = None,
+    lab_length: float = LAB_LENGTH,
+    rock_name: str | None = None,
+    progress: bool = False,
+    **changes: Unpack[Changes],
+) -> ClosedJoint:
+    """Register two scanned walls of a joint, press them together and release them.
+
+    Parameters
+    ----------
+    upper, lower : path, three paths, Scan, Cloud or "flat"
+        Files for `jointclosure.read_scan`, or what it returned. One of both may be flat, such as a
+        saw cut; see `jointclosure.walls.registration.registered`.
+    units : {"m", "mm", "um", "nm"} or a pair of them, optional
+        Units of both files, or of the upper and the lower one, if the files do not state them.
+    scan_spacing : float or a pair, optional
+        Spacing of both scans [m], or of the upper and the lower one, if the files do not state it.
+    variable : str, optional
+        Name of the array or channel, or columns of a text file, in both files, as for
+        `jointclosure.read_scan`.
+    orientation, shift, spikes
+        As for `jointclosure.walls.registration.registered`.
+    single : bool
+        Whether to close the joint once, without the range of its results.
+    ranges : mapping
+        Lowest and highest value [SI] of what is known to a range only: a property of the rock,
+        ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
+        (`jointclosure.uncertainty.variants`).
+    workers : int, optional
+        Number of joints of the range that are closed at the same time, by default that of the
+        processors available to this process.
+    report, snapshots
+        As for `jointclosure.simulate`.
+    at : sequence of float
+        Stresses [Pa] at which stiffness kn, closure and aperture of loading are printed, besides
+        the round ones of the curves. They lie above 0 and reach up to the maximum.
+    joint_length : float, optional
+        Length [m] of the joint in the rock mass to which the JRC and JCS of the law of Barton and
+        Bandis are scaled. By default they are not scaled.
+    lab_length : float
+        Length [m] of the laboratory joint to which the JRC and JCS of the walls refer.
+    rock_name : str, optional
+        Name of the rock in reports, by default the one that ``rock`` gives.
+    progress : bool
+        Whether to print the registration, the joint and its expected cost before it is closed, and
+        to show progress bars on a terminal, in place of ``report``; an interrupt while the range
+        is computed then leaves it out. Without it, doubts and the cost are warnings.
+    conditions, **changes
+        As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
+        for `jointclosure.walls.registration.registered`, which also receives
+        ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
+
+    Returns
+    -------
+    ClosedJoint
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, units are not stated, no orientation of the walls fits clearly
+        best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
+        range.
+    """
+    if conditions is None:
+        changes = {"numerics": RESOLVED} | changes
+    number_of_workers(workers)
+    stated = conditions_from(conditions, changes, "close")
+    checked = stated.checked(snapshots)
+    check_named_stresses(at, checked.largest_stress)
+    check_joint_lengths(joint_length, lab_length)
+    pair = registered_walls(
+        upper,
+        lower,
+        {"units": units, "scan_spacing": scan_spacing, "variable": variable},
+        stated.spacing,
+        orientation=orientation,
+        shift=shift,
+        spikes=spikes,
+        unusual_values=stated.unusual_values,
+    )
+    conditions = checked._replace(spacing=pair.spacing)
+    name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+    remark = _Remarks(printed=progress)
+    remark(pair.report, () if stated.unusual_values else pair.warnings)
+    if progress:
+        print(_description(pair, conditions, name))
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+
+    errors = None if single else pair.errors
+    of_noise = _about_noise(pair, errors)
+    remark(of_noise)
+    cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
+    if cost:
+        sentence = cost.sentence(pair.upper.shape, pair.spacing)
+        remark([sentence], [sentence])
+
+    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
+        history, of_holes = _simulated(pair, conditions, snapshots, watch)
+    remark(of_holes, () if stated.unusual_values else cautions(of_holes))
+    pair = pair._replace(report=[*pair.report, *of_noise, *of_holes])
+    joint = ClosedJoint(pair, history, conditions, name, None, tuple(at), joint_length, lab_length)
+    if single or int(history.status) >= FAILURE:  # a failed joint has no range
+        return joint
+
+    try:
+        with bar("range") if progress else nullcontext(_no_bar) as show:
+            budget = uncertainty_budget(
+                pair.upper, pair.lower, conditions, ranges, history, show, errors, workers, at
+            )
+    except KeyboardInterrupt:
+        if not progress:
+            raise
+        stopped = caution("the range was stopped: these are results of the joint alone")
+        remark([stopped])
+        return joint._replace(pair=pair._replace(report=[*pair.report, stopped]))
+    return joint._replace(budget=budget)
+
+
+class _Remarks:
+    """Remarks of `close` on its way: printed lines, or warnings of the doubts among them."""
+
+    def __init__(self, printed: bool) -> None:
+        self.printed = printed
+
+    def __call__(self, lines: Sequence[str], doubts: Sequence[str] = ()) -> None:
+        if self.printed:
+            print("".join(f"- {line}\n" for line in lines), end="", flush=True)
+            return
+        for doubt in doubts:
+            warnings.warn(doubt, stacklevel=3)  # at the line that called `close`
+
+
+def _no_bar(share: float, variant: str) -> None:
+    """Show no progress."""
+
+
+def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
+    """Describe rock, grid and load of a joint before it is simulated."""
+    ny, nx = pair.upper.shape
+    cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
+    return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
+
+
+def _simulated(
+    pair: RegisteredPair,
+    conditions: Conditions,
+    snapshots: Sequence[float],
+    report: Report | None,
+) -> tuple[xr.Dataset, list[str]]:
+    """Simulate a registered pair; return its history, and remarks on the force on holes.
+
+    The force is that at the largest stress, of which a snapshot is taken and given up again.
+    """
+    if not pair.holes.any():
+        return close_walls(pair.upper, pair.lower, conditions, report, snapshots), []
+    with_largest = (*snapshots, float(conditions.largest_stress))
+    history = close_walls(pair.upper, pair.lower, conditions, report, with_largest)
+    return with_snapshots(history, snapshots), _force_in_holes(pair, history)
+
+
+def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
+    """State the noise of each scan, and what keeps the walls apart at the shortest waves."""
+    lines = []
+    for side, low, high in pair.scan_noise:
+        if np.isfinite(high):
+            least = f"{1e6 * low:.2g} to" if low > 0.0 else "0 (not significant) to"
+            lines.append(
+                f"{side} wall: the noise of the scanner is {least} {1e6 * high:.2g} um (white "
+                "noise of each height, 95 % interval)"
+            )
+        else:
+            lines.append(f"{side} wall: the noise of the scanner cannot be told from the heights")
+    if errors and errors.noise[1] > 0.0:
+        size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
+        lines.append(
+            f"at the shortest waves of the grid both walls together depart from a smooth spectrum "
+            f"or from each other by {size} um rms: noise of the scanner, and roughness too short "
+            "for the grid, which turning a wall interpolates; the range has other draws of both"
+        )
+    return lines
+
+
+def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:
+    """State the force on holes at the highest stress that was reached."""
+    if not history.sizes["snapshot"]:  # a joint that failed may have reached none
+        return []
+    highest = history.snapshot_stress.values.argmax()
+    force = history.snapshot_force.values[highest]
+    share = 100.0 * force[pair.holes].sum() / force.sum()
+    stress = 1e-6 * float(history.snapshot_stress[highest])
+    words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
+    return [caution(words) if share > 0.0 else words]
+
+
+def registered_walls(
+    upper: Wall,
+    lower: Wall,
+    scans: Mapping[str, Any],
+    spacing: float | None = None,
+    **options: Any,
+) -> RegisteredPair:
+    """Read and register two walls; the message of an error names their files.
+
+    ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
+    ``options`` are those of `registered`.
+    """
+    for name, value in scans.items():
+        if isinstance(value, tuple | list) and len(value) != 2:
+            raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
+    above, below = (
+        read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
+        for n, wall in enumerate((upper, lower))
+    )
+    if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
+        return registered(above, below, spacing, **options)
+    names = (
+        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+        for wall in (upper, lower)
+    )
+    with naming(" and ".join(names)):
+        return registered(above, below, spacing, **options)
+
+
+def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:
+    """Return a scan or "flat", read from its file; keywords as for `jointclosure.read_scan`."""
+    if isinstance(wall, Scan | Cloud):
+        return wall
+    if isinstance(wall, str | Path) and str(wall) == FLAT:
+        return FLAT
+    if not isinstance(wall, str | Path | tuple | list):
+        raise InputError(
+            f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
+            "walls that are arrays, with heights towards each other, are closed by simulate"
+        )
+    return read_scan(wall, **stated)

@@ -1,0 +1,577 @@
+"""Range of a closed joint over what the model leaves open."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy
+
+import jointclosure as jc
+from jointclosure.joint.interpolation import monotone_curve
+from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import FAILURE
+from jointclosure.joint.tables import cycle_table
+from jointclosure.uncertainty import budget as budget_module
+from jointclosure.uncertainty.budget import (
+    ALL,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    NUMBERS,
+    ORDER,
+    QUANTITIES,
+    SHARED,
+    VM,
+    WIDENED,
+    WIDENED_LATER,
+    Budget,
+    Source,
+    bands_of,
+    ranges_of,
+    total_indices,
+)
+from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
+from jointclosure.uncertainty.variants import (
+    DRAWS,
+    PLAUSIBLE,
+    random_shares,
+    sources_of,
+    threads_for,
+    uncertainty_budget,
+    variants_of,
+)
+from jointclosure.walls.scan_errors import ScanErrors
+from studies.frame.yaml_files import read_plain
+from tests.joints import DOLERITE, SPACING, pair
+from tests.studied import ROOT
+
+CONDITIONS = jc.Conditions(
+    SPACING, DOLERITE, 2e6, 1, 0.2e6, choices=jc.Choices(strength_bound="none")
+)
+CLOSURE = next(iter(QUANTITIES))
+MODULI = {"youngs_modulus": (50e9, 90e9)}
+
+
+@pytest.fixture(scope="module")
+def budget():
+    return uncertainty_budget(*pair((20, 24)), CONDITIONS, MODULI, workers=1)
+
+
+def test_total_indices_are_those_of_a_product():
+    """Y = a b + e: sources act alone and as a pair, whose variance counts for both of them."""
+    random = np.random.default_rng(0)
+    a, b, e = (scale * random.standard_normal(10**6) for scale in (0.5, 0.3, 0.1))
+    alone = {"a": a.var(), "b": b.var()}
+    departures = ((1.0 + a) * (1.0 + b) + e - a - b).var()
+    draws = {ORDER: np.array([-1.0, 1.0]) * 0.1}  # with that of the joint, a variance of 0.01
+    indices, total = total_indices(alone, draws, departures), sum(alone.values()) + departures
+    both = (a * b).var()
+    assert indices["a"] == pytest.approx((alone["a"] + both) / total, rel=1e-3)
+    assert indices["b"] == pytest.approx((alone["b"] + both) / total, rel=1e-3)
+    assert indices[ORDER] == pytest.approx(0.01 / total, rel=1e-3)
+    assert sum(indices.values()) == pytest.approx(1.0 + both / total, rel=1e-3)
+
+
+def test_random_sources_have_no_more_than_the_departures_and_none_of_the_order():
+    draws = {"noise": np.array([0.0, 2.0]), ORDER: np.array([1.0, np.nan])}
+    indices = total_indices({"a": 1.0}, draws, 1.0)  # 2.0 - 0.5 of noise, 0.5 of the order
+    assert indices == pytest.approx({"a": 0.5, "noise": 0.375, ORDER: 0.125})
+    quiet = total_indices({"a": 1.0}, {"noise": np.array([3.0, 3.0])}, 0.0)
+    assert quiet == {"a": 1.0, "noise": 0.0}
+    assert np.isnan(total_indices({"a": 0.0}, {}, 0.0)["a"])  # nothing has a share in no range
+
+
+def range_of(widths, scatter=0.0, seed=0):
+    """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
+    sources = {name: Source((0.0, 1.0), "range") for name in widths}
+    shares, further = (random_shares(sources, n, seed) for n in (DRAWS, 10_000))
+    widest = np.array(list(widths.values()))
+    noise = scatter * np.random.default_rng(seed).standard_normal(DRAWS)
+    logs = [0.0, *(end for width in widest for end in (-width, width))]
+    logs += list((2.0 * shares - 1.0) @ widest + noise)
+    names = ["", *(name for name in widths for _ in "ab"), *[ALL] * DRAWS]
+    values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    results = pd.DataFrame({"cycle": 1, "source": names} | values)
+    return ranges_of(results, sources, shares, further).iloc[0]
+
+
+def test_variants_of_another_tolerance_are_compared_with_the_joint_that_has_it():
+    sources = {"breakage": Source((0, 1), SHARED), "a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    shares[:, 0] = 0.5
+    names = ["", "breakage", "a", "a", *[ALL] * DRAWS]
+    changes = np.concatenate([[0.0, 0.0, -1.0, 1.0], 2.0 * shares[:, 1] - 1.0])
+
+    def ends(factor, further):
+        values = 2.0 * np.exp(changes) * np.where(np.array(names) == "", 1.0, factor)
+        results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+        return ranges_of(results, sources, shares, further).iloc[0][["low", "high"]]
+
+    without = further * [0.0, 1.0] + [0.5, 0.0]
+    np.testing.assert_allclose(ends(1.3, without), ends(1.0, without), rtol=1e-12)
+    wider = ends(1.3, further) / ends(1.0, further)  # the error of steps has either sign
+    assert 1.0 / 1.3 < wider.low < 0.97
+    assert 1.03 < wider.high < 1.3
+
+
+def lower_end(*of):
+    return float(np.log(range_of(*of).low / 2.0))
+
+
+def test_departures_are_an_interaction_of_the_sources_that_act():
+    linear, noise = range_of({"a": 1.0, "b": 2.0}), range_of({"a": 0.0, "b": 1.0}, 1.0)
+    assert (linear.a, linear.b) == pytest.approx((0.2, 0.8), abs=1e-3)
+    assert (noise.a, noise.b) == pytest.approx((0.0, 1.0))
+    mixed = range_of({"a": 1.0, "b": 1.0}, np.sqrt(2.0 / 3.0))  # half of the variance by noise
+    assert 1.2 < mixed.a + mixed.b < 1.8
+
+
+def test_the_range_holds_nine_in_ten_of_the_random_results():
+    assert lower_end({"a": 1.0}) == pytest.approx(-0.9, abs=1e-3)
+    both = lower_end({"a": 1.0, "b": 1.0})  # the sum of both has a triangular density
+    assert both == pytest.approx(-2.0 + np.sqrt(0.4), abs=0.03)
+    noise = [lower_end({"a": 0.0}, 1.0, seed) for seed in range(40)]
+    assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
+
+
+def test_both_ends_leave_out_a_twentieth():
+    for widths in ({"a": 1.0}, {"a": 0.5, "b": 2.0}):
+        found = range_of(widths)
+        shares = random_shares(widths, 10_000, 0)
+        exact = 2.0 * np.exp((2.0 * shares - 1.0) @ np.array(list(widths.values())))
+        for end, part in (("low", 0.05), ("high", 0.95)):
+            assert found[end] == pytest.approx(np.quantile(exact, part), rel=1e-6)
+
+
+def of_equal_departures():
+    """Results of 16 random joints that lie 1 off on either side of the best, in logarithms."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (16, 1000))
+    logs = np.array([0.0, 0.0, 0.0, *np.tile([-1.0, 1.0], 8)])
+    return sources, shares, further, ["", "a", "a", *[ALL] * 16], 2.0 * np.exp(logs)
+
+
+def test_departures_have_the_variance_of_a_further_joint():
+    """Student's t of a sample of n about its mean: s^2 (1 + 1/n), with s^2 = 16/15 and n = 16."""
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    ends = ranges_of(results, sources, shares, further).iloc[0]
+    half = np.log(ends[["low", "high"]].astype(float) / 2.0)
+    scale = np.sqrt(16.0 / 15.0 * (1.0 + 1.0 / 16.0))
+    np.testing.assert_allclose(np.abs(half), scale * scipy.stats.t.ppf(0.95, 15), rtol=5e-3)
+
+
+def test_a_band_is_as_wide_as_the_range_of_the_same_results():
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    ends = ranges_of(results, sources, shares, further).loc[(1, CLOSURE)]
+    name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
+        for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
+    ]
+    bands = bands_of(pd.concat(curves), sources, shares, further)
+    for number in ("low", "high"):
+        expected = np.array([0.0, 0.5, 1.0]) * ends[number]
+        np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
+
+
+def test_ranges_of_later_cycles_and_of_apertures_are_wider_and_bands_as_well():
+    """By the factors that pairs of known truth needed, on the scale of the range."""
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.concat(
+        pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(QUANTITIES, values))
+        for cycle in (1, 2)
+    )
+    widths = np.log(ranges_of(results, sources, shares, further)[["low", "high"]].astype(float))
+    half = widths.high - widths.low
+    aperture = "mean_aperture_at_max_mm"
+    assert half[2, CLOSURE] == pytest.approx(WIDENED_LATER * half[1, CLOSURE])
+    assert half[1, aperture] == pytest.approx(WIDENED["aperture"] * half[1, CLOSURE])
+    assert half[2, aperture] == pytest.approx(half[1, aperture])
+    place, name = {"cycle": 1, "branch": "loading"}, "mean_aperture_mm"
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
+        for stress, part in ((0.5, 3.0), (1.0, 2.0), (2.0, 1.0))
+    ]
+    bands = bands_of(pd.concat(curves), sources, shares, further)
+    of_band = np.log(bands[f"{name}_high"] / bands[f"{name}_low"])
+    np.testing.assert_allclose(of_band, half[1, aperture], rtol=1e-9)
+
+
+def test_a_band_of_stiffness_is_a_curve_without_steps():
+    """Quantiles at each stress fall here and there: one mean of neighbours would be a step."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    name, random = "normal_stiffness_net_MPa_per_mm", np.random.default_rng(4)
+    stresses, rows = np.arange(1.0, 21.0), []
+    for source in ["", "a", "a", *[ALL] * DRAWS]:
+        saw = np.exp(0.3 * random.standard_normal(stresses.size))
+        rows.append(pd.DataFrame({"normal_stress_MPa": stresses, name: stresses * saw}))
+        rows[-1] = rows[-1].assign(cycle=1, branch="loading", source=source)
+    bands = bands_of(pd.concat(rows), sources, shares, further)
+    low, high = (bands[f"{name}_{end}"].to_numpy() for end in ("low", "high"))
+    assert (np.diff(low) > 0.0).all()
+    assert (np.diff(high) > 0.0).all()
+    assert (low < high).all()
+
+
+def test_a_band_contains_the_curve_of_the_joint():
+    """Though all joints with random values lie above it."""
+    sources = {"noise": Source((0, 1, 2), "random")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
+    names = ["", "noise", "noise", *[ALL] * DRAWS]
+    values = np.where(np.array(names) == "", 1.0, 2.0)
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
+        for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
+    ]
+    bands = bands_of(pd.concat(curves), sources, shares, further)
+    np.testing.assert_allclose(bands[f"{name}_low"], [0.0, 0.5, 1.0], atol=1e-12)
+    np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.0, 2.0], atol=1e-12)
+
+
+def test_a_monotone_curve_leads_through_the_middles_of_equal_values():
+    at, values = np.arange(7.0), np.array([0.0, 2.0, 4.0, 3.0, 2.0, 5.0, 6.0])
+    np.testing.assert_array_equal(monotone_curve(at, np.sort(values), True), np.sort(values))
+    blocked = np.array([0.3, 0.1, 0.2, 0.1, 0.0, 0.0, 0.0])  # a flow that is 0 stays 0
+    np.testing.assert_array_equal(monotone_curve(at, blocked, False)[4:], 0.0)
+    curve = monotone_curve(at, values, True)
+    assert (np.diff(curve) > 0.0).all()
+    assert curve[3] == pytest.approx(3.0, abs=0.3)
+    np.testing.assert_allclose(monotone_curve(at, -values, False), -curve)
+
+
+def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
+    """As in each joint, though departures from the sum of the sources are of few joints."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        net = np.exp(random.standard_normal(DRAWS + 3))
+        values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
+        values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
+        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
+        ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
+        assert ends.loc["contact_at_max"].max() < 1.0
+        assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
+        assert (ends.low >= 0.0).all()
+
+
+def budget_of(values):
+    """A budget of one source, whose five results have the values of some quantities."""
+    sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
+    names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
+    values = dict.fromkeys(QUANTITIES, np.ones(5)) | values
+    results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
+    shares = np.array([[0.2], [0.8]])
+    return Budget(results, ranges_of(results, sources, shares, shares), ())
+
+
+@pytest.mark.parametrize(("size", "modelled"), [(1e-15, False), (1e-9, True)])
+def test_results_that_are_the_rounding_of_zero_are_not_modelled(size, modelled):
+    budget = budget_of({CLOSURE_GROSS: np.full(5, size), CLOSURE_NET: np.full(5, size)})
+    assert budget.modelled(1, CLOSURE_GROSS) == modelled
+    assert (budget.text(1, CLOSURE_GROSS) == budget_module.NOT_MODELLED) != modelled
+
+
+def test_a_range_of_the_share_in_contact_lies_about_that_of_the_joint():
+    ends = budget_of({"contact_at_max": np.array([0.8, 0.75, 0.85, 0.78, 0.82])}).ranges
+    low, high = ends.loc[(1, "contact_at_max"), ["low", "high"]]
+    assert 0.6 < low < 0.8 < high < 0.95
+
+
+@pytest.mark.parametrize("missing", [5, 1])
+def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
+    """Of all joints, or of one of those with random values."""
+    sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
+    vm = np.where(np.arange(5) < 5 - missing, 1.0, np.nan)
+    names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
+    values = dict.fromkeys(QUANTITIES, np.ones(5)) | {VM: vm}
+    results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
+    shares = np.array([[0.2], [0.8]])
+    budget = Budget(results, ranges_of(results, sources, shares, shares), ())
+    assert budget.text(1, VM) == ("undetermined" if missing == 5 else "1.0 (1.0 to 1.0)")
+    assert any(f"undetermined for {missing} of 5 variants" in line for line in budget.sentences())
+
+
+@pytest.mark.parametrize("status", ["not_solved", "at_least", "blocked"])
+def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
+    """A blocked flow is known to be 0; the bounds are always known."""
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    names = ["", "a", "a", *[ALL] * DRAWS]
+    curves = [
+        pd.DataFrame({"cycle": 1, "branch": "loading", "normal_stress_MPa": [1.0, 2.0],
+                      "hydraulic_aperture_mm": [0.2, 0.1], "largest_hydraulic_mm": [0.4, 0.3],
+                      "flow_status": "flows", "source": name})
+        for name in names
+    ]  # fmt: skip
+    curves[5].loc[1, "flow_status"] = status
+    curves[5].loc[1, "hydraulic_aperture_mm"] = 0.0 if status == "blocked" else np.nan
+    band = bands_of(pd.concat(curves), sources, shares, further)
+    ends = band[[f"hydraulic_aperture_mm_{end}" for end in ("low", "high")]]
+    assert np.isfinite(ends.iloc[0]).all()
+    assert np.isfinite(ends.iloc[1]).all() == (status == "blocked")
+    assert band.largest_hydraulic_mm_high.notna().all()
+    assert band.flow_status.tolist() == ["flows", status]
+    known = band.filter(like="transmissivity").notna()
+    np.testing.assert_array_equal(known.all(axis=1), [True, status == "blocked"])
+
+
+def test_a_budget_has_results_of_all_joints_and_the_best(budget, small_joint):
+    again = uncertainty_budget(*small_joint, CONDITIONS, MODULI, workers=2)
+    pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
+    pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
+    drawn = budget.results[budget.results.source == ALL]
+    assert len(drawn) == DRAWS
+    assert drawn.value.is_unique
+    for name in QUANTITIES:
+        best, low, high, lower, higher = budget.ranges.loc[(1, name), NUMBERS]
+        assert best == budget.results[name].iloc[0]
+        assert lower <= low <= best <= high <= higher
+        assert higher - lower > high - low
+    printed = str(budget)
+    assert budget.text(1, CLOSURE) in printed
+    assert budget.sentences()[-1] in printed
+
+
+@pytest.mark.filterwarnings("ignore:All-NaN:RuntimeWarning")
+def test_a_joint_that_fails_has_unknown_results_and_no_error(small_joint):
+    load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
+    walls = [wall[:8, :8] for wall in small_joint]
+    budget = uncertainty_budget(*walls, CONDITIONS._replace(**load))
+    best = budget.results[budget.results.source == ""]
+    assert (best.status >= FAILURE).all()
+    assert best[CLOSURE].isna().all()
+
+
+def test_random_values_fill_their_ranges():
+    conditions = CONDITIONS.checked()
+    stated = {"peak_modulus_ratio": PLAUSIBLE["peak_modulus_ratio"]}
+    stated |= MODULI | {"spacing": (SPACING, 2.0 * SPACING)}
+    sources = sources_of(conditions, (20, 24), stated)
+    drawn = [v for v in variants_of(conditions, sources, 40) if v.source == ALL]
+    ratios = np.sort([v.conditions.choices.peak_modulus_ratio for v in drawn])
+    low, high = PLAUSIBLE["peak_modulus_ratio"]
+    expected = low * (high / low) ** ((np.arange(40) + 0.5) / 40)
+    np.testing.assert_allclose(ratios, expected, rtol=0.1)  # one in each part of equal probability
+    moduli = [v.conditions.rock[0].youngs_modulus for v in drawn]
+    assert 50e9 <= min(moduli) < 52e9 < 88e9 < max(moduli) <= 90e9
+    steps = [v.step for v in drawn]
+    assert [steps.count(step) for step in (1, 2)] == [20, 20]
+
+
+def test_choices_of_the_model_that_are_not_stated_are_changed_alone():
+    conditions = CONDITIONS.checked()
+    sources = sources_of(conditions, (20, 24), MODULI)
+    variants = list(variants_of(conditions, sources))
+    drawn = [v for v in variants if v.source == ALL]
+    assert {v.conditions.choices for v in drawn} == {conditions.choices}
+    assert {v.step for v in drawn} == {1}
+    assert {"spacing", *PLAUSIBLE} <= {v.source for v in variants}
+
+
+def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint):
+    results = budget.results.set_index(["source", "value"])[CLOSURE]
+    alone = {
+        ("", ""): CONDITIONS,
+        ("peak_modulus_ratio", "0.2"): CONDITIONS._replace(
+            choices=CONDITIONS.choices._replace(peak_modulus_ratio=0.2)
+        ),
+        ("breakage", "tolerance 0.02"): CONDITIONS._replace(
+            numerics=jc.Numerics(breakage="resolved")
+        ),
+        ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(
+            rock=DOLERITE._replace(youngs_modulus=50e9)
+        ),
+    }
+    for variant, conditions in alone.items():
+        closed = close_walls(*small_joint, conditions.checked())
+        assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
+    assert budget.omitted == ("registration", "poisson_ratio", "compressive_strength")
+    low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]
+    assert low < results["", ""] < high
+
+
+def test_variants_thin_out_and_copy_the_walls_themselves(small_joint):
+    upper, lower = small_joint
+    sources = sources_of(CONDITIONS, upper.shape)
+    variants = {(v.source, v.value): v for v in variants_of(CONDITIONS, sources)}
+    coarse = variants["spacing", "every 2. cell"]
+    np.testing.assert_array_equal(coarse.walls(upper, lower, None)[0], upper[::2, ::2])
+    assert coarse.conditions.spacing == 2 * SPACING
+    copied = variants[ORDER, "mirrored"]
+    np.testing.assert_array_equal(copied.walls(upper, lower, None)[1], lower[:, ::-1])
+    assert copied.conditions == CONDITIONS
+    elastic = CONDITIONS._replace(effects=jc.Effects(True, True, False, False, False))
+    assert set(sources_of(elastic, upper.shape)) == {"spacing", "base_radius_in_cells"}
+
+
+def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
+    none = np.zeros(small_joint[0].shape, bool)
+    covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
+    errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
+    sources = sources_of(CONDITIONS, none.shape, {}, errors)
+    variants = list(variants_of(CONDITIONS, sources))
+    assert len(variants) == 30
+    walls = [v.walls(*small_joint, errors)[0] for v in variants if v.source == ALL and v.step == 1]
+    assert len({wall.tobytes() for wall in walls}) == len(walls)
+    budget = uncertainty_budget(*small_joint, CONDITIONS, errors=errors)
+    assert "registration" not in budget.omitted
+    assert (budget.ranges.loc[(1, CLOSURE), ["registration", "noise", ORDER]] >= 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"strength": (1.0, 2.0)}, "'strength': must be one of"),
+        ({"youngs_modulus": (2e9, 1e9)}, "lowest value must come first"),
+        (
+            {"compressive_strength": (1e6, 2e6)},
+            "compressive_strength_MPa = 1 to 2: must contain that",
+        ),
+        ({"peak_modulus_ratio": (0.1, 0.2)}, "must contain that of the joint, 0.05"),
+        ({"youngs_modulus": (1e9,)}, "must be \\(lowest, highest\\)"),
+        ({"peak_modulus_ratio": (0.1, 2.0)}, "peak_modulus_ratio = 2.0"),
+        ({"spacing": (SPACING, 1.2 * SPACING)}, "must begin at the spacing"),
+    ],
+)
+def test_ranges_that_cannot_be_are_refused_by_name(ranges, message):
+    with pytest.raises(jc.InputError, match=message):
+        sources_of(CONDITIONS, (20, 24), ranges)
+
+
+def test_plausible_numbers_lie_about_the_usual_one():
+    usual = jc.Choices()
+    for name, ends in PLAUSIBLE.items():
+        if name != "peaks":
+            assert np.sqrt(ends[0] * ends[1]) == pytest.approx(getattr(usual, name), rel=5e-3)
+
+
+def test_choices_that_are_changed_are_those_of_the_global_sensitivity_study():
+    inputs = read_plain(ROOT / "studies/global_sensitivity/global_sensitivity.yaml")[
+        "global_sensitivity"
+    ]["inputs"]
+    studied = {
+        about["key"].removeprefix("choices."): about.get("between", about.get("values"))
+        for about in inputs.values()
+        if about["key"].startswith("choices.")
+    }
+    del studied["largest_radius_mm"]  # it has no share of the variance of a closure
+    assert set(PLAUSIBLE) == set(studied)
+    assert list(PLAUSIBLE["peaks"]) == studied["peaks"]
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.0, 1.0, 2.0, -1.0])
+def test_sources_that_do_not_add_up_count_by_what_they_do_together_and_at_most_in_full(factor):
+    """The changes of joints with random values are a multiple of the expected sums."""
+    sources = {name: Source((0.0, 1.0), "range") for name in "ab"}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    drawn, later = ((2.0 * part - 1.0).sum(axis=1) for part in (shares, further))
+    logs = [0.0, -1.0, 1.0, -1.0, 1.0, *(factor * drawn)]
+    results = pd.DataFrame(
+        {"cycle": 1, "source": ["", *"aabb", *[ALL] * DRAWS]}
+        | dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    )
+    low = float(np.log(ranges_of(results, sources, shares, further).iloc[0].low / 2.0))
+    slope = min(max(factor, 0.0), 1.0)
+    left = (factor - slope) * drawn  # what no source explains, of a further joint
+    scale = np.sqrt((DRAWS + 1) / DRAWS) * left.std(ddof=1)
+    scatter = scale * scipy.stats.t.rvs(DRAWS - 1, size=(100, later.size), random_state=1)
+    exact = np.quantile(slope * later + left.mean() + scatter, 0.05)
+    assert low == pytest.approx(min(exact, 0.0), abs=0.03)
+
+
+def test_only_what_is_uncertain_of_a_joint_is_a_source():
+    none, hole = np.zeros((20, 24), bool), np.ones((20, 24), bool)
+
+    def names(shape=(20, 24), errors=None, **changes):
+        return set(sources_of(CONDITIONS._replace(**changes), shape, {}, errors))
+
+    usual = names()
+    assert "spacing" not in names((15, 24))
+    assert "spacing" in names((16, 24))
+    exact = ScanErrors(np.zeros(3), np.zeros((3, 3)), np.zeros(2), (0.0, 0.0), none)
+    assert names(errors=exact) == usual
+    noisy = exact._replace(noise=(0.0, 1e-6))
+    moved = exact._replace(covariance=np.eye(3))
+    assert names(errors=noisy) - usual == {"noise"}
+    assert names(errors=exact._replace(holes=hole)) - usual == {"holes"}
+    assert names(errors=moved) - usual == {"registration"}
+    hard = jc.Effects(soft_peaks=False)
+    assert usual - names(effects=hard) == {"peak_modulus_ratio", "peaks"}
+    assert "breakage" not in names(numerics=jc.Numerics(solver="reference"))
+    assert "breakage" not in names(numerics=jc.Numerics(target="interpolate"))
+    for tolerance, kind in ((0.05, SHARED), (0.06, "choice")):
+        numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
+        assert sources_of(CONDITIONS._replace(numerics=numerics), (20, 24))["breakage"].kind == kind
+
+
+def test_joints_of_a_range_are_closed_at_once_as_far_as_memory_allows():
+    assert [threads_for(cells, 5) for cells in (1, 400_000, 1_000_000, 2_000_000, 10**8)] == [
+        5, 5, 2, 1, 1
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("share", "stays"), [(0.004, False), (-0.004, False), (0.006, True)])
+def test_what_stays_of_a_closure_is_stated_beyond_the_error_of_its_steps(share, stays):
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    values = dict.fromkeys(QUANTITIES, np.full(23, 0.01))
+    values["residual_closure_seated_net_mm"] = np.append(np.zeros(22), share * 0.01)
+    results = pd.DataFrame({"cycle": 2, "source": ["", "a", "a", *[ALL] * 20]} | values)
+    results = results.assign(value="", status=0)
+    budget = Budget(results, ranges_of(results, sources, shares, further), ())
+    assert (budget.text(2, "residual_closure_seated_net_mm") != "not modelled") == stays
+
+
+def test_a_joint_at_the_edge_of_the_random_ones_is_told_and_a_range_of_nothing_is_not_modelled():
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    for below, outlying in ((2, True), (3, False), (17, False), (18, True)):
+        drawn = np.where(np.arange(20) < below, 0.5, 2.0)
+        values = dict.fromkeys(QUANTITIES, np.array([1.0, 1.0, 1.0, *drawn]))
+        values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
+        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
+        results = results.assign(value="", status=0)
+        budget = Budget(results, ranges_of(results, sources, shares, further), ())
+        told = [line for line in budget.sentences() if "as registered" in line]
+        assert bool(told) == outlying
+        if told:
+            assert ("smaller" in told[0]) == (below < 10)
+        assert budget.text(1, "residual_closure_seated_net_mm") == "not modelled"
+
+
+def rows_of_steps(best, others, copies, contact=0.25):
+    """Results of a joint, of other steps, and of copies, on one cycle."""
+    rows = [("", "", best), ("breakage", "tolerance 0.04", others)]
+    rows += [(ORDER, f"copy {n}", value) for n, value in enumerate(copies)]
+    table = pd.DataFrame(rows, columns=["source", "value", budget_module.CLOSURE_NET])
+    return table.assign(cycle=1, contact_at_max=contact, stiffness_net_MPa_per_mm=1.0)
+
+
+def test_copies_with_the_changed_steps_are_compared_with_each_other_and_with_the_joint():
+    table = rows_of_steps(1.0, 1.1, [1.12, 1.08])
+    found = budget_module.numerical_errors_of(table, shared=True, cells=400)
+    closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
+    values = [1.1, 1.12, 1.08]
+    assert closure.error == numerical_error(1.0, values, [1.0, *values], 100.0, 1)
+    assert closure.scatter == scatter_of(values)
+
+
+def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():
+    table = rows_of_steps(1.0, 1.1, [1.02, 0.98])
+    found = budget_module.numerical_errors_of(table, shared=False, cells=400)
+    closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
+    assert closure.error == numerical_error(1.0, [1.1], [1.0, 1.02, 0.98], 100.0, 1)
+    assert closure.scatter == scatter_of([1.0, 1.02, 0.98])
+
+
+def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
+    for spread, unstable in ((0.1, False), (0.3, True)):
+        table = rows_of_steps(1.0, 1.0, [1.0 + spread, 1.0 - spread])
+        numerical = budget_module.numerical_errors_of(table, shared=True, cells=400)
+        budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
+        lines = budget._numerical_error(budget_module.CLOSURE_NET)
+        assert "numerical error at most" in lines[0]
+        assert any("is not stable" in line for line in lines) == unstable
