@@ -47,14 +47,11 @@ _MULTIPLIER = re.compile(r"[x×*·]\s*10|10\s*(?:\^|\*\*|[⁻⁰¹²³⁴⁵⁶�
 
 
 class Heading(NamedTuple):
-    """Name of a column in small letters, its unit, and what stands in a unit's place and is none.
+    """What the heading of a column states; empty where it states nothing."""
 
-    Without a unit, or what stands in its place, these are empty.
-    """
-
-    name: str
-    unit: str
-    unknown: str
+    name: str  # in small letters
+    unit: str  # a known one
+    unknown: str  # what stands in the place of a unit, and is none that is known
 
 
 def unit_of(text: str) -> str:

@@ -161,7 +161,10 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
 
 
 def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
-    """Return the group 0, 1 and so on (n,) of each point, evenly spaced along the curve."""
+    """Return the number (n,) of the group of each point, whose means stand for the points.
+
+    Groups are evenly spaced along the curve: in the sum of stress and closure over their ranges.
+    """
     along = np.zeros(stress.size)
     number = 0.5 * stress.size
     rising = [scipy.optimize.isotonic_regression(values).x for values in (stress, closure)]
@@ -191,7 +194,10 @@ def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
 
 
 def _line_at_end(values: np.ndarray, end: int) -> float:
-    """Return the first (0) or last (-1) value of a straight line through values (n,)."""
+    """Return the value of a straight line through values (n,) at the first (0) or last (-1) point.
+
+    It lies within the range of the values.
+    """
     number = np.arange(values.size) - 0.5 * (values.size - 1)
     slope = float(number @ values) / max(float(number @ number), 1.0)
     return float(np.clip(values.mean() + slope * number[end], values.min(), values.max()))
@@ -204,7 +210,10 @@ def _is_scattered(values: np.ndarray) -> bool:
 
 
 def _number_of_means(count: int, rise: float, scatter: float) -> float:
-    """Return how many means of ``count`` points are apart by a multiple of their error."""
+    """Return how many means of ``count`` points are apart by `_STEPS_OVER_NOISE` standard errors.
+
+    ``rise`` is the change of the values from first to last, ``scatter`` their standard deviation.
+    """
     most = 0.5 * count
     if scatter == 0.0:
         return most

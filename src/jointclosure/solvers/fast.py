@@ -98,14 +98,14 @@ class _GivenUp(Exception):
 
 
 class _PathToRest:
-    """Joint on its way to rest at a closure [m]; residual ``solved_to``, and effort."""
+    """Joint on its way to rest at a closure [m], with the effort so far."""
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint = joint
         self.closure = closure
         self.breakage_step = breakage_step
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
-        self.solved_to = np.inf
+        self.solved_to = np.inf  # residual of the present forces
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._interaction_known = True  # whether that of the joint is the interaction of its forces
         # valid until breakage changes the walls

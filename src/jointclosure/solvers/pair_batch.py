@@ -75,14 +75,14 @@ def batch_memory() -> np.ndarray:
 
 
 class Rules(NamedTuple):
-    """Tie tolerance [m], floor of curvature [1/m], `concave`, spacing [m], and what is acting."""
+    """What is the same for all pairs of a batch."""
 
-    tie_tolerance: float
-    least_curvature: float
-    concave: float
-    spacing: float
+    tie_tolerance: float  # height difference that makes no neighbour lower [m]
+    least_curvature: float  # lower bound of a wall's curvature [1/m]
+    concave: float  # see `ContactLaw`
+    spacing: float  # of the grid [m]
     gouge: bool
-    bounded: bool
+    bounded: bool  # whether strength is bounded by the base of an asperity
 
 
 @kernel
@@ -143,7 +143,7 @@ def assess(batch, n, allowed, rules):
 
 @kernel
 def least_of(drop, least):
-    """Return the smaller of a drop and the smallest so far; ignore a drop of 0."""
+    """Return the smaller of a drop and the smallest drop so far; a drop of 0 does not count."""
     return drop if 0.0 < drop < least else least
 
 
@@ -206,7 +206,7 @@ def fixed_losses(batch, n, breakage_step):
 
 @kernel
 def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
-    """Raise a neighbour of pair i by gouge: this part of its drop below the cell."""
+    """Raise a neighbour of pair i by gouge: by the share ``rate`` of its drop below the cell."""
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
     batch.heights[wall, neighbour, i] = height + rate * drop

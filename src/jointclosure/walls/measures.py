@@ -38,7 +38,7 @@ class Measure(NamedTuple):
 
 
 def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
-    """Make a measure of a value, first, and of its scatter (1 + n,)."""
+    """Return a measure from its value and the values by which it scatters, together (1 + n,)."""
     low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
     return Measure(name, float(values[0]), float(low), float(high), unit, remark)
 
@@ -93,7 +93,10 @@ def lags_of(cells: int) -> np.ndarray:
 
 
 def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
-    """Height ``lag`` cells further along an axis less that of the cell, ``order`` times."""
+    """Return differences of a wall (y, x) over ``lag`` cells along an axis, of an ``order``.
+
+    That of order 1 is the height further along the axis less the height of the cell.
+    """
     along = heights.T if axis == "x" else heights
     for _ in range(order):
         along = along[lag:] - along[:-lag]
@@ -212,7 +215,7 @@ def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dict[str, np.ndarray]:
-    """Return means of all fields: (1 + resamples,), those of the whole wall first."""
+    """Return means of local quantities, and of resamples of their tiles: (1 + resamples,)."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns

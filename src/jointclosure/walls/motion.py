@@ -137,7 +137,11 @@ def flip_about_middle(points: np.ndarray, flip: np.ndarray) -> Motion:
 
 
 def laid_on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Lay nodes of a grid on those of another, one at ``low`` (x, y), if within ``most`` [m]."""
+    """Displace a motion so that nodes of the moved grid lie on those of another one.
+
+    That has a node at ``low`` (x, y) [m]. The motion is returned as it is if the grids are turned
+    against each other, or a corner would move by more than ``most`` [m].
+    """
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
         return motion

@@ -35,7 +35,10 @@ _RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
 
 
 def inspected(scan: Scan | Cloud) -> Scan | Cloud:
-    """Undo defects of a scan, also plateaus, with a warning of each; points lack a grid."""
+    """Undo the defects of a scan that its heights show, with a warning of each.
+
+    Those of profiles, blocks and rims are found in grids only; plateaus also in points.
+    """
     if isinstance(scan, Scan):
         for undo in (without_blocks, with_profiles_in_line, without_rim):
             scan = undo(scan)
@@ -44,7 +47,9 @@ def inspected(scan: Scan | Cloud) -> Scan | Cloud:
 
 
 def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Undo defects of scans that lie on each other; of grids the cells are kept that all have.
+    """Undo the defects of scans whose cells lie on each other, so that they still do.
+
+    Of grids the cells are kept that all have afterwards.
 
     Raises
     ------
@@ -268,7 +273,7 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
 
 
 def without_smooth_patches(scan: Scan) -> Scan:
-    """Treat patches without short waves as missing, as fills of holes that no wall has."""
+    """Treat patches without short waves as missing: they are filled holes, which no wall has."""
     heights = scan.heights
     around = np.pad(heights, 1, constant_values=np.nan)
     bend = np.diff(around[:, 1:-1], 2, axis=0) ** 2 + np.diff(around[1:-1], 2, axis=1) ** 2

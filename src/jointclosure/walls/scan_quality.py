@@ -64,7 +64,11 @@ class Rounding(NamedTuple):
 
 
 def step_of(values: np.ndarray) -> float:
-    """Return the step of which all differences of values (n,) are multiples; 0 if continuous."""
+    """Return the step of which all differences of values (n,) are multiples; 0 if there is none.
+
+    It is found as by Euclid's algorithm: the smallest difference, then the smallest remainder of
+    the others, until none is left but rounding.
+    """
     levels = np.unique(values[np.isfinite(values)])
     if len(levels) < 3:
         return 0.0
@@ -335,7 +339,10 @@ def lost_waves(wave: float, spacing: float) -> Caution:
 
 
 def _error_caution(about: str, square: float, excess: float, spacing: float) -> Caution:
-    """Describe the rms slope and JRC with and without an excess of squared differences [m^2]."""
+    """Warn of an error that raises the rms slope and the JRC, with their values.
+
+    ``square`` are mean squared differences of neighbours [m^2], ``excess`` the part by the error.
+    """
     relation = RELATIONS[DEFAULT_RELATION]
     slopes = [math.sqrt(max(part, 0.0)) / spacing for part in (square, square - excess)]
     jrcs = [relation.jrc(slope) for slope in slopes]
@@ -382,7 +389,10 @@ def noise_of_points(cloud: Cloud) -> float:
 def _means_by_distance(
     apart: np.ndarray, squares: np.ndarray, edges: np.ndarray, most: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean distances and squares between edges, where there are at least so many."""
+    """Return means of distances and of squares (n,) in bins, given the edges of the bins.
+
+    Bins with fewer than ``most`` values are left out.
+    """
     place = np.digitize(apart, edges)
     count = np.bincount(place, minlength=len(edges) + 1)
     kept = count >= most

@@ -107,7 +107,10 @@ def reading_as(title: str) -> Iterator[None]:
 
 
 def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
-    """Return units in which a wall with sides in the file's units is usual, and words on them."""
+    """Return the units in which a wall of these sides is usual, and words on it for messages.
+
+    ``sides`` (x, y) are in the units of the file; without them any unit is usual.
+    """
     if sides is None:
         return [*UNITS], ""
     smallest, largest, _ = USUAL["side_of_scan"]
@@ -155,7 +158,7 @@ def agreed(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
 
 
 def unit_ratio(units: str | None, target: str | None) -> float:
-    """Return a unit over another one, 1 if one is not stated."""
+    """Return the factor from a unit of length to another; 1 if one of them is not stated."""
     return size_of(units) / size_of(target) if units and target and units != target else 1.0
 
 
@@ -301,7 +304,7 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
-    """Return the spacing (dy, dx) [m] that a file states, NaN where not, or the caller."""
+    """Return the spacing (dy, dx) [m] as the file states it, else as the caller does."""
     unstated = np.isnan(stated)
     if spacing is None and unstated.any():
         axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)

@@ -219,7 +219,10 @@ def _loaded(name: str, array: Array) -> np.ndarray:
 
 
 def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
-    """Return the stated array of a file, otherwise the only one over (y, x) that is no place."""
+    """Return the name of the array with heights: as stated, else the only one over (y, x).
+
+    Arrays named x or y are places, not heights.
+    """
     if variable is not None:
         check_one_of("variable", variable, tuple(arrays))
         return variable

@@ -33,13 +33,13 @@ LEAST_COLUMNS = 12  # of a matrix without names; points with colours have ten
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing; units of columns, names or none, the header."""
+    """Table of numbers in a text file."""
 
-    values: np.ndarray
-    names: list[str]
-    units: list[str | None]
+    values: np.ndarray  # (rows, columns), NaN where missing
+    names: list[str]  # of the columns, or none
+    units: list[str | None]  # of the columns, by a line of units; None where it has none
     remarks: tuple[str, ...]
-    header: Header = Header()
+    header: Header = Header()  # statements of the other lines
 
 
 class _Form(NamedTuple):
