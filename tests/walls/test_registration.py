@@ -16,7 +16,7 @@ from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.walls import motion
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
-from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
+from jointclosure.walls.outliers import remove_plateaus, spikes, without_spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
@@ -254,7 +254,7 @@ def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_conta
 def test_a_flat_and_a_stepped_wall_keep_their_heights(joint):
     steps = np.indices(SHAPE)[1] // 12 * 1e-4
     for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
-        assert np.isfinite(without_plateaus(grid(wall)).heights).all()
+        assert np.isfinite(remove_plateaus(grid(wall)).heights).all()
 
 
 def test_what_the_other_scan_did_not_see_is_left_out_with_the_hole_beside_it(walls):

@@ -19,7 +19,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.logs import LEAST_POINTS, exceeding
+from jointclosure.measured.logs import LEAST_POINTS, exceeds_former
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
 from jointclosure.statistics.two_level import Interval
 
@@ -176,7 +176,7 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
             f"cycles; they meet at line {lines}"
         )
     plain = [b for c in curve.cycles for b in curve.ascending(c).values() if not b.averaged]
-    if passed_over := sum(int((~exceeding(branch.stress)).sum()) for branch in plain):
+    if passed_over := sum(int((~exceeds_former(branch.stress)).sum()) for branch in plain):
         sentences.append(caution(
             f"{passed_over} of {curve.stress.size} measured points do not exceed all stresses "
             "before them on their branch and are not read, which biases readings if stresses "

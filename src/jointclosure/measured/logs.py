@@ -54,7 +54,7 @@ class Branch(NamedTuple):
         return bool((self.points > 1).any())
 
 
-def exceeding(values: np.ndarray) -> np.ndarray:
+def exceeds_former(values: np.ndarray) -> np.ndarray:
     """Return which of the values (n,) of a branch exceed all former ones."""
     return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: values.size]
 
@@ -84,7 +84,7 @@ def smoothed(stress: np.ndarray) -> np.ndarray:
     return stress if width < 3 else scipy.ndimage.uniform_filter1d(stress, width, mode="nearest")
 
 
-def top_of(stress: np.ndarray) -> int:
+def place_of_largest(stress: np.ndarray) -> int:
     """Return the number of the point where stresses (n,) are largest, apart from scatter."""
     return int(np.argmax(smoothed(stress)))
 
@@ -205,7 +205,7 @@ def _line_at_end(values: np.ndarray, end: int) -> float:
 
 def _is_scattered(values: np.ndarray) -> bool:
     """Return whether many of the values (n,) of a branch do not exceed all former ones."""
-    falls = int((~exceeding(values)).sum())
+    falls = int((~exceeds_former(values)).sum())
     return falls >= _NOT_RISING * LEAST_POINTS and falls >= _NOT_RISING * values.size
 
 

@@ -142,13 +142,13 @@ def assess(batch, n, allowed, rules):
 
 
 @kernel
-def least_of(drop, least):
+def smaller_drop(drop, least):
     """Return the smaller of a drop and the smallest drop so far; a drop of 0 does not count."""
     return drop if 0.0 < drop < least else least
 
 
 @kernel
-def drop_to(batch, wall, neighbour, i, tie_tolerance):
+def drop_of_neighbour(batch, wall, neighbour, i, tie_tolerance):
     """Return the drop from the cell of pair i to a neighbour [m], 0 if it is not lower."""
     here = batch.heights[wall, CENTRE, i]
     return fall(here, batch.heights[wall, neighbour, i], tie_tolerance)
@@ -158,22 +158,22 @@ def drop_to(batch, wall, neighbour, i, tie_tolerance):
 def measure_drops(batch, n, wall, tie_tolerance):
     """Compute sum and smallest of drops to lower neighbours (`mechanics.gouge.drops`)."""
     for i in range(n):
-        a = drop_to(batch, wall, 0, i, tie_tolerance)
-        b = drop_to(batch, wall, 1, i, tie_tolerance)
-        c = drop_to(batch, wall, 2, i, tie_tolerance)
-        d = drop_to(batch, wall, 3, i, tie_tolerance)
-        e = drop_to(batch, wall, 5, i, tie_tolerance)
-        f = drop_to(batch, wall, 6, i, tie_tolerance)
-        g = drop_to(batch, wall, 7, i, tie_tolerance)
-        h = drop_to(batch, wall, 8, i, tie_tolerance)
-        least = least_of(a, math.inf)
-        least = least_of(b, least)
-        least = least_of(c, least)
-        least = least_of(d, least)
-        least = least_of(e, least)
-        least = least_of(f, least)
-        least = least_of(g, least)
-        batch.least_drop[wall, i] = least_of(h, least)
+        a = drop_of_neighbour(batch, wall, 0, i, tie_tolerance)
+        b = drop_of_neighbour(batch, wall, 1, i, tie_tolerance)
+        c = drop_of_neighbour(batch, wall, 2, i, tie_tolerance)
+        d = drop_of_neighbour(batch, wall, 3, i, tie_tolerance)
+        e = drop_of_neighbour(batch, wall, 5, i, tie_tolerance)
+        f = drop_of_neighbour(batch, wall, 6, i, tie_tolerance)
+        g = drop_of_neighbour(batch, wall, 7, i, tie_tolerance)
+        h = drop_of_neighbour(batch, wall, 8, i, tie_tolerance)
+        least = smaller_drop(a, math.inf)
+        least = smaller_drop(b, least)
+        least = smaller_drop(c, least)
+        least = smaller_drop(d, least)
+        least = smaller_drop(e, least)
+        least = smaller_drop(f, least)
+        least = smaller_drop(g, least)
+        batch.least_drop[wall, i] = smaller_drop(h, least)
         batch.total_drop[wall, i] = ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
@@ -205,7 +205,7 @@ def fixed_losses(batch, n, breakage_step):
 
 
 @kernel
-def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
+def raise_neighbour(batch, wall, neighbour, i, rate, tie_tolerance):
     """Raise a neighbour of pair i by gouge: by the share ``rate`` of its drop below the cell."""
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
@@ -225,14 +225,14 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
             cut = least / (total + least)
             rate = full if full < cut else cut
             rate = rate if loss > 0.0 else 0.0
-            raise_to(batch, wall, 0, i, rate, tie_tolerance)
-            raise_to(batch, wall, 1, i, rate, tie_tolerance)
-            raise_to(batch, wall, 2, i, rate, tie_tolerance)
-            raise_to(batch, wall, 3, i, rate, tie_tolerance)
-            raise_to(batch, wall, 5, i, rate, tie_tolerance)
-            raise_to(batch, wall, 6, i, rate, tie_tolerance)
-            raise_to(batch, wall, 7, i, rate, tie_tolerance)
-            raise_to(batch, wall, 8, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 0, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 1, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 2, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 3, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 5, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 6, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 7, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 8, i, rate, tie_tolerance)
             loss = rate * total if rate > 0.0 else 0.0
         batch.heights[wall, CENTRE, i] = here - loss
 

@@ -62,7 +62,7 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
         return scan.points
     listed = np.isfinite(scan.heights)
     if missing:
-        listed = np.logical_and.outer(*(between(listed.any(axis=axis)) for axis in (1, 0)))
+        listed = np.logical_and.outer(*(between_known(listed.any(axis=axis)) for axis in (1, 0)))
     y, x = np.nonzero(listed)
     y0, x0 = scan.origin or (0.0, 0.0)
     return np.column_stack(
@@ -70,7 +70,7 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     )
 
 
-def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
+def between_known(known: np.ndarray, axis: int = 0) -> np.ndarray:
     """Return which places (bool) lie between the first and the last known one along an axis."""
     after = np.logical_or.accumulate(known, axis)
     return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
@@ -78,7 +78,7 @@ def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
 
 def gaps(known: np.ndarray) -> np.ndarray:
     """Return which unknown cells (y, x) lie between known ones of their row or their column."""
-    return (between(known, 0) | between(known, 1)) & ~known
+    return (between_known(known, 0) | between_known(known, 1)) & ~known
 
 
 def _closed_gaps(known: np.ndarray) -> np.ndarray:
@@ -96,11 +96,11 @@ def holes(known: np.ndarray) -> np.ndarray:
     They are the `gaps` of three cells or more in both directions, and unknown cells between known
     ones of their row and of their column that are in no gap of one or two cells.
     """
-    inside = between(known, 0) & between(known, 1) & ~(known | _closed_gaps(known))
+    inside = between_known(known, 0) & between_known(known, 1) & ~(known | _closed_gaps(known))
     return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
 
 
-def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
+def fill_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
     """Fill gaps of one or two cells in a wall (y, x), except in holes, by linear interpolation."""
     known = np.isfinite(wall)
     dropouts = _closed_gaps(known) & ~(known | hole)

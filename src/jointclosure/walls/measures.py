@@ -72,8 +72,10 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     first = scatter["H by first differences"]
     add("H by first differences", first, remark=f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        found = slope_at(relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0])
-        jrc, remark = jrc_by(relation, *found)
+        found = slope_over_interval(
+            relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0]
+        )
+        jrc, remark = jrc_of_relation(relation, *found)
         add(f"JRC, {name}", jrc, remark=remark)
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
@@ -138,12 +140,12 @@ def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]
     along_x = rms["second_x"] ** 2
     along_y = rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
-        scaling[name] = hurst_by(distances, values)
+        scaling[name] = hurst_of_squares(distances, values)
     first = rms["x"] ** 2 + rms["y"] ** 2
-    return scaling | {"H by first differences": hurst_by(distances, first)}
+    return scaling | {"H by first differences": hurst_of_squares(distances, first)}
 
 
-def hurst_by(distances: np.ndarray, squares: np.ndarray) -> float:
+def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
     """Return the Hurst exponent: half the slope of log mean squares over log distances (n,).
 
     The shortest distance is left out.
@@ -248,7 +250,7 @@ def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
     return float(np.mean(jrcs)) if jrcs else float("nan")
 
 
-def slope_at(
+def slope_over_interval(
     interval: float,
     scatter: dict[str, np.ndarray],
     slope: np.ndarray,
@@ -267,8 +269,11 @@ def slope_at(
     return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by H"
 
 
-def jrc_by(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
-    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark (`slope_at`)."""
+def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
+    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark.
+
+    ``how`` tells how the slopes were found (`slope_over_interval`).
+    """
     jrc = relation.jrc(slope)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
     remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"

@@ -164,7 +164,7 @@ def moved_heights(
     are found.
     """
     holes = gridding.holes(np.isfinite(scan.heights))
-    whole = gridding.without_dropouts(scan.heights, holes)
+    whole = gridding.fill_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
     spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
     first = np.array(scan.origin or (0.0, 0.0))

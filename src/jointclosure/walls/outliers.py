@@ -121,7 +121,7 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
     )
 
 
-def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
+def remove_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     """Remove plateaus and planes that no rough wall has, with a warning.
 
     Where they are most of the scan, its wall is flat or stepped, and they are kept.

@@ -70,7 +70,7 @@ def overlap_of(
             wall = at(nodes) - common
         scattered = np.isfinite(cloud[:, 2]).all() and at is None
         hole = _hole_cells(wall, gridding.REACH * distance / spacing if scattered else 0.0)
-        walls.append(np.where(hole, np.nan, gridding.without_dropouts(wall, hole)))
+        walls.append(np.where(hole, np.nan, gridding.fill_dropouts(wall, hole)))
         holes.append(hole)
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))

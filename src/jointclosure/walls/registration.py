@@ -31,7 +31,7 @@ from jointclosure.walls.outliers import without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
+from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
     MOVED,
     noise_of_scan,
@@ -151,7 +151,7 @@ class RegisteredPair(NamedTuple):
             offset, covariance, middle, noise, fine.holes,
             walls=walls if self.fine else None, step=fine.step,
             waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)),
-            scale=relative if differs(relative, error) else 1.0,
+            scale=relative if scales_differ(relative, error) else 1.0,
         )  # fmt: skip
 
 
@@ -247,7 +247,7 @@ def registered(
         fine=fine, waves=waves, rounding=_rounding_of_sum(prepared),
         scan_noise=tuple((side, *noise_of_scan(scan)) for side, scan in prepared.measured.items()),
     )  # fmt: skip
-    if not flat and differs(*(scale := scale_of(*walls))):
+    if not flat and scales_differ(*(scale := scale_of(*walls))):
         report.append(_scale_caution(*scale))
     contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), spacing)
     if not unusual_values:

@@ -12,7 +12,7 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.walls.gridding import Cloud, Scan
-from jointclosure.walls.outliers import without_plateaus
+from jointclosure.walls.outliers import remove_plateaus
 from jointclosure.walls.scan_quality import step_of
 
 LARGEST_BLOCK = 4  # cells along a side of blocks of equal heights that are looked for
@@ -40,10 +40,10 @@ def inspected(scan: Scan | Cloud) -> Scan | Cloud:
     Those of profiles, blocks and rims are found in grids only; plateaus also in points.
     """
     if isinstance(scan, Scan):
-        for undo in (without_blocks, with_profiles_in_line, without_rim):
+        for undo in (merge_equal_blocks, align_profiles, cut_rim):
             scan = undo(scan)
-    scan = without_plateaus(scan)
-    return without_smooth_patches(scan) if isinstance(scan, Scan) else scan
+    scan = remove_plateaus(scan)
+    return mask_smooth_patches(scan) if isinstance(scan, Scan) else scan
 
 
 def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
@@ -90,7 +90,7 @@ def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cl
     return kept
 
 
-def without_blocks(scan: Scan) -> Scan:
+def merge_equal_blocks(scan: Scan) -> Scan:
     """Take one height of each block of n x n equal ones, at its middle: it was measured once."""
     heights = scan.heights
     for size in range(LARGEST_BLOCK, 1, -1):
@@ -133,7 +133,7 @@ def _first_of_blocks(heights: np.ndarray, axis: int, size: int) -> int | None:
     return (between + 1) % size
 
 
-def with_profiles_in_line(scan: Scan) -> Scan:
+def align_profiles(scan: Scan) -> Scan:
     """Move profiles back that lie whole cells aside of their neighbours, as after lost steps."""
     for axis, name in ((0, "rows"), (1, "columns")):
         heights = scan.heights if axis == 0 else scan.heights.T
@@ -220,7 +220,7 @@ def _clear_shifts(
     return shifts, scores
 
 
-def without_rim(scan: Scan) -> Scan:
+def cut_rim(scan: Scan) -> Scan:
     """Cut profiles at the edges whose mean height differs from the wall's by a sharp step."""
     cuts = []
     for axis in (0, 1):
@@ -272,7 +272,7 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
     return int(max(ends, default=0)) + (1 if ends else 0)
 
 
-def without_smooth_patches(scan: Scan) -> Scan:
+def mask_smooth_patches(scan: Scan) -> Scan:
     """Treat patches without short waves as missing: they are filled holes, which no wall has."""
     heights = scan.heights
     around = np.pad(heights, 1, constant_values=np.nan)

@@ -143,7 +143,7 @@ def settled(
     return units
 
 
-def agreed(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
+def agreed_spacing(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
     """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
     units = next((each.units for each in statements if each.units), None)
     stated = [each.spacing * unit_ratio(each.units, units) for each in statements]
@@ -286,7 +286,7 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
             remarks = (*remarks, f"{empty} points without a height were left out")
         return Cloud(known * np.array([across, across, height]), remarks)
     steps = _spacing(stated * across, spacing)
-    agreed([Statement("the grid", np.array(steps) / across, lengths), *contents.stated])
+    agreed_spacing([Statement("the grid", np.array(steps) / across, lengths), *contents.stated])
     y, x = contents.origin
     origin = None if np.isnan(y + x) else (y * across, x * across)
     heights = real(contents.heights)

@@ -19,7 +19,7 @@ from jointclosure.walls.scans.contents import (
     VARIABLE,
     Contents,
     Statement,
-    agreed,
+    agreed_spacing,
     check_array,
     listing,
     reading_as,
@@ -120,7 +120,7 @@ def grid_of(
         if len(step) > 1 or not 0.0 < step[0] < math.inf:
             raise InputError(f"{key} = {listing(step)}: must be one number, positive and finite")
         statements.append(Statement(key, step * _NUMBERS[kinds[key]], beside[key].units))
-    spacing, length_units = agreed(
+    spacing, length_units = agreed_spacing(
         statements + header.statements(np.shape(np.asarray(contents.heights)))
     )
     length_units = same_units(name, length_units, header.length_units)
@@ -363,7 +363,7 @@ def read_esri(path: Path) -> Contents:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
     stated = [Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
-    dy, dx = agreed(stated)[0].tolist()
+    dy, dx = agreed_spacing(stated)[0].tolist()
     if math.isnan(dy + dx):
         raise InputError("its header lacks cellsize, or both dx and dy")
     shape = int(head["nrows"]), int(head["ncols"])

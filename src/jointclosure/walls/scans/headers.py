@@ -10,7 +10,7 @@ from jointclosure.inputs import SPELT, InputError
 from jointclosure.walls.scans.contents import (
     Contents,
     Statement,
-    agreed,
+    agreed_spacing,
     same_units,
     split_name,
     unit_in,
@@ -74,7 +74,7 @@ class Header(NamedTuple):
 
     def spacing(self, shape: tuple[int, ...]) -> tuple[tuple[float, float], str | None]:
         """Return the spacing (dy, dx) of a matrix (y, x) and its units."""
-        (dy, dx), units = agreed(self.statements(shape))
+        (dy, dx), units = agreed_spacing(self.statements(shape))
         dy, dx = (other if np.isnan(step) else step for step, other in ((dy, dx), (dx, dy)))
         return (float(dy), float(dx)), units or self.length_units
 
