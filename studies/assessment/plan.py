@@ -92,7 +92,8 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     if section is None:
         return None
     of_rocks = {rock: base_case(study, rock).conditions for rock in study.rocks}
-    whole, seconds = study_seconds(study), seconds_by_paper(study)
+    whole = study_seconds(study)
+    seconds = seconds_by_paper(study)
     allowed = section.share * whole / seconds  # in joints by the paper's steps
     most = FEWEST if study.study.accuracy else min(section.joints, study.study.realizations)
     again = study.flow or study.effects.auto is not None
@@ -104,10 +105,12 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     scopes = list(_scopes(max(of_rocks.values(), key=lambda given: len(_ladder_of(given)))))
     for scope in scopes:
         if FEWEST * sum(costs(scope)) <= allowed:
-            rocks, joints = list(of_rocks), min(most, int(allowed / (sum(costs(scope)) or 1.0)))
+            rocks = list(of_rocks)
+            joints = min(most, int(allowed / (sum(costs(scope)) or 1.0)))
             break
     else:
-        scope, joints = scopes[-1], FEWEST
+        scope = scopes[-1]
+        joints = FEWEST
         of_each = costs(scope)
         fitting = [n for n in range(1, len(of_each)) if joints * sum(of_each[:n]) <= allowed]
         rocks = list(of_rocks)[: max(fitting, default=1)]

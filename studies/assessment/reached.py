@@ -141,7 +141,8 @@ def _rows(
     for place in range(pairs[0][0].closures.shape[1]):
         changes = []
         for own, best, _ in pairs:
-            one, two = own.closures[:, place], best.closures[:, place]
+            one = own.closures[:, place]
+            two = best.closures[:, place]
             known = np.isfinite(one) & np.isfinite(two)
             changes.append((one - two)[known] / two[known].mean() if known.any() else one[known])
         samples = np.concatenate(changes)
@@ -165,7 +166,8 @@ def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
     """Return the relative change of a mean (n,) from that of other joints (m,); 0 from itself."""
     if over is under:
         return Estimate(0.0, 0.0)
-    one, two = _mean(over), _mean(under)
+    one = _mean(over)
+    two = _mean(under)
     ratio = one.value / two.value
     errors = (estimate.standard_error / estimate.value for estimate in (one, two))
     return Estimate(ratio - 1.0, ratio * math.hypot(*errors))

@@ -79,7 +79,8 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
 
     Errors are signed, against the finest setting, with their 95 % intervals.
     """
-    assessment, percent = tables["assessment"], 100.0 * settings["within"]
+    assessment = tables["assessment"]
+    percent = 100.0 * settings["within"]
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
@@ -154,7 +155,8 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 @styled
 def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
-    hardness, within = tables["hardness"], settings["within"]
+    hardness = tables["hardness"]
+    within = settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
     rocks = [settings["titles"][name] for name in dict.fromkeys(hardness.rock)]
@@ -192,7 +194,8 @@ _VALUES = ["value", "low", "high"]
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
-    section, jobs = study.section(AssessmentSection), {}
+    section = study.section(AssessmentSection)
+    jobs = {}
     for number, case in enumerate(_conditions(study, section)):
         settings = settings_of(study, case)
         count = section.joints

@@ -260,7 +260,8 @@ def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
     table.to_csv(tmp_path / "table.csv", index=False)
     again = pd.read_csv(tmp_path / "table.csv")
     for draw in (effects_panel, lambda one: accuracy_panel(one, 0.05)):
-        drawn, same = draw(table).axes[0], draw(again).axes[0]
+        drawn = draw(table).axes[0]
+        same = draw(again).axes[0]
         assert len(drawn.containers) == len(same.containers)
 
 

@@ -35,7 +35,8 @@ def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
     assert row.samples.item() == 4
     at = {"cycle": 1, "branch": "loading", "stress": 1e6}
     good = ensemble.isel(realization=[0, 1, 2, 4]).sel(at)
-    net, aperture = good.closure - good.bulk_indentation, good.mean_aperture
+    net = good.closure - good.bulk_indentation
+    aperture = good.mean_aperture
     expected = {"closure_gross": good.closure, "closure_net": net, "mean_aperture": aperture}
     for name, values in expected.items():
         assert row[f"{name}_mm_mean"].item() == pytest.approx(1e3 * values.values.mean())
@@ -49,7 +50,8 @@ def test_stiffness_is_that_of_single_joints_and_its_mean_that_of_the_mean_curve(
     walls = [jc.wall_pair(8.0, (16, 16), SPACING, seed, roll_off=None) for seed in range(2)]
     finely = {"numerics": jc.Numerics(curve_points=60)}
     joints = jc.simulate_ensemble(walls, stress_points=31, workers=1, **rock, **finely)
-    table, name = band_table(joints), "normal_stiffness_net_MPa_per_mm"
+    table = band_table(joints)
+    name = "normal_stiffness_net_MPa_per_mm"
     single = [jc.simulate(*pair, **rock, **finely) for pair in walls]
     one, other = (stress_table(joint, joints.stress.values)[name].to_numpy() for joint in single)
     inside = table.stress_MPa.between(0.5, 1.2).to_numpy()

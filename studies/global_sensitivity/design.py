@@ -54,7 +54,8 @@ class Sampling(NamedTuple):
 
     def blocks(self) -> list[range]:
         """Return the rows of each job."""
-        rows, step = self.section.rows, self.section.rows_per_job
+        rows = self.section.rows
+        step = self.section.rows_per_job
         return [range(i, min(i + step, rows)) for i in range(0, rows, step)]
 
 
@@ -70,7 +71,8 @@ def sampling_of(study: Configuration) -> Sampling:
 
 def check_sampling(study: Configuration) -> None:
     """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
-    sampling, keys = sampling_of(study), study.stated
+    sampling = sampling_of(study)
+    keys = study.stated
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))
 
@@ -118,7 +120,8 @@ def settings_of_rock(
     sampling: Sampling, study: Configuration, rock: str
 ) -> Callable[[int, np.ndarray], ClosureSettings]:
     """Return a maker of the settings of a rock's base case, from a row and a point (d,)."""
-    alone, keys = _alone(rock), study.stated
+    alone = _alone(rock)
+    keys = study.stated
     plain = overlaid(keys, alone) | {
         "rocks": {rock: overlaid(keys["rocks"][rock], alone["rocks"][rock])}
     }

@@ -30,7 +30,8 @@ from studies.paper.layout import figure_text
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:
     """Make a job for each rock and block of rows; added rows change no earlier block."""
-    sampling, jobs = sampling_of(study), {}
+    sampling = sampling_of(study)
+    jobs = {}
     for rock in sampling.rocks:
         settings = settings_of_rock(sampling, study, rock)
         for rows in sampling.blocks():

@@ -46,7 +46,8 @@ WALLS = f"{__name__}:misaligned"
 
 def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
     """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
-    grid, surface = settings.grid, settings.surface
+    grid = settings.grid
+    surface = settings.surface
     wavelength = surface.mismatch_wavelength
     for seed in seeds_of(settings):
         upper, lower = rotated_pair(
@@ -98,7 +99,8 @@ def rotated_pair(
 
 def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
     """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
-    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    cosine = np.cos(np.deg2rad(degrees))
+    sine = np.sin(np.deg2rad(degrees))
     middle = 0.5 * (n - 1)
     about = np.arange(n) - middle
     wave_y, wave_x = wave_numbers(2 * n, 2 * n)
@@ -143,14 +145,18 @@ def summary(
     """
     others = [name for name in (*by, "cycle") if name not in reference]
     here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)
-    bases, rows = dict(list(joints[here].groupby(others))), []
+    bases = dict(list(joints[here].groupby(others)))
+    rows = []
     for at, part in grouped(joints, *by, "cycle"):
         base = bases[tuple(part[others].iloc[0])]
         for name in names:
-            values, before = part[name].to_numpy(), base[name].to_numpy()
+            values = part[name].to_numpy()
+            before = base[name].to_numpy()
             both = np.isfinite(values) & np.isfinite(before)
-            values, before = values[both], before[both]
-            mean, harmonic = mean_shown(name, values), QUANTITIES[name].harmonic
+            values = values[both]
+            before = before[both]
+            mean = mean_shown(name, values)
+            harmonic = QUANTITIES[name].harmonic
             ratio = ratio_of_means(*((1 / before, 1 / values) if harmonic else (values, before)))
             row = {"response": name, "value": mean.value, "error": mean.standard_error}
             row["change_percent"] = 100.0 * (ratio.value - 1.0)

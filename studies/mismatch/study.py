@@ -35,9 +35,11 @@ RESAMPLES = 2000
 
 def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
-    section, jobs = study.section(MismatchSection), {}
+    section = study.section(MismatchSection)
+    jobs = {}
     for rock, name, wavelength, settings in at_wavelengths(study, section.wavelength):
-        surface, points = settings.surface, []
+        surface = settings.surface
+        points = []
         for shift in section.shift_in_cells if np.isfinite(wavelength) else (0,):
             at = {"rock": rock, "wavelength": wavelength}
             at["shift"] = study.grid.spacing * shift
@@ -89,7 +91,8 @@ def find_independence(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
     ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
     ``apertures``: over the mean aperture of independent walls at seating. Means are isotonic.
     """
-    tolerance, root_seed = settings["tolerance"], settings["root_seed"]
+    tolerance = settings["tolerance"]
+    root_seed = settings["root_seed"]
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]
     tail = 0.5 - 0.5 * CONFIDENCE

@@ -43,8 +43,10 @@ class SizeSection(StudySection):
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
         """Generate sizes that do not fit into one another, and walls that cannot be closed."""
-        grid, surface = configuration.grid, configuration.surface
-        finest, largest = self.spacing[0], self.patch[-1]
+        grid = configuration.grid
+        surface = configuration.surface
+        finest = self.spacing[0]
+        largest = self.patch[-1]
         for spacing in self.spacing:
             if not _whole(spacing / finest):
                 yield f"size.spacing_mm = {1e3 * spacing:g}: must be a multiple of {1e3 * finest:g}"

@@ -126,7 +126,8 @@ def test_a_number_that_is_only_reported_hides_no_other_beyond_its_limit():
 
 def test_influence_agrees_near_and_far_and_with_the_printed_form():
     table = oracle.influence((3, 40), 1.0, 0.5, 1.0)
-    zeta, r = np.arange(1.0, 40.0), 0.5
+    zeta = np.arange(1.0, 40.0)
+    r = 0.5
     bracket = (2 * r**2 - zeta**2) * np.arcsin(r / zeta) + r * np.sqrt(zeta**2 - r**2)
     np.testing.assert_allclose(table[0, 1:], 3 / (4 * np.pi * r**3) * bracket, rtol=1e-9)
     np.testing.assert_allclose(

@@ -61,7 +61,8 @@ def oracle_ratio(joint: SimulatedJoint) -> float:
 
     NaN for more cells in contact than it can judge, and where breakage passed the maximum.
     """
-    closed, given = joint.closed, joint.conditions
+    closed = joint.closed
+    given = joint.conditions
     loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
     if not loaded.sizes["snapshot"]:
         return np.nan

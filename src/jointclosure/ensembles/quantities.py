@@ -80,7 +80,8 @@ def _history(
 ) -> Quantity:
     """Make a quantity of a variable of a history, read as it is unless by another rule."""
     further = dict(ATTRIBUTES[name])
-    title, unit = further.pop("long_name"), further.pop("units", "1")
+    title = further.pop("long_name")
+    unit = further.pop("units", "1")
     rule = rule or (lambda joint: joint.closed[name].values)
     return Quantity(title, unit, dims, rule, symbol, further)
 
@@ -129,10 +130,12 @@ def _largest_jump(joint: SimulatedJoint) -> float:
     for cycle in range(1, joint.closed.max_closure.size + 1):
         loading = joint.history.branch(cycle, LOADING).steps
         curve = joint.closed.isel(step=loading)
-        closure, stress = curve.closure.values, np.append(curve.normal_stress.values, np.inf)
+        closure = curve.closure.values
+        stress = np.append(curve.normal_stress.values, np.inf)
         reached = np.maximum.accumulate(stress)
         before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
-        low, high = stress[beyond - 1], stress[beyond]
+        low = stress[beyond - 1]
+        high = stress[beyond]
         share = (reached[:-1] - low) / (high - low)
         end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
         closed = closure[-1] - closure[0]
