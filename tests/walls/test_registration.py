@@ -16,7 +16,7 @@ from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.walls import motion
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
-from jointclosure.walls.outliers import remove_plateaus, spikes, without_spikes
+from jointclosure.walls.outliers import remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
@@ -422,10 +422,10 @@ def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
     spiked[30, 31] += 2e-3
     spiked[60, 20] -= 2e-3
     spiked[60, 21] -= 2.2e-3  # two beside each other
-    left, about = without_spikes(grid(spiked))
+    left, about = remove_spikes(grid(spiked))
     np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
     assert about.startswith("3 of 4608 points are spikes")
-    cloud, about_cloud = without_spikes(Cloud(points_of(grid(spiked))))
+    cloud, about_cloud = remove_spikes(Cloud(points_of(grid(spiked))))
     assert len(cloud.points) == wall.size - 3
     assert about_cloud == about
 

@@ -102,7 +102,7 @@ def spikes(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
+def remove_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
     """Remove the spikes of a scan, and describe them.
 
     Cells of a grid become missing. The text is empty if there are none.

@@ -27,7 +27,7 @@ from jointclosure.walls.motion import (
     refined_motion,
     surface_of,
 )
-from jointclosure.walls.outliers import without_spikes
+from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_defects import inspected
@@ -187,7 +187,7 @@ def registered(
         default. Walls that do not mate stay as scanned; they need their orientation.
     spikes : {"keep", "cut"}
         Whether to leave out points that differ from all but one of their neighbours
-        (`jointclosure.walls.outliers.without_spikes`).
+        (`jointclosure.walls.outliers.remove_spikes`).
     largest_filled_share : float
         Largest share of cells in holes inside the walls for which they are taken out of contact:
         they receive the height of the other wall and the largest aperture of the cells around.
@@ -292,7 +292,7 @@ def _prepared_scans(
         whole = inspected(scan) if inspect else scan
         measured[side] = whole
         if cut_spikes:
-            measured[side], removed = without_spikes(whole)
+            measured[side], removed = remove_spikes(whole)
             if removed:
                 spiky[side] = f"{side} wall: {removed}; they were cut"
     # levelling interpolates the heights of grids, so noise and resolution are measured before it
